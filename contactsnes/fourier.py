@@ -1,0 +1,310 @@
+"""The periodic grid, windows of it, planned real transforms and every reduction over nodes.
+
+Conventions: N points in a direction of period L, node i at x_i = (i - N/2) L / N; f(x) = sum_q f(q) exp(+iqx), the
+sign of numpy's ``irfft``. Transforms here are not normalised: forward then backward multiplies by the number of points.
+"""
+
+import math
+
+import numpy as np
+import pyfftw
+from scipy import ndimage
+from scipy.fft import next_fast_len
+from scipy.optimize import brentq
+
+
+class Transform:
+    """A planned pair of real transforms of ``count`` arrays of one shape, on aligned memory.
+
+    Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read ``result``. ``real`` keeps its
+    content (so its padding stays zero); ``spectrum`` does not survive ``backward``.
+    """
+
+    def __init__(self, grid, shape, count, measure=False):
+        axes = tuple(range(1, 1 + len(shape)))
+        self.shape = shape
+        self.real = pyfftw.zeros_aligned((count, *shape))
+        self.result = pyfftw.zeros_aligned((count, *shape))
+        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)
+        plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE",)}
+        if measure:
+            plan["planning_timelimit"] = 1.0
+        self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
+        self._backward = pyfftw.FFTW(self.spectrum, self.result, direction="FFTW_BACKWARD", **plan)
+        self.real[...] = 0.0
+        self._grid = grid
+        self._cost = count * transform_cost(math.prod(shape), grid.size)
+
+    def forward(self):
+        """``real`` to ``spectrum``."""
+        self._grid.transforms += self._cost
+        self._forward.execute()
+
+    def backward(self):
+        """``spectrum`` to ``result``."""
+        self._grid.transforms += self._cost
+        self._backward.execute()
+
+
+def transform_cost(points, size):
+    """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m / (N log N)."""
+    return points * math.log(max(points, 2)) / (size * math.log(size))
+
+
+class Grid:
+    """The periodic grid of the cell: wave vectors, transforms and their count, reductions over nodes.
+
+    Parameters
+    ----------
+    shape : points in each direction, one or two even numbers
+    periods : period in each direction, beta
+    """
+
+    def __init__(self, shape, periods):
+        self.shape = tuple(shape)
+        self.periods = tuple(float(period) for period in periods)
+        self.spacings = tuple(period / points for period, points in zip(self.periods, self.shape))
+        self.size = math.prod(self.shape)
+        self.area = math.prod(self.periods)
+        self.node_area = self.area / self.size
+        self.transforms = 0.0
+        self.whole = Window(self, (0,) * len(shape), self.shape)
+
+    def coordinates(self):
+        """Coordinates of the nodes, beta: one array a direction, shaped to broadcast over the grid."""
+        axes = [(np.arange(n) - n // 2) * h for n, h in zip(self.shape, self.spacings)]
+        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def wavevectors(self, shape=None):
+        """Wave numbers of the half spectrum of a circle of ``shape`` points (default the cell), 1/beta, to broadcast."""
+        shape = self.shape if shape is None else shape
+        axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], self.spacings)]
+        axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], self.spacings[-1]))
+        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    # Reductions over nodes, the last axis of an array (components, nodes).
+    def sum(self, values):
+        """Sum over the nodes (last axis)."""
+        return np.add.reduce(values, axis=-1)
+
+    def mean(self, values):
+        """Mean over the whole cell of values that vanish off the given nodes (last axis)."""
+        return np.add.reduce(values, axis=-1) / self.size
+
+    def maximum(self, values, where=True, initial=-np.inf):
+        """Largest value over all nodes and components."""
+        return np.max(values, initial=initial, where=where)
+
+    def minimum(self, values, where=True, initial=np.inf):
+        """Smallest value over all nodes and components."""
+        return np.min(values, initial=initial, where=where)
+
+    def inner(self, first, second):
+        """Inner product over nodes and components."""
+        return float(np.vdot(first, second))
+
+    def parseval(self, spectrum):
+        """Sum over nodes and arrays of the squares of fields (..., *grid) with these half spectra."""
+        squares = np.square(spectrum.real) + np.square(spectrum.imag)
+        paired = 2.0 * squares.sum() - squares[..., 0].sum()
+        if self.shape[-1] % 2 == 0:
+            paired -= squares[..., -1].sum()
+        return float(paired / self.size)
+
+    def count(self, mask):
+        """Number of nodes where ``mask`` holds."""
+        return int(np.count_nonzero(mask))
+
+
+class Window:
+    """A box of the cell's nodes, which may wrap around its border, as one flat index of nodes.
+
+    Parameters
+    ----------
+    grid : the cell
+    start : first node in each direction; 0 is taken in directions that the window fills
+    shape : nodes in each direction
+    """
+
+    def __init__(self, grid, start, shape):
+        self.grid = grid
+        self.shape = tuple(int(n) for n in shape)
+        self.start = tuple(int(s) % total if n < total else 0 for s, n, total in zip(start, self.shape, grid.shape))
+        self.size = math.prod(self.shape)
+
+    def __eq__(self, other):
+        return self.start == other.start and self.shape == other.shape
+
+    __hash__ = None
+
+    @property
+    def is_whole(self):
+        """Whether the window is the whole cell."""
+        return self.shape == self.grid.shape
+
+    @property
+    def indices(self):
+        """Open mesh that picks the window's nodes from a field over the cell."""
+        axes = [(s + np.arange(n)) % total for s, n, total in zip(self.start, self.shape, self.grid.shape)]
+        return np.ix_(*axes)
+
+    def coordinates(self):
+        """Coordinates of the window's nodes, beta, continued over the cell's border, to broadcast over the box."""
+        axes = [(s + np.arange(n) - total // 2) * h
+                for s, n, total, h in zip(self.start, self.shape, self.grid.shape, self.grid.spacings)]
+        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def take(self, field):
+        """Values (..., nodes) of a field (..., *grid) at the window's nodes: a view if that is the whole cell."""
+        lead = field.shape[:field.ndim - len(self.shape)]
+        picked = field if self.is_whole else field[(..., *self.indices)]
+        return np.ascontiguousarray(picked).reshape(*lead, self.size)
+
+    def put(self, values, field):
+        """Write values (..., nodes) into a field (..., *grid) at the window's nodes."""
+        field[(..., *self.indices)] = values.reshape(*values.shape[:-1], *self.shape)
+
+    def box(self, values):
+        """View values (..., nodes) as (..., *box)."""
+        return values.reshape(*values.shape[:-1], *self.shape)
+
+    def rim(self):
+        """Mask of the nodes on the border of the box, in directions that the window does not fill."""
+        mask = np.zeros(self.shape, dtype=bool)
+        for axis, (n, total) in enumerate(zip(self.shape, self.grid.shape)):
+            if n < total:
+                edge = np.moveaxis(mask, axis, 0)
+                edge[[0, -1]] = True
+        return mask.reshape(-1)
+
+    def circle(self):
+        """Shape of the circulant that holds a convolution of the window: padded, or the cell where that is smaller."""
+        return tuple(total if 2 * n - 1 >= total else min(total, next_fast_len(2 * n - 1, real=True))
+                     for n, total in zip(self.shape, self.grid.shape))
+
+
+def enclosing(grid, mask, margin):
+    """The smallest window around the nodes where ``mask`` (over the cell) holds, cyclic, widened on each side.
+
+    Wider on a side by two nodes and the part ``margin`` of its extent. A direction in which padding would not be shorter
+    than the cell is taken whole. Without any node: two by two nodes at the cell's middle.
+    """
+    start, shape = [], []
+    for axis, total in enumerate(grid.shape):
+        others = tuple(i for i in range(mask.ndim) if i != axis)
+        line = np.flatnonzero(mask.any(axis=others))
+        if line.size == 0:
+            first, extent = total // 2 - 1, 2
+        else:
+            gaps = np.diff(np.append(line, line[0] + total))
+            widest = int(np.argmax(gaps))
+            first, extent = int(line[(widest + 1) % line.size]), total - int(gaps[widest]) + 1
+            wider = 2 + int(margin * extent)
+            first, extent = first - wider, extent + 2 * wider
+        if 2 * extent - 1 >= total:
+            first, extent = 0, total
+        start.append(first)
+        shape.append(extent)
+    return Window(grid, start, shape)
+
+
+class Convolution:
+    """Product of a circulant body operator with fields on a window: exact for the periodic cell.
+
+    Parameters
+    ----------
+    window : the nodes that carry fields
+    symbols : {(i, j): half spectrum over the cell} blocks of the operator; those left out are zero
+    count : number of components
+    measure : plan the transforms by measurement, for operators that are applied thousands of times
+    """
+
+    def __init__(self, window, symbols, count, measure=False):
+        grid, self.window, self.count = window.grid, window, count
+        shape = window.circle()
+        self.transform = Transform(grid, shape, count, measure)
+        self.blocks = {key: self._on_circle(grid, symbol, shape) / math.prod(shape) for key, symbol in symbols.items()}
+        self._inside = (slice(None), *(slice(0, n) for n in window.shape))
+        self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
+        self._product = None if self._diagonal else np.empty_like(self.transform.spectrum)
+
+    def _on_circle(self, grid, symbol, shape):
+        """Symbol on the padded circle of the operator whose symbol over the cell is given."""
+        if shape == grid.shape:
+            return symbol
+        kernel = kernel_of(grid, symbol)
+        lags = [np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int), np.arange(-n + 1, 0)])
+                if m < total else np.arange(total)
+                for n, m, total in zip(self.window.shape, shape, grid.shape)]
+        plan = Transform(grid, shape, 1)
+        plan.real[0] = kernel[np.ix_(*lags)]
+        for axis, (n, m, total) in enumerate(zip(self.window.shape, shape, grid.shape)):
+            if m < total:
+                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
+        plan.forward()
+        return plan.spectrum[0].copy()
+
+    def apply(self, values, out):
+        """out (components, nodes) = operator times values (components, nodes); the two may be the same array."""
+        plan = self.transform
+        plan.real[self._inside] = self.window.box(values)
+        plan.forward()
+        self.multiply(plan.spectrum)
+        plan.backward()
+        self.window.box(out)[...] = plan.result[self._inside]
+        return out
+
+    def multiply(self, spectrum):
+        """Multiply a spectrum (components, *half spectrum) by the blocks, in place."""
+        if self._diagonal:
+            for i in range(self.count):
+                spectrum[i] *= self.blocks[i, i]
+            return
+        np.copyto(self._product, spectrum)
+        spectrum[...] = 0.0
+        for (i, j), block in self.blocks.items():
+            spectrum[i] += block * self._product[j]
+
+
+def kernel_of(grid, symbol):
+    """Real-space kernel over the cell of an operator with the given symbol: response at lag k to a unit at lag 0."""
+    plan = Transform(grid, grid.shape, 1)
+    plan.spectrum[0] = symbol
+    plan.backward()
+    return plan.result[0] / grid.size
+
+
+def smooth(window, values, width):
+    """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width`` (beta).
+
+    Three running means: no transform, and a cost that does not depend on the width. Periodic in directions that the
+    window fills; in others the values on its border continue outwards.
+    """
+    box = window.box(values).astype(float)
+    negligible = 1e-12 * np.max(np.abs(box))
+    for axis, (points, total, spacing) in enumerate(zip(window.shape, window.grid.shape, window.grid.spacings)):
+        # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
+        reach = min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
+        for _ in range(3 if reach else 0):
+            box = ndimage.uniform_filter1d(box, 2 * reach + 1, axis=axis, mode="wrap" if points == total else "nearest")
+    # Running sums leave rounding where they have passed the last value; there the blur is zero.
+    box[np.abs(box) < negligible] = 0.0
+    return box.reshape(-1)
+
+
+def crossings(values, level):
+    """Where a line of values crosses a level: places in nodes (cubic interpolation), and +1 (upward) or -1 there.
+
+    Between nodes i and i + 1 the cubic through nodes i - 1 to i + 2 is used (a line at the ends).
+    """
+    above = values >= level
+    first = np.flatnonzero(above[1:] != above[:-1])
+    places = np.empty(len(first))
+    for k, i in enumerate(first):
+        low, high = max(i - 1, 0), min(i + 3, len(values))
+        if high - low < 4:
+            places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
+            continue
+        cubic = np.polynomial.Polynomial.fit(np.arange(-1.0, 3.0), values[low:high] - level, 3, domain=[-1, 1])
+        places[k] = i + brentq(cubic, 0.0, 1.0, xtol=1e-14)
+    return places, np.where(above[first + 1], 1, -1)

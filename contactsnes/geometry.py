@@ -1,0 +1,149 @@
+"""Initial gap of a shape on the grid, in units of u_n,r = beta^2/R; lengths in beta.
+
+A new shape is one function and one row of `SHAPES`.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+
+def _cylinder(coordinates, **_):
+    """x^2/2: along y on a two-dimensional interface."""
+    return coordinates[0] ** 2 / 2
+
+
+def _sphere(coordinates, **_):
+    """r^2/2."""
+    return sum(x**2 for x in coordinates) / 2
+
+
+def _sinusoid(coordinates, *, period, amplitude, **_):
+    """Sum over the directions of A (1 - cos 2 pi x/L), by default of curvature 1."""
+    return sum((amplitude if amplitude is not None else (length / (2 * np.pi)) ** 2)
+               * 2 * np.sin(np.pi * x / length) ** 2 for x, length in zip(coordinates, period))
+
+
+def _flat(coordinates, **_):
+    """0."""
+    return np.zeros(1)
+
+
+def _file(coordinates, *, heights, **_):
+    """max(h) - h: the highest point is the nearest to the flat."""
+    return np.max(heights) - heights
+
+
+SHAPES = {
+    "cylinder": _cylinder,
+    "sphere": _sphere,
+    "sinusoid": _sinusoid,
+    "flat": _flat,
+    "file": _file,
+}
+
+
+def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, offset=0.0):
+    """Initial gap g_0 of a named shape, in units of u_n,r = beta^2/R.
+
+    Parameters
+    ----------
+    name : str
+        A row of `SHAPES`: ``cylinder`` (x^2/2, along y), ``sphere`` (r^2/2), ``sinusoid``
+        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`).
+    coordinates : tuple of ndarray
+        One array a direction in units of beta, broadcastable; the apex is at the origin.
+    period : float or sequence of float
+        Length of the cell, units of beta, one number or one a direction.
+    amplitude : float, optional
+        A of the sinusoid, units of u_n,r; by default (L/2 pi)^2 in each direction, of curvature 1.
+    heights : ndarray, optional
+        Heights of a ``file`` on the grid (`read_heights`); shifted so that the smallest gap is 0.
+    offset : float
+        Constant added to the gap, units of u_n,r.
+
+    Returns
+    -------
+    ndarray
+        The gap on every node of the grid, a new array.
+
+    Raises
+    ------
+    ValueError
+        If the name is no row of `SHAPES`, or a ``file`` comes without heights.
+    """
+    if name not in SHAPES:
+        raise ValueError(f"-scene_geometry {name} is not a shape: use one of {', '.join(SHAPES)}.")
+    if name == "file" and heights is None:
+        raise ValueError("-scene_geometry file needs heights: name their file with -scene_geometry_file.")
+    period = np.broadcast_to(period, (len(coordinates),))
+    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights)
+    return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
+
+
+def read_heights(specification, shape):
+    """Read heights on the grid from a file, in units of u_n,r, the highest nearest to the flat.
+
+    Parameters
+    ----------
+    specification : str
+        ``FILE.npy``, ``FILE.txt`` (numbers separated by blanks) or ``FILE.h5:dataset``.
+    shape : tuple of int
+        Points of the grid in each direction.
+
+    Returns
+    -------
+    ndarray
+        Heights of that shape, as they stand in the file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the suffix is unknown, the file or its dataset cannot be read, or the
+        heights are not real and finite numbers of the grid's shape.
+    """
+    option = f"-scene_geometry_file {specification}"
+    filename, suffix, dataset = _split(str(specification))
+    if suffix not in _READERS:
+        raise ValueError(f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
+    if not Path(filename).is_file():
+        raise FileNotFoundError(f"{option}: there is no file {filename}; check the name and the directory.")
+    try:
+        heights = np.asarray(_READERS[suffix](filename, dataset))
+    except (ValueError, OSError, KeyError) as error:
+        raise ValueError(f"{option}: cannot be read ({error}).") from error
+    if heights.dtype.kind not in "fiu":
+        raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
+    if heights.shape != tuple(shape):
+        raise ValueError(f"{option}: the heights have shape {heights.shape}, the grid has {tuple(shape)}; "
+                         "set -scene_points and -scene_dimension to those of the file.")
+    if not np.all(np.isfinite(heights)):
+        raise ValueError(f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
+    return heights.astype(float)
+
+
+def _split(specification):
+    """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
+    stem, separator, dataset = specification.partition(".h5:")
+    filename = stem + ".h5" if separator else specification
+    return filename, Path(filename).suffix, dataset
+
+
+def _read_dataset(filename, dataset):
+    """A dataset of an HDF5 file."""
+    import h5py  # needed for this kind of file only
+
+    with h5py.File(filename, "r") as file:
+        if not isinstance(file.get(dataset or "/"), h5py.Dataset):
+            raise KeyError(f"there is no dataset '{dataset}'; write FILE.h5:dataset, "
+                           f"at the top level there are: {', '.join(file) or 'none'}")
+        return file[dataset][()]
+
+
+_READERS = {
+    ".npy": lambda filename, _: np.load(filename, allow_pickle=False),
+    ".txt": lambda filename, _: np.loadtxt(filename),
+    ".h5": _read_dataset,
+}

@@ -1,0 +1,244 @@
+"""Between the command line, files of options, PETSc's options database and the dataclasses of `scene`.
+
+PETSc is imported inside functions only: its database is filled when `petsc4py.init` gets the arguments that
+`petsc_arguments` makes, so this module has to work before that.
+"""
+
+import ctypes
+import dataclasses
+import re
+import shutil
+import tempfile
+import textwrap
+from pathlib import Path
+
+from .scene import OPTION_CLASSES, InputError, allowed, nearest
+
+BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromkeys(("false", "no", "off", "0"), False)}
+
+CONVERGENCE = """\
+A point is converged when residual_norm <= -snes_atol (default 1e-8; -snes_rtol and -snes_stol default to 0), with
+residual_norm = sqrt( sum over the window's nodes and components of r^2 / (nodes x components) + sum over force rows of
+(difference / max(1, |prescribed force|))^2 ) and r = u + C t - ubar in ranges of the law (u_n in delta_n, u_t in delta_t)."""
+
+LINE = re.compile(r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*""")
+
+
+def is_option(argument):
+    """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5 and -inf are values."""
+    try:
+        float(argument)
+    except ValueError:
+        return re.match(r"--?[A-Za-z]", argument) is not None
+    return False
+
+
+def known_options(classes=()):
+    """Name (without dash) -> field of every option of the scene's dataclasses and of more `classes` of that kind."""
+    return {cls.prefix + field.name: field for cls in (*OPTION_CLASSES, *classes) for field in dataclasses.fields(cls)}
+
+
+def split_arguments(arguments):
+    """Files and options of a command line, two lists, each in its order.
+
+    An argument after an option is its value, unless it is itself an option, or ends in .opts, or follows a flag of ours
+    without being true or false.
+    """
+    flags = {"-" + name for name, field in known_options().items() if field.metadata["kind"] == "flag"}
+    files, options, name = [], [], ""
+    for argument in arguments:
+        if is_option(argument):
+            if argument.startswith("--"):
+                # PETSc would store it under a name that nobody asks for
+                raise InputError(f"{argument} has two dashes: options have one, try {argument[1:]}")
+            name = argument
+            options.append(argument)
+            continue
+        is_file = argument.endswith(".opts") and name.lower() != "-options_file"
+        if not name or is_file or (name.lower() in flags and argument.lower() not in BOOLEANS):
+            files.append(argument)
+        else:
+            options.append(argument)
+        name = ""
+    return files, options
+
+
+def read_file(path):
+    """The arguments that a file of options stands for: a list of names, each with its value if it has one.
+
+    PETSc's syntax: an option and its value a line, # comments, values with blanks in quotes, -prefix_push and
+    -prefix_pop. InputError names file and line. The prefix has to be popped by the end, so that it does not leak.
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise InputError(f"the options file '{path}' cannot be read ({reason}): give a file of lines '-option value'") from None
+    arguments = [argument for number, line in enumerate(lines, start=1)
+                 for argument in _read_line(line, f"{path}, line {number}")]
+    if arguments.count("-prefix_push") != arguments.count("-prefix_pop"):
+        raise InputError(f"the options file '{path}' has unequal numbers of -prefix_push and -prefix_pop: close each push")
+    return arguments
+
+
+def _read_line(line, where):
+    """The arguments of one line: nothing, a name, or a name and its value."""
+    text = line.partition("#")[0]
+    if not text.strip():
+        return []
+    match = LINE.fullmatch(text)
+    values = [value for value in match.group("quoted", "single", "plain") if value is not None] if match else []
+    if not match or not is_option(match["name"]) or match["name"].startswith("--") or any(map(is_option, values)):
+        raise InputError(f"{where} is not an option and its value: '{line.strip()}'; write one option a line with one dash, "
+                         "and a value with blanks in double quotes")
+    return [match["name"], *values]
+
+
+def petsc_arguments(arguments):
+    """The argument vector for `petsc4py.init`: the files' options from left to right, then those of the command line.
+
+    PETSc lets the later of two values win.
+    """
+    files, options = split_arguments(arguments)
+    return ["contactsnes", *(argument for path in files for argument in read_file(path)), *options]
+
+
+def database():
+    """Name (lower case, without dash) -> whole value of everything in PETSc's database; no value is an empty text.
+
+    Read from PetscOptionsView: `getAll` cuts values at their first blank, `getString` at 1023 characters, and both
+    `getString` and `hasName` mark the option as used.
+    """
+    from petsc4py import PETSc
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "options")
+        viewer = PETSc.Viewer().createASCII(str(path), "w", comm=PETSc.COMM_SELF)
+        PETSc.Options().view(viewer)
+        viewer.destroy()
+        lines = path.read_text(encoding="utf-8").splitlines()
+    entries = {}
+    for line in lines:
+        if line.startswith("-"):
+            # newer PETSc appends where the value came from
+            text = re.sub(r" # \(source: [a-z ]+\)$", "", line[1:])
+            name, _, value = text.partition(" ")
+            entries[name.lower()] = value
+    return entries
+
+
+def database_text():
+    """PETSc's whole database in the syntax of an options file, sorted by name."""
+    lines = []
+    for name, value in sorted(database().items()):
+        quoted = f'"{value}"' if " " in value or not value else value
+        lines.append(f"-{name} {quoted}" if value else f"-{name}")
+    return "\n".join(lines)
+
+
+def read(cls, prefix=""):
+    """An instance of a dataclass of options from PETSc's database.
+
+    Parameters
+    ----------
+    cls : Scene, Form, Load, Steps, Output or another subclass of scene.Options
+    prefix : str, put before the class's own prefix
+
+    InputError for a value of the wrong type or out of its range. The options read count as used for PETSc.
+    """
+    from petsc4py import PETSc
+
+    entries, options, values = database(), PETSc.Options(prefix + cls.prefix), {}
+    for field in dataclasses.fields(cls):
+        if options.hasName(field.name):
+            text = entries[(prefix + cls.prefix + field.name).lower()]
+            if not text and field.metadata["kind"] != "flag":
+                raise InputError(f"-{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
+            values[field.name] = _parsed(text, field.metadata)
+    return cls(**values)
+
+
+def _parsed(text, rule):
+    """The value that a text stands for; a text that is of the wrong kind stays one, for the dataclass to refuse."""
+    convert = {"flag": lambda word: BOOLEANS.get(word.lower(), word), "integer": _number(int), "number": _number(float),
+               "text": str}[rule["kind"]]
+    if rule["many"] in ("directions", "legs") and "," in text:
+        return tuple(convert(part.strip()) for part in text.split(","))
+    return convert(text.strip())
+
+
+def _number(convert):
+    """A conversion that returns the text where it is no number."""
+    def converted(text):
+        try:
+            return convert(text)
+        except ValueError:
+            return text
+    return converted
+
+
+def check_names(classes=()):
+    """InputError for names in the database under a prefix of ours that no one knows, each with the nearest valid one.
+
+    Parameters
+    ----------
+    classes : dataclasses of options, with a `prefix`, of our own PC and SNES types
+    """
+    prefixes, names = tuple(cls.prefix for cls in (*OPTION_CLASSES, *classes)), known_options(classes)
+    sentences = []
+    for name in database():
+        if name.startswith(prefixes) and name not in names:
+            prefix = next(prefix for prefix in prefixes if name.startswith(prefix))
+            guess = nearest(name, [known for known in names if known.startswith(prefix)])
+            sentences.append(f"-{name} is no option" + (f": did you mean -{guess}?" if guess else ""))
+    if sentences:
+        raise InputError("; ".join(sentences))
+
+
+def unused_options(classes=()):
+    """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those that look like one of ours.
+
+    To be called after the solves, since PETSc's objects ask for their options when they are set up.
+    """
+    names = known_options(classes)
+    return ["-" + name for name in database()
+            if (name.startswith(("snes_", "ksp_", "pc_")) or nearest(name, names, cutoff=0.85)) and not _used(name)]
+
+
+def _used(name):
+    """Whether somebody asked the database for an option."""
+    from petsc4py import PETSc
+
+    options = PETSc.Options()
+    if hasattr(options, "used"):
+        return options.used(name)
+    # older petsc4py does not wrap PetscOptionsUsed; the library it is linked to has it
+    flag = ctypes.c_int(0)
+    ctypes.CDLL(PETSc.__file__).PetscOptionsUsed(None, name.encode(), ctypes.byref(flag))
+    return bool(flag.value)
+
+
+def help_text(classes=(), width=None):
+    """Every option with meaning, unit, default and range, grouped by prefix, and the test of convergence.
+
+    Parameters
+    ----------
+    classes : dataclasses of options of our own PC and SNES types, shown after those of the scene
+    width : columns; by default the terminal's
+    """
+    width = width or shutil.get_terminal_size().columns
+    parts = []
+    for cls in (*OPTION_CLASSES, *classes):
+        entries = [_entry(cls.prefix + field.name, field.metadata, width) for field in dataclasses.fields(cls)]
+        parts += [f"{cls.title} (-{cls.prefix})", *entries, ""]
+    parts += ["Convergence", textwrap.fill(CONVERGENCE, width, initial_indent="  ", subsequent_indent="  "), "",
+              textwrap.fill("All options of PETSc (-snes_*, -ksp_*, -pc_*, -log_view, ...) work as its manual says.", width)]
+    return "\n".join(parts)
+
+
+def _entry(name, rule, width):
+    """One option of the help: name, meaning, unit, default and range, wrapped."""
+    unit = f" [{rule['unit']}]" if rule["unit"] else ""
+    default = f"default {rule['default_text']}" if rule["default_text"] else "no default"
+    text = f"{rule['meaning']}{unit} ({default}; {allowed(rule)})"
+    return f"  -{name}\n" + textwrap.fill(text, width, initial_indent="      ", subsequent_indent="      ")

@@ -1,0 +1,223 @@
+"""Preconditioners of the contact Jacobian: the mathematics of two zones, and the thin PETSc contexts around it."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from .contact import ArcLength
+from .fourier import Transform, smooth
+from .options import read
+from .scene import Options, option
+
+
+@dataclass(frozen=True)
+class CoreOptions(Options):
+    """Options of the core-zone preconditioner of the displacement form, and of the zones of the force form."""
+
+    prefix: ClassVar[str] = "pc_core_"
+    title: ClassVar[str] = "Preconditioner: core zone, where the law is stiff"
+    threshold: float = option(0.1, "tangent that counts as stiff, over the component's largest (at most 1)", above=0, below=1)
+    width: float = option(0.3, "blur of the core's edge over 1/lambda_n", minimum=0)
+    pad: float = option(1.25, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
+
+
+def core_weight(form, component, options):
+    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there; None where nothing is stiff."""
+    tangent = form.tangent[component, component]
+    largest = form.grid.maximum(tangent)
+    if largest <= 0.0:
+        return None
+    core = tangent > options.threshold * min(1.0, largest)
+    weight = np.clip(smooth(form.window, core, options.width / form.contact.ranges[0]), 0.0, 1.0)
+    return weight, form.grid.sum(weight * tangent) / form.grid.sum(weight)
+
+
+class CoreBlock:
+    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core."""
+
+    def __init__(self, form, component, weight, mean_tangent, pad):
+        window, grid = form.window, form.grid
+        box = window.box(weight)
+        self.window, self.core = window, tuple(_extent(box > 0.0, axis) for axis in range(box.ndim))
+        extents = [part.stop - part.start for part in self.core]
+        circle = tuple(min(total, next_fast_len(int(np.ceil(pad * extent)), real=True))
+                       for extent, total in zip(extents, grid.shape))
+        compliance = form.contact.diagonal_compliance(component, form.components, circle)
+        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled, stands for the rest.
+        compliance.flat[0] = 2.0 * np.max(compliance)
+        self.symbol = 1.0 / (1.0 + compliance * mean_tangent) / np.prod(circle)
+        self.transform = Transform(grid, circle, 1)
+        self.inside = (0, *(slice(0, extent) for extent in extents))
+        self.weight = box[self.core].copy()
+        self.root = np.sqrt(self.weight)
+
+    def apply(self, field):
+        """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
+        core, plan = self.window.box(field)[self.core], self.transform
+        np.multiply(self.root, core, out=plan.real[self.inside])
+        plan.forward()
+        plan.spectrum[0] *= self.symbol
+        plan.backward()
+        inner = plan.result[self.inside]
+        inner *= self.root
+        # The real buffer holds a r until the next application.
+        plan.real[self.inside] *= self.root
+        core -= plan.real[self.inside]
+        core += inner
+
+
+def _extent(mask, axis):
+    """Slice along an axis that holds every True of a mask."""
+    line = np.flatnonzero(mask.any(axis=tuple(i for i in range(mask.ndim) if i != axis)))
+    return slice(int(line[0]), int(line[-1]) + 1)
+
+
+class CoreZone:
+    """Preconditioner of the displacement form: a core block for each component, the scalars eliminated exactly.
+
+    Coupling blocks of law and body are left out. What the mean displacements add (the rigid compliance of the body, and
+    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement.
+    """
+
+    def __init__(self, form, options=CoreOptions()):
+        self.form, self.grid = form, form.grid
+        zones = [core_weight(form, i, options) for i in range(form.components)]
+        self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
+        self.forced = np.isin(np.arange(form.components), form.forced)
+        self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
+        self._work = np.empty(form.shape)
+        self._rigid = form.rigid_compliance[self.means] / self.grid.size
+        self.columns = np.zeros((len(self.means), *form.shape))
+        self.matrix = np.zeros((len(self.means), len(self.means)))
+        for column, (i, field) in enumerate(zip(self.means, self.columns)):
+            field[i] = 1.0
+            if self.blocks[i] is not None:
+                self.blocks[i].apply(field[i])
+            self.matrix[:, column] = self._response(field)
+        for row, i in enumerate(self.means):
+            if not self.forced[i]:
+                self.matrix[row] *= self._rigid[row]
+                self.matrix[row, row] += 1.0
+
+    def _response(self, field):
+        """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
+        return self.grid.sum(self.form.stiffen(field, self._work))[self.means]
+
+    def apply(self, vector, out):
+        """out = M^-1 vector, arrays of the form's size."""
+        form = self.form
+        np.copyto(out, vector)
+        field = out[:form.count].reshape(form.shape)
+        for i, block in enumerate(self.blocks):
+            if block is not None:
+                block.apply(field[i])
+        if not len(self.means):
+            return out
+        right = -self._response(field)
+        right[~self.forced[self.means]] *= self._rigid[~self.forced[self.means]]
+        right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced] * form.root)
+        means = np.linalg.solve(self._regular(), right)
+        for mean, column in zip(means, self.columns):
+            np.multiply(column, mean, out=self._work)
+            field += self._work
+        out[form.count:] = means[self.forced[self.means]] * form.root
+        return out
+
+    def _regular(self):
+        """The matrix of the scalars, kept from being singular where nothing responds (a body off the flat)."""
+        empty = np.abs(self.matrix).max(axis=1) < 1e-300
+        return self.matrix + np.diag(empty.astype(float)) if empty.any() else self.matrix
+
+
+class ZonedStiffness:
+    """Preconditioner of the force form: M^-1 = a (K + D)^-1 a + b (K + c)^-1 b for each component, a^2 + b^2 = 1.
+
+    a^2 is the core's smoothed indicator, D the mean tangent there, c the smallest stiffness of the body. Where the body is
+    rigid in the mean (displacement control, no rigid compliance) the mean is taken from its own row.
+    """
+
+    def __init__(self, form, options=CoreOptions()):
+        self.form, self.grid = form, form.grid
+        self.transform = Transform(form.grid, form.grid.shape, 1, measure=True)
+        self.rigid = [i for i in range(form.components) if i not in form.forced and form.rigid_compliance[i] == 0.0]
+        self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
+        self._work = np.empty(form.grid.size)
+
+    def _zones(self, i, zone):
+        """[(root of weight, symbol), ...] of one component."""
+        form = self.form
+        stiffness = form.contact.symbols(form.components, "stiffness")[i, i].copy()
+        smallest = np.min(stiffness[stiffness > 0.0])
+        stiffness.flat[0] = form.mean_stiffness[i]
+        weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
+        zones = [(np.sqrt(weight), tangent), (np.sqrt(1.0 - weight), smallest)]
+        return [(root, 1.0 / (stiffness + shift) / form.grid.size) for root, shift in zones]
+
+    def apply(self, vector, out):
+        """out = M^-1 vector: four transforms of the cell a component."""
+        source, target = vector.reshape(self.form.shape), out.reshape(self.form.shape)
+        plan, shape = self.transform, self.form.grid.shape
+        for i, zones in enumerate(self.zones):
+            mean = self.grid.mean(source[i]) if i in self.rigid else 0.0
+            target[i] = 0.0
+            for root, symbol in zones:
+                np.subtract(source[i], mean, out=self._work)
+                np.multiply(self._work, root, out=plan.real[0].reshape(-1))
+                plan.forward()
+                plan.spectrum[0] *= symbol
+                plan.backward()
+                np.multiply(plan.result[0].reshape(-1), root, out=self._work)
+                target[i] += self._work
+            if i in self.rigid:
+                target[i] += mean - self.grid.mean(target[i])
+        return out
+
+
+class ArcElimination:
+    """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur complement."""
+
+    def __init__(self, form, options=CoreOptions()):
+        self.form, self.inner = form, ZONES[form.name](form.form, options)
+        self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
+        self.slope = form.grid.inner(form.tangent, self.column)
+
+    def apply(self, vector, out):
+        """out = M^-1 vector, arrays of the form's size."""
+        self.inner.apply(vector[:-1], out[:-1])
+        slope = self.slope if abs(self.slope) > 1e-300 else 1.0
+        out[-1] = (self.form.grid.inner(self.form.tangent, out[:-1]) - vector[-1]) / slope
+        out[:-1] -= out[-1] * self.column
+        return out
+
+
+ZONES = {"displacement": CoreZone, "force": ZonedStiffness}
+
+
+class ZonePC:
+    """PETSc's PC context of these preconditioners, ``-pc_type python``: the form's own one, set up at each linearisation."""
+
+    def __init__(self):
+        self.options = CoreOptions()
+        self.zone = None
+
+    def setFromOptions(self, pc):
+        """Read -pc_core_* under the PC's prefix."""
+        self.options = read(CoreOptions, pc.getOptionsPrefix() or "")
+
+    def setUp(self, pc):
+        """Make the zones from the tangent that the operator holds."""
+        form = pc.getOperators()[0].getPythonContext().form
+        kind = ArcElimination if isinstance(form, ArcLength) else ZONES[form.name]
+        self.zone = kind(form, self.options)
+
+    def apply(self, pc, x, y):
+        """y = M^-1 x."""
+        self.zone.apply(x.getArray(readonly=True), y.getArray())
+
+    def view(self, pc, viewer):
+        """What -snes_view prints."""
+        options = self.options
+        viewer.printfASCII(f"    {type(self.zone).__name__ if self.zone else 'zones, not set up yet'}: threshold "
+                           f"{options.threshold:g}, width {options.width:g} / lambda_n, pad {options.pad:g}\n")

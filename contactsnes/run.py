@@ -1,0 +1,74 @@
+"""The Python face: from a scene and a load path to its branch of converged points."""
+
+import numpy as np
+
+from . import continuation, scene as scenes
+from .contact import DISPLACEMENT, FORCE, Contact
+from .geometry import read_heights
+from .snes import Corrector
+
+
+class Branch:
+    """The branch of equilibria of a scene along a load path: iterate over it to get its converged points.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    steps : Steps, optional
+    form : Form, optional
+    log : function (sentence), optional; called with what a user should know
+    history : points of an interrupted run to go on from, oldest first
+
+    Raises
+    ------
+    InputError : at once, where load and scene do not fit
+    NotConverged, NoEquilibrium : while iterating, after all points before the failure
+    """
+
+    def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=()):
+        self.scene, self.load = scene, load
+        self.steps = scenes.Steps() if steps is None else steps
+        scenes.check(scene, load, self.steps)
+        heights = read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None
+        self.contact = Contact(scene, heights)
+        self.corrector = Corrector(self.contact, scenes.Form() if form is None else form, log)
+        self.history = history
+        self.legs = load.legs(scene.dimension)
+        self._sheared = scenes.tangential_legs(scene, load)
+
+    def __iter__(self):
+        makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
+        return continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
+                                   at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+
+    def _start(self):
+        """The first point, at -load_start."""
+        initial = self.load.initial(self.scene.dimension)
+        count = self.scene.components if self._sheared[0] else 1
+        controls = tuple(initial[i].control for i in range(count))
+        return self.corrector.start(controls, np.array([initial[i].value for i in range(count)]))
+
+    def _leg(self, number, points):
+        """The continuation's leg from the last point, or None where nothing moves."""
+        named, last = self.legs[number - 1].controls, points[-1]
+        count = self.scene.components if self._sheared[number] else 1
+        controls = [*last.controls, *[DISPLACEMENT] * (count - len(last.controls))]
+        reached = {DISPLACEMENT: np.resize(last.displacements, count), FORCE: np.resize(last.forces, count)}
+        for values in reached.values():
+            values[len(last.controls):] = 0.0
+        for component, control in named.items():
+            controls[component] = control.control
+        start = np.array([reached[control][i] for i, control in enumerate(controls)])
+        if last.leg == number:
+            start = last.origin
+        end = start.copy()
+        for component, control in named.items():
+            if control.value is not None:
+                end[component] = control.value
+        moving = [component for component in named if end[component] != start[component]]
+        if not moving:
+            return None
+        length = abs(end[moving[0]] - start[moving[0]])
+        initial, largest, smallest = np.array(self.steps.sizes(number, length)) / length
+        return continuation.Leg(number, tuple(controls), start, end, moving[0], initial, largest, smallest)

@@ -1,0 +1,547 @@
+"""What is solved: scene, load path and steps, as frozen dataclasses of checked options.
+
+Each field is one option: ``-`` + the class's ``prefix`` + the field's name. Its metadata, made by `option`, say all the
+rest (meaning, unit, what is allowed), so that reading, checking and help need no second list.
+
+Units: lengths along the interface in beta = (R^2 phi_n / E*)^(1/3), normal displacements in u_n,r = beta^2 / R,
+tangential ones in u_t,r = sqrt(phi_t / phi_n) u_n,r. With these, the range of the law is delta_n = u_n,r / normal_maugis and
+delta_t = u_t,r / tangential_maugis.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import operator
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+
+class InputError(ValueError):
+    """Bad input: one sentence with the option, its value, what is allowed and what to try."""
+
+
+def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
+           many=None, infinite=False, even=False, default_text=None):
+    """A dataclass field that is an option of the database.
+
+    Parameters
+    ----------
+    default : value of the field; None where it depends on others (`default_text` then says how)
+    meaning, unit : str, for the help; an empty unit is dimensionless
+    kind : 'flag', 'integer', 'number' or 'text'; by default the type of `default`
+    minimum, maximum : bounds that are allowed themselves; above, below : bounds that are not
+    choices : tuple of the allowed values
+    many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
+    infinite : whether inf is allowed
+    even : whether an integer has to be even
+    """
+    if kind is None:
+        kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
+    rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
+                choices=choices, many=many, infinite=infinite, even=even,
+                default_text=as_text(default) if default_text is None else default_text)
+    return dataclasses.field(default=default, metadata=rule)
+
+
+def as_text(value):
+    """A value as it is typed on the command line; None is an empty text."""
+    if isinstance(value, (tuple, list)):
+        return ",".join(map(as_text, value))
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return repr(float(value)).removesuffix(".0")
+    return "" if value is None else str(value)
+
+
+def allowed(rule):
+    """What the metadata `rule` of a field allow, in words."""
+    if rule["choices"]:
+        text = ("one of " if len(rule["choices"]) > 1 else "only ") + ", ".join(map(as_text, rule["choices"]))
+    else:
+        text = {"flag": "true or false", "text": "text", "number": "a number",
+                "integer": "an even number" if rule["even"] else "a whole number"}[rule["kind"]]
+        words = (("above", "above"), ("minimum", "at least"), ("below", "below"), ("maximum", "at most"))
+        bounds = [f"{word} {as_text(rule[key])}" for key, word in words if rule[key] is not None]
+        text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
+    several = {None: "", "directions": "; one, or one per direction with a comma",
+               "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
+    return text + several[rule["many"]]
+
+
+def nearest(name, names, cutoff=0.4):
+    """The one of `names` that looks most like `name`, or an empty text where none is as alike as `cutoff` (0 to 1)."""
+    return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
+
+
+def _single(value, rule):
+    """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
+    kind = rule["kind"]
+    own_type = {"flag": bool, "text": str}.get(kind)
+    if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
+        raise TypeError
+    value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
+    outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt), ("maximum", operator.gt),
+               ("above", operator.le), ("below", operator.ge))
+    if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
+        raise ValueError
+    if kind == "number" and (math.isnan(value) or (math.isinf(value) and not rule["infinite"])):
+        raise ValueError
+    if rule["even"] and value % 2:
+        raise ValueError
+    return value
+
+
+def _checked(name, value, rule):
+    """The value of option `name`, or InputError."""
+    several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
+    if rule["many"] == "list" and isinstance(value, str):
+        value, several = tuple(part.strip() for part in value.split(",")), True
+    try:
+        values = tuple(_single(item, rule) for item in (value if several else (value,)))
+        if not values or (rule["many"] == "directions" and len(values) > 2):
+            raise ValueError
+    except (ValueError, TypeError):
+        known = map(as_text, rule["choices"] or ())
+        guess = nearest(as_text(value), known) or rule["default_text"]
+        raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
+                         + (f"; try {guess}" if guess else "")) from None
+    if rule["many"] == "list":
+        return ",".join(values)
+    return values if len(values) > 1 else values[0]
+
+
+class Options:
+    """Base of the frozen dataclasses of options: checks every field by its metadata (InputError).
+
+    A subclass has a `prefix`, with which all its options begin, and a `title` for the help; its fields are made by `option`.
+    """
+
+    prefix: ClassVar[str]
+    title: ClassVar[str]
+
+    def __post_init__(self):
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if value is not None or field.default is not None:
+                object.__setattr__(self, field.name, _checked(self.option_name(field.name), value, field.metadata))
+
+    @classmethod
+    def option_name(cls, field):
+        """The option of a field as it is typed, for instance -scene_poisson."""
+        return f"-{cls.prefix}{field}"
+
+
+@dataclass(frozen=True)
+class Scene(Options):
+    """Body, interface and grid: everything but the load.
+
+    Parameters are the ``-scene_*`` options, dimensionless (module docstring); InputError where they are not allowed.
+    """
+
+    prefix: ClassVar[str] = "scene_"
+    title: ClassVar[str] = "Scene: body, interface and grid"
+    dimension: int = option(1, "dimension of the interface", choices=(1, 2))
+    points: int | tuple = option(None, "grid points of the cell", kind="integer", minimum=16, even=True, many="directions",
+                                 default_text="8192 (two dimensions: 512,512)")
+    period: float | tuple = option(100.0, "length of the periodic cell", "beta", above=0, many="directions")
+    geometry: str = option("cylinder", "initial gap: cylinder x^2/2 (in two dimensions along y), sphere r^2/2, sinusoid "
+                           "A (1 - cos 2 pi x/L) summed over the directions, flat 0, file -scene_geometry_file",
+                           choices=("cylinder", "sphere", "sinusoid", "flat", "file"))
+    amplitude: float = option(None, "A of the sinusoid", "u_n,r", kind="number", above=0,
+                              default_text="(L/2 pi)^2, of curvature 1")
+    geometry_file: str = option("", "heights on the grid, highest = nearest the flat: FILE.npy, FILE.txt or "
+                                "FILE.h5:dataset", "u_n,r")
+    gap_offset: float = option(0.0, "constant added to the initial gap", "u_n,r")
+    law: str = option("modified", "tractions: modified (eq. 5 of the paper) or mcgarry (eq. 3)",
+                      choices=("modified", "mcgarry"))
+    normal_maugis: float = option(10.0, "lambda_n: u_n,r over the normal range of the law", above=0)
+    tangential_maugis: float = option(1.0, "lambda_t: u_t,r over the tangential range of the law", above=0)
+    residual_friction: float = option(1.0, "tangential traction at large slip over its peak (law modified)",
+                                      minimum=0, maximum=1)
+    residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip (law modified)",
+                                      minimum=0, below=1)
+    work_ratio: float = option(1.0, "tangential over normal work of adhesion; enters with elastic coupling only", above=0)
+    poisson: float = option(0.5, "Poisson ratio", minimum=0, maximum=0.5)
+    height: float = option(2000.0, "height of the layer", "beta", above=0, infinite=True)
+    tangential: str = option("auto", "tangential unknowns: auto (in legs whose load or coupling needs them), on, off",
+                             choices=("auto", "on", "off"))
+    contact_threshold: float = option(2.718281828, "contact is where the gap is below this", "delta_n", above=0)
+    units: str = option("dimensionless", "units of input and output", choices=("dimensionless",))
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("points", "period"):
+            if self.dimension == 1 and isinstance(getattr(self, name), tuple):
+                raise InputError(f"-scene_{name} is '{as_text(getattr(self, name))}': one dimension takes one number; "
+                                 "give one, or -scene_dimension 2")
+        if self.geometry == "sphere" and self.dimension == 1:
+            raise InputError("-scene_geometry is 'sphere': it needs two dimensions; add -scene_dimension 2 or take cylinder")
+        if self.geometry == "file" and not self.geometry_file:
+            raise InputError("-scene_geometry is 'file' without a file: name it by -scene_geometry_file")
+        self._check_edge()
+
+    def _check_edge(self):
+        """A cylinder or sphere is out of contact at the edge of the cell: L^2/8 + offset >= threshold."""
+        needed = 8 * (self.contact_gap - self.gap_offset)
+        periods = {"cylinder": self.periods[:1], "sphere": self.periods}.get(self.geometry, ())
+        if any(period ** 2 < needed for period in periods):
+            smallest = math.ceil(1e3 * math.sqrt(needed)) / 1e3
+            raise InputError(f"-scene_period is '{as_text(self.period)}': the {self.geometry} would be in contact up to the edge "
+                             f"of the cell; the smallest period allowed here is {as_text(smallest)}")
+
+    @property
+    def components(self):
+        """Components of a displacement, the normal one first; where tangential unknowns appear: `tangential_legs`."""
+        return 1 + self.dimension
+
+    @property
+    def shape(self):
+        """Grid points in each direction, a tuple."""
+        points = self.points or {1: 8192, 2: 512}[self.dimension]
+        return points if isinstance(points, tuple) else (points,) * self.dimension
+
+    @property
+    def periods(self):
+        """Length of the cell in each direction, a tuple, in beta."""
+        return self.period if isinstance(self.period, tuple) else (self.period,) * self.dimension
+
+    @property
+    def spacings(self):
+        """Distance of the nodes in each direction, a tuple, in beta."""
+        return tuple(period / points for period, points in zip(self.periods, self.shape))
+
+    @property
+    def amplitudes(self):
+        """Amplitude of the sinusoid in each direction, a tuple, in u_n,r."""
+        return tuple((period / (2 * math.pi)) ** 2 if self.amplitude is None else self.amplitude
+                     for period in self.periods)
+
+    @property
+    def ranges(self):
+        """Maugis parameter of each component (displacement in ranges of the law = this times the scaled one), a tuple."""
+        return (self.normal_maugis,) + (self.tangential_maugis,) * self.dimension
+
+    @property
+    def contact_gap(self):
+        """Gap below which there is contact, in u_n,r."""
+        return self.contact_threshold / self.normal_maugis
+
+    @property
+    def coupled(self):
+        """Whether the body couples normal and tangential displacements by more than rounding.
+
+        At Poisson ratio 1/2 the coupling is k^2/sinh(k)^2 of the diagonal, k = 2 pi H/L, so only thin layers have it.
+        """
+        k = 2 * math.pi * self.height / max(self.periods)
+        return self.poisson < 0.5 or (k < 30 and (k / math.sinh(k)) ** 2 > 1e-16)
+
+
+@dataclass(frozen=True)
+class Form(Options):
+    """Form of the equations: the ``-contact_*`` options."""
+
+    prefix: ClassVar[str] = "contact_"
+    title: ClassVar[str] = "Form of the equations"
+    form: str = option("displacement", "displacement (compliance form, on the window) or force (stiffness form, on the cell)",
+                       choices=("displacement", "force"))
+    window: str = option("auto", "auto: nodes within the range of the law, enlarged on demand; off: the whole cell",
+                         choices=("auto", "off"))
+
+
+class Quantity(NamedTuple):
+    """What a controllable quantity is: component (0 normal), 'displacement' or 'force', unit of its values."""
+
+    component: int
+    control: str
+    unit: str
+
+
+class Control(NamedTuple):
+    """How a component is controlled, 'displacement' or 'force', and its value; None holds the value reached."""
+
+    control: str
+    value: float | None
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One leg of a load path: its text, and component -> Control for what it names, in the order named."""
+
+    text: str
+    controls: Mapping[int, Control]
+
+
+def quantities(dimension):
+    """Name -> Quantity of the controllable quantities: normal before tangential, displacement before force."""
+    forces = {1: ("w_n,r", "w_t,r"), 2: ("R phi_n", "R sqrt(phi_n phi_t)")}[dimension]
+    table = {"normal_displacement": Quantity(0, "displacement", "u_n,r"), "normal_force": Quantity(0, "force", forces[0])}
+    for component, suffix in enumerate({1: ("",), 2: ("_x", "_y")}[dimension], start=1):
+        table["tangential_displacement" + suffix] = Quantity(component, "displacement", "u_t,r")
+        table["tangential_force" + suffix] = Quantity(component, "force", forces[1])
+    return table
+
+
+def _quantity(name, piece, source, dimension):
+    """The Quantity of a name in `piece` of option `source`."""
+    table = quantities(dimension)
+    if name in table:
+        return table[name]
+    base = name.removesuffix("_x").removesuffix("_y")
+    if base in ("tangential_displacement", "tangential_force"):
+        hint = f"in two dimensions write {base}_x or {base}_y" if dimension == 2 else f"in one dimension write {base}"
+    else:
+        hint = f"did you mean {nearest(name, table)}?" if nearest(name, table) else f"allowed are {', '.join(table)}"
+    raise InputError(f"{source} has an unknown quantity in '{piece}': {hint}")
+
+
+def _value(text, piece, source, hold):
+    """A number of `piece`, or None for hold."""
+    if text == "hold" and hold:
+        return None
+    try:
+        value = float(text)
+        if not math.isfinite(value):
+            raise ValueError
+    except ValueError:
+        kinds = "a finite number, or hold" if hold else "a finite number"
+        raise InputError(f"{source} has no number after '=' in '{piece}': allowed is {kinds}") from None
+    return value
+
+
+def _controls(text, source, dimension, hold):
+    """Component -> Control of one leg, 'name=value, name=value'."""
+    controls = {}
+    for piece in map(str.strip, text.split(",")):
+        name, equals, value = (part.strip() for part in piece.partition("="))
+        if not equals:
+            where = f"'{piece}' without '='" if piece else f"an empty piece in '{text.strip()}'"
+            raise InputError(f"{source} has {where}: write quantity=value, for instance normal_force=25")
+        quantity = _quantity(name, piece, source, dimension)
+        control = Control(quantity.control, _value(value, piece, source, hold))
+        if quantity.component in controls:
+            raise InputError(f"{source} controls one component twice in '{text.strip()}', the second time by '{piece}': "
+                             "a leg names the displacement or the force of a component, once")
+        controls[quantity.component] = control
+    return controls
+
+
+@dataclass(frozen=True)
+class Load(Options):
+    """Load path: the ``-load_*`` options. An empty path is an error of `legs` only, since not every use needs one."""
+
+    prefix: ClassVar[str] = "load_"
+    title: ClassVar[str] = "Load path"
+    start: str = option("normal_displacement=0", "controlled values where the path begins, the others zero: "
+                        "quantity=value, with commas")
+    path: str = option("", "legs separated by ;, their quantities by commas: normal_displacement, normal_force, "
+                       "tangential_displacement, tangential_force (two dimensions: tangential ones with _x or _y) = end value "
+                       "or hold", default_text="none: run needs one")
+    stop: str = option("none", "end the path at the first such event", many="list",
+                       choices=("none", "gross_sliding", "pull_off"))
+
+    def __post_init__(self):
+        super().__post_init__()
+        if "none" in self.stop and self.stop != "none":
+            raise InputError(f"-load_stop is '{self.stop}': none stands alone; allowed is none, gross_sliding, pull_off, or "
+                             "the last two with a comma")
+
+    @property
+    def stops(self):
+        """Events that end the path, a tuple of names; empty for none."""
+        return tuple(name for name in self.stop.split(",") if name != "none")
+
+    def initial(self, dimension):
+        """Component -> Control where the path begins, for every component; what is not named: displacement 0."""
+        unloaded = {component: Control("displacement", 0.0) for component in range(1 + dimension)}
+        return unloaded | _controls(self.start, "-load_start", dimension, hold=False)
+
+    def legs(self, dimension):
+        """The legs of the path, a tuple of Leg. InputError for an empty path and for pieces that cannot be read."""
+        if not self.path.strip():
+            raise InputError("-load_path is empty: name the legs, for instance -load_path \"normal_force=25\"")
+        texts = [text.strip() for text in self.path.split(";")]
+        if "" in texts:
+            raise InputError(f"-load_path has an empty leg in '{self.path}': ';' stands between two legs only")
+        return tuple(Leg(text, _controls(text, "-load_path", dimension, hold=True)) for text in texts)
+
+
+@dataclass(frozen=True)
+class Steps(Options):
+    """Steps along the load path: the ``-continuation_*`` options; step sizes in the unit of the quantity that moves."""
+
+    _NAMES: ClassVar[tuple] = ("smallest_step", "initial_step", "largest_step")
+    prefix: ClassVar[str] = "continuation_"
+    title: ClassVar[str] = "Steps along the load path"
+    type: str = option("natural", "parameter of the path: natural, the load", choices=("natural",))
+    at_fold: str = option("jump", "at a limit point: jump to the next equilibrium, or stop", choices=("jump", "stop"))
+    initial_step: float | tuple = option(None, "first step of a leg", "of what moves", kind="number", above=0, many="legs",
+                                         default_text="1/40 of the leg")
+    largest_step: float | tuple = option(None, "largest step", "of what moves", kind="number", above=0, many="legs",
+                                         default_text="1/20 of the leg")
+    smallest_step: float | tuple = option(None, "smallest step, below which a solve has failed", "of what moves",
+                                          kind="number", above=0, many="legs", default_text="1e-6 of the leg")
+    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge)",
+                            choices=("none", "secant", "tangent", "edge"))
+    stability: str = option("off", "stability of points: not checked", choices=("off",))
+
+    def __post_init__(self):
+        super().__post_init__()
+        lists = [name for name in self._NAMES if isinstance(getattr(self, name), tuple)]
+        if len({len(getattr(self, name)) for name in lists}) > 1:
+            raise InputError(" and ".join(f"-continuation_{name} is '{as_text(getattr(self, name))}'" for name in lists)
+                             + ": lists of steps have one length, one number per leg")
+        for leg in range(self.legs or 1):
+            self._check_order(leg)
+
+    def _check_order(self, leg):
+        """Smallest <= initial <= largest step, of those that are given for a leg."""
+        given = [(name, self._given(name, leg)) for name in self._NAMES]
+        given = [(name, value) for name, value in given if value is not None]
+        for (low, small), (high, large) in zip(given, given[1:]):
+            if small > large:
+                raise InputError(f"-continuation_{low} is '{as_text(small)}': allowed is at most -continuation_{high}, "
+                                 f"which is '{as_text(large)}'")
+
+    @property
+    def legs(self):
+        """Number of legs that the lists of steps are for; None where each is one number."""
+        return next((len(value) for value in vars(self).values() if isinstance(value, tuple)), None)
+
+    def _given(self, name, leg):
+        """The step the user set for a leg (from 0), or None."""
+        value = getattr(self, name)
+        return value[leg] if isinstance(value, tuple) else value
+
+    def sizes(self, leg, length):
+        """Initial, largest and smallest step of leg number `leg` (the first is 1) over a distance `length`.
+
+        A default gives way to a value that was set, so that smallest <= initial <= largest.
+        """
+        smallest, initial, largest = (self._given(name, leg - 1) for name in self._NAMES)
+        length = abs(length)
+        if initial is None:
+            initial = max(min(length / 40, largest or math.inf), smallest or 0)
+        largest = max(length / 20, initial) if largest is None else largest
+        return initial, largest, min(1e-6 * length, initial) if smallest is None else smallest
+
+
+@dataclass(frozen=True)
+class Output(Options):
+    """The archive: the ``-archive_*`` options."""
+
+    prefix: ClassVar[str] = "archive_"
+    title: ClassVar[str] = "Archive"
+    file: str = option("", "HDF5 file for the points of the branch", default_text="none: nothing is written")
+    fields: str = option("none", "displacements and tractions kept: none, last point, all points",
+                         choices=("none", "last", "all"))
+    resume: bool = option(False, "go on from an archive of the same scene")
+    overwrite: bool = option(False, "replace an existing archive")
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.resume and self.overwrite:
+            raise InputError("-archive_resume and -archive_overwrite exclude each other: give one of them")
+
+
+OPTION_CLASSES = (Scene, Form, Load, Steps, Output)
+
+
+def check(scene, load, steps=Steps()):
+    """InputError unless load path and steps fit the scene. A path that is not set is not missed here."""
+    sheared = _sheared(scene, load)
+    if scene.tangential == "off" and any(sheared):
+        text = [load.start, *load.path.split(";")][sheared.index(True)].strip()
+        raise InputError(f"-scene_tangential is 'off', but the load has '{text}': allowed are auto and on, or a load without "
+                         "tangential quantities")
+    if load.path and steps.legs not in (None, len(sheared) - 1):
+        raise InputError(f"the steps of -continuation_ are for {steps.legs} legs, -load_path has {len(sheared) - 1}: "
+                         "give one number, or one per leg")
+
+
+def _sheared(scene, load):
+    """Whether the start and each leg name a tangential quantity (at the start: other than displacement 0), a list."""
+    initial = load.initial(scene.dimension)
+    legs = load.legs(scene.dimension) if load.path else ()
+    return [any(control != ("displacement", 0.0) for component, control in initial.items() if component),
+            *(max(leg.controls) > 0 for leg in legs)]
+
+
+def tangential_legs(scene, load):
+    """Whether tangential unknowns appear at the start (first entry) and in each leg, a tuple of bool.
+
+    With -scene_tangential auto: everywhere if the body couples the components, else from the first leg on that names a
+    tangential quantity.
+    """
+    everywhere = scene.tangential == "on" or scene.coupled
+    sheared = _sheared(scene, load)
+    return tuple(scene.tangential != "off" and (everywhere or any(sheared[:leg + 1])) for leg in range(len(sheared)))
+
+
+def ineffective(scene, load, names, form=Form(), output=Output()):
+    """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of (name, why)."""
+    sheared = any(tangential_legs(scene, load))
+    mcgarry, unsheared = "the law mcgarry has none", "no tangential unknown appears"
+    rules = (("scene_residual_friction", scene.law == "mcgarry", mcgarry),
+             ("scene_residual_adhesion", scene.law == "mcgarry", mcgarry),
+             ("scene_residual_friction", not sheared, unsheared),
+             ("scene_residual_adhesion", not sheared, unsheared),
+             ("scene_tangential_maugis", not sheared, unsheared),
+             ("scene_work_ratio", not (sheared and scene.coupled), "normal and tangential displacements are not coupled"),
+             ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
+             ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
+             ("contact_window", form.form == "force", "the force form is solved on the whole cell"),
+             ("archive_fields", not output.file, "there is no -archive_file"),
+             ("archive_resume", not output.file, "there is no -archive_file"),
+             ("archive_overwrite", not output.file, "there is no -archive_file"))
+    found = {}
+    for name, without_effect, why in rules:
+        if without_effect and name in names:
+            found.setdefault(name, why)
+    return list(found.items())
+
+
+LARGEST_RESOLUTION = 1.25
+"""Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
+
+
+def resolution(scene, sheared):
+    """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is resolved), a tuple.
+
+    The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
+    well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
+    between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
+    s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
+    (1 - nu)/2 for waves transverse to the slip in two dimensions. Directions without an edge of contact give 0.
+    """
+    normal = scene.normal_maugis ** 2
+    softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
+    stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
+    tangential = scene.tangential_maugis ** 2 * (softening / math.exp(-2)) * (0.5 / stiffness) if sheared else 0.0
+    uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
+    return tuple(0.0 if same else spacing * max(normal, tangential) / LARGEST_RESOLUTION
+                 for spacing, same in zip(scene.spacings, uniform))
+
+
+def resolution_warning(scene, sheared):
+    """One sentence with the number of points to take where the grid does not resolve the cohesive zone, else None."""
+    ratios = resolution(scene, sheared)
+    if max(ratios) <= 1:
+        return None
+    needed = tuple(points if ratio <= 1 else 2 ** math.ceil(math.log2(points * ratio))
+                   for points, ratio in zip(scene.shape, ratios))
+    return (f"the grid of {as_text(scene.shape)} points does not resolve the cohesive zone: its spacing is {max(ratios):.3g} "
+            "times the largest that does, and results may depend on where nodes lie; "
+            f"try -scene_points {as_text(needed)}")
+
+
+def attributes(scene):
+    """Name -> value of a scene for the archive, with defaults filled in; two directions give a tuple."""
+    values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
+    for name, directions in (("points", scene.shape), ("period", scene.periods), ("amplitude", scene.amplitudes)):
+        values[name] = directions if scene.dimension == 2 else directions[0]
+    unused = {"amplitude": "sinusoid", "geometry_file": "file"}
+    return {name: value for name, value in values.items() if scene.geometry == unused.get(name, scene.geometry)}

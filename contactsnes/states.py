@@ -1,0 +1,156 @@
+"""States of a contact on windows: starting, resampling, extrapolating, following the contact edge.
+
+A state is a displacement on a window with its means over the cell, in ranges of the law. Nothing here solves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+from scipy.optimize import brentq
+
+from .contact import CERTAIN, FORCE
+from .fourier import crossings
+from .laws import CUTOFF
+
+
+@dataclass(frozen=True)
+class State:
+    """Displacements on a window, array (components, nodes), and their means over the cell (components)."""
+
+    window: object
+    displacement: np.ndarray
+    means: np.ndarray
+
+
+def undeformed(contact, controls, load):
+    """The start without overlap: u_n = max(-g_0, -c), with c such that the mean is the prescribed approach.
+
+    Under normal force control the body starts one range of the law off the flat. Tangential displacements are zero.
+    """
+    gap, components = contact.initial_gap, len(controls)
+    grid = contact.grid
+    highest, lowest = grid.maximum(gap), grid.minimum(gap)
+
+    def approach(depth):
+        return grid.sum(np.minimum(gap, depth).reshape(-1)) / grid.size
+
+    target = -contact.far_displacement(components, load)[0]
+    if controls[0] == FORCE:
+        depth = lowest - 1.0
+    elif target <= lowest:
+        depth = target
+    elif target >= approach(highest):
+        depth = highest
+    else:
+        depth = brentq(lambda depth: approach(depth) - target, lowest, highest, xtol=1e-12 * highest)
+    displacement = np.zeros((components, grid.size))
+    displacement[0] = np.maximum(-gap, -depth).reshape(-1)
+    return State(grid.whole, displacement, grid.mean(displacement))
+
+
+def normal_gap(contact, state):
+    """Normal gap on the state's window (nodes), delta_n."""
+    return state.displacement[0] + state.window.take(contact.initial_gap)
+
+
+def onto(state, window):
+    """The state on another window; where it was not known, its nearest known displacement."""
+    if window == state.window:
+        return state.displacement
+    source = state.window
+    axes = []
+    for start, extent, first, known, total in zip(window.start, window.shape, source.start, source.shape, window.grid.shape):
+        # Signed distance from the middle of what is known, so that nodes on either side find their own end of it.
+        offset = (start + np.arange(extent) - first - known // 2 + total // 2) % total - total // 2 + known // 2
+        axes.append(np.clip(offset, 0, known - 1))
+    picked = source.box(state.displacement)[(slice(None), *np.ix_(*axes))]
+    return np.ascontiguousarray(picked).reshape(len(picked), -1)
+
+
+def fitted(contact, state):
+    """The state on the window that the law needs for it: the same state where its window will do."""
+    window = state.window
+    gap = normal_gap(contact, state)
+    rim = window.rim()
+    closest = contact.grid.minimum(gap, where=rim)
+    if not window.is_whole and 0.9 * CUTOFF <= closest and contact.grid.minimum(gap, where=rim) < 4.0 * CUTOFF:
+        return state
+    cell = contact.extended(state)
+    fresh = contact.window(cell[0] + contact.initial_gap)
+    if fresh == window:
+        return state
+    return State(fresh, fresh.take(cell), state.means)
+
+
+def covers(contact, state):
+    """Whether every node outside the state's window is certainly out of the law's range."""
+    if state.window.is_whole:
+        return True
+    gap = normal_gap(contact, state)
+    if contact.grid.minimum(gap, where=state.window.rim()) < CERTAIN:
+        return False
+    if contact.convex:
+        return True
+    outside = contact.extended(state)[0] + contact.initial_gap
+    outside[state.window.indices] = np.inf
+    return contact.grid.minimum(outside) >= CERTAIN
+
+
+def with_components(state, components):
+    """The state with tangential displacements added (as zeros) or left out."""
+    present = len(state.displacement)
+    if present == components:
+        return state
+    displacement, means = np.zeros((components, state.window.size)), np.zeros(components)
+    kept = min(present, components)
+    displacement[:kept], means[:kept] = state.displacement[:kept], state.means[:kept]
+    return State(state.window, displacement, means)
+
+
+def combined(states, weights):
+    """Weighted sum of states at fixed places, on the window of the last."""
+    window = states[-1].window
+    displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
+    return State(window, displacement, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def distance(contact, first, second):
+    """Root mean square distance of two states over the second's window, ranges of the law."""
+    change = onto(first, second.window) - second.displacement
+    return float(np.sqrt(contact.grid.inner(change, change) / change.size))
+
+
+def edges(contact, state):
+    """Left and right end of the one stretch of a line contact, in nodes of the window; None where there is no such."""
+    if len(contact.grid.shape) > 1:
+        return None
+    ends, _ = crossings(normal_gap(contact, state), contact.scene.contact_threshold)
+    return ends if len(ends) == 2 and normal_gap(contact, state)[0] > contact.scene.contact_threshold else None
+
+
+def follow_edge(contact, states, weights):
+    """Extrapolate gaps in coordinates stretched so that the contact edges stay in place; None without two edges.
+
+    The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
+    at a fixed distance from the edge hardly do.
+    """
+    ends = [edges(contact, state) for state in states]
+    if any(end is None for end in ends):
+        return None
+    window = states[-1].window
+    origins = np.array([state.window.coordinates()[0][0] / contact.grid.spacings[0] for state in states])
+    places = np.array(ends) + origins[:, None]
+    left, right = np.asarray(weights) @ places
+    if right - left < 4.0:
+        return None
+    nodes = np.arange(window.size) + origins[-1]
+    gaps = np.zeros((len(states[-1].displacement), window.size))
+    for state, weight, (begin, end), origin in zip(states, weights, places, origins):
+        source = begin + (nodes - left) * (end - begin) / (right - left) - origin
+        field = state.displacement.copy()
+        field[0] = normal_gap(contact, state)
+        for gap, values in zip(gaps, field):
+            gap += weight * ndimage.map_coordinates(values, [source], order=3, mode="nearest")
+    gaps[0] -= window.take(contact.initial_gap)
+    return State(window, gaps, sum(weight * state.means for state, weight in zip(states, weights)))

@@ -1,0 +1,221 @@
+"""The direction of dependencies: who may import whom, what belongs in one place, and how long things may be."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import contactsnes
+
+PACKAGE = Path(contactsnes.__path__[0])
+LONGEST_FILE, LONGEST_FUNCTION = 350, 60
+
+
+class Row(NamedTuple):
+    """A module, what it is for, and the modules of the package above it that it has no business with."""
+
+    name: str
+    purpose: str
+    strangers: tuple = ()
+
+
+PHYSICS = ("laws", "geometry", "elasticity", "contact", "reference")
+SOLVERS = ("snes", "preconditioners", "relaxation", "stability")
+
+TABLE = (
+    Row("scene", "what is to be solved, as frozen data with units and checks"),
+    Row("laws", "tractions and tangents at a gap, node by node", ("scene",)),
+    Row("fourier", "the periodic grid, windows, transforms and reductions over nodes", ("scene", "laws")),
+    Row("geometry", "initial gap of a shape on the grid", ("laws",)),
+    Row("elasticity", "stiffness and compliance of the body in Fourier space", ("laws",)),
+    Row("contact", "the balance as residual and tangent, however it is solved"),
+    Row("reference", "analytic solutions, on their own", ("scene", "laws", "fourier", "geometry", "elasticity", "contact")),
+    Row("observables", "numbers of a converged point"),
+    Row("continuation", "points along a path, whatever is solved", ("fourier", "observables", *PHYSICS)),
+    Row("options", "the options database and the dataclasses", ("fourier", "observables", *PHYSICS)),
+    Row("snes", "from a load to a converged point"),
+    Row("preconditioners", "approximate inverses of the Jacobian", ("scene", "continuation")),
+    Row("relaxation", "damped dynamics towards the balance", ("scene", "continuation", "preconditioners")),
+    Row("stability", "unstable modes of a point", ("scene",)),
+    Row("archive", "points in a file and back", PHYSICS + SOLVERS),
+    Row("run", "a scene to its branch, from Python", ("archive",)),
+    Row("compare", "several methods on one scene"),
+    Row("plots", "figures of archives", SOLVERS),
+    Row("cli", "commands, progress and exit status", ("laws", "geometry", "elasticity", "reference")),
+    Row("__main__", "python -m contactsnes", tuple(name for name in PHYSICS + SOLVERS)),
+)
+
+HOMES = {
+    "petsc4py": {"options", "snes", "preconditioners", "relaxation", "stability", "cli"},
+    "matplotlib": {"plots"},
+    "h5py": {"archive", "geometry"},
+    "pyfftw": {"fourier"},
+}
+"""The only modules that may import a package, anywhere in them."""
+
+FREE_OF_PETSC = ("scene", "laws", "fourier", "geometry", "elasticity", "contact", "reference", "observables",
+                 "continuation", "options", "archive", "plots")
+"""Modules that can be imported without PETSc, themselves and all they import."""
+
+NAMES = [row.name for row in TABLE]
+FILES = {path.stem: path for path in sorted(PACKAGE.glob("*.py"))}
+MODULES = [name for name in FILES if name != "__init__"]
+TREES = {name: ast.parse(path.read_text(encoding="utf-8"), path) for name, path in FILES.items()}
+
+every_module = pytest.mark.parametrize("name", MODULES)
+every_file = pytest.mark.parametrize("name", FILES)
+
+
+def imports(tree):
+    """Dotted names that a module imports, wherever it does; those of the package begin with a dot."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            dotted = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = "." * node.level + (node.module or "")
+            separator = "" if base.endswith(".") else "."
+            dotted = [base + separator + alias.name for alias in node.names]
+        else:
+            continue
+        for name in dotted:
+            inside = name == "contactsnes" or name.startswith("contactsnes.")
+            yield name[len("contactsnes"):] or "." if inside else name
+
+
+def own_imports(tree):
+    """Modules of the package that a module imports; what is exported by the package itself counts by its own name."""
+    return {name.split(".")[1] for name in imports(tree) if name.startswith(".")}
+
+
+def definitions(tree):
+    """Every function, method and class of a module with its dotted name."""
+    def inner(node, prefix):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                yield prefix + child.name, child
+                yield from inner(child, f"{prefix}{child.name}.")
+            else:
+                yield from inner(child, prefix)
+    return inner(tree, "")
+
+
+def public(tree):
+    """Functions, classes and methods without a leading underscore anywhere in their name, not those within functions."""
+    functions = {name for name, node in definitions(tree) if not isinstance(node, ast.ClassDef)}
+    for name, node in definitions(tree):
+        parts = name.split(".")
+        within = {".".join(parts[:i]) for i in range(1, len(parts))}
+        if not any(part.startswith("_") for part in parts) and not within & functions:
+            yield name, node
+
+
+def dotted(node):
+    """The dotted name of an attribute of a name, or an empty text."""
+    if isinstance(node, ast.Attribute):
+        return f"{dotted(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def test_the_parser_of_imports():
+    tree = ast.parse("import numpy.fft as f, h5py\nfrom . import laws, snes\nfrom .fourier import Grid\n"
+                     "import contactsnes\nimport contactsnes.run\nfrom contactsnes.cli import main\n"
+                     "def f():\n    from petsc4py import PETSc")
+    assert list(imports(tree)) == ["numpy.fft", "h5py", ".laws", ".snes", ".fourier.Grid", ".", ".run", ".cli.main",
+                                   "petsc4py.PETSc"]
+    assert own_imports(tree) == {"laws", "snes", "fourier", "", "run", "cli"}
+
+
+def test_the_table_is_sound():
+    assert len(set(NAMES)) == len(NAMES)
+    for position, row in enumerate(TABLE):
+        assert set(row.strangers) <= set(NAMES[:position]) or row.name == "archive", row
+    assert set(FREE_OF_PETSC) <= set(NAMES) and set().union(*HOMES.values()) <= set(NAMES)
+
+
+@every_module
+def test_module_is_in_the_table(name):
+    assert name in NAMES, f"{name}.py is not in the table: say what it is for, and put it below all it imports"
+
+
+@every_module
+def test_imports_come_from_above(name):
+    if name not in NAMES:
+        pytest.skip("not in the table")
+    own = own_imports(TREES[name]) - {"__version__"}
+    below = own - set(NAMES[:NAMES.index(name)])
+    assert not below, f"{name}.py imports {sorted(below)}, which do not stand above it"
+
+
+@every_module
+def test_imports_keep_to_the_purpose(name):
+    strangers = {row.name: set(row.strangers) for row in TABLE}.get(name, set())
+    assert not own_imports(TREES[name]) & strangers
+
+
+@every_file
+@pytest.mark.parametrize("package", HOMES)
+def test_package_has_its_homes(name, package):
+    if name not in HOMES[package]:
+        assert package not in {imported.split(".")[0] for imported in imports(TREES[name])}
+
+
+@every_file
+def test_transforms_are_the_grids(name):
+    """Whatever transforms is in `fourier`, which counts; the lengths that suit a transform may be asked anywhere."""
+    if name == "fourier":
+        allowed = {"scipy.fft.next_fast_len", "np.fft.fftfreq", "np.fft.rfftfreq"}
+    else:
+        allowed = {"scipy.fft.next_fast_len"}
+    used = set(imports(TREES[name])) | {dotted(node) for node in ast.walk(TREES[name]) if isinstance(node, ast.Attribute)}
+    if name != "fourier":
+        assert "np.fft" not in used and "numpy.fft" not in used
+    transforms = {text for text in used if text.startswith(("np.fft.", "numpy.fft", "scipy.fft", "scipy.fftpack", "mkl_fft",
+                                                            "scipy.signal.fft", "scipy.signal.oaconvolve"))}
+    assert transforms <= allowed
+
+
+@every_file
+def test_only_the_command_line_prints(name):
+    if name != "cli":
+        calls = [node for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
+        assert not [node.lineno for node in calls if dotted(node.func) in ("print", "sys.stdout.write", "PETSc.Sys.Print")]
+
+
+@every_file
+def test_files_are_short(name):
+    lines = len(FILES[name].read_text(encoding="utf-8").splitlines())
+    assert lines <= LONGEST_FILE, f"{name}.py has {lines} lines: find what can stand on its own"
+
+
+@every_file
+def test_functions_are_short(name):
+    lengths = {full: node.end_lineno - node.lineno + 1 for full, node in definitions(TREES[name])
+               if not isinstance(node, ast.ClassDef)}
+    assert not {full: length for full, length in lengths.items() if length > LONGEST_FUNCTION}
+
+
+@every_file
+def test_everything_public_says_what_it_is(name):
+    tree = TREES[name]
+    assert ast.get_docstring(tree), f"{name}.py has no docstring"
+    assert not [full for full, node in public(tree) if not ast.get_docstring(node)]
+
+
+def imported_by(statement):
+    """Top-level packages in `sys.modules` of a fresh interpreter after a statement."""
+    code = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r}); {statement}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return {module.split(".")[0] for module in done.stdout.split()}
+
+
+def test_the_package_alone_imports_no_petsc():
+    assert not imported_by("import contactsnes") & {"petsc4py", "matplotlib"}
+
+
+def test_mathematics_imports_no_petsc():
+    modules = ", ".join(f"contactsnes.{name}" for name in FREE_OF_PETSC if name in FILES and name != "plots")
+    assert not imported_by(f"import {modules}") & {"petsc4py", "matplotlib"}

@@ -1,0 +1,260 @@
+"""Options: command line, files, PETSc's database, help."""
+
+import dataclasses
+import math
+import random
+import subprocess
+import sys
+
+import pytest
+
+from contactsnes import options
+from contactsnes.scene import OPTION_CLASSES, Form, InputError, Load, Options, Output, Scene, Steps, as_text, option
+
+
+@dataclasses.dataclass(frozen=True)
+class CoreOptions(Options):
+    """Options of a solver, as the modules of solvers have them."""
+
+    prefix = "pc_core_"
+    title = "Core zone"
+    smoothing: float = option(0.02, "width of the smoothing", "delta_n", above=0)
+
+
+@pytest.fixture
+def petsc():
+    """PETSc's database, with everything that a test puts into it taken out afterwards."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    before = options.database()
+    yield database
+    for name in options.database():
+        if name not in before:
+            database.delValue(name)
+
+
+# Command line and files
+
+@pytest.mark.parametrize("argument, is_option", [
+    ("-scene_poisson", True), ("-info", True), ("--scene", True), ("-e", True), ("-3", False), ("-.5", False), ("-1e-3", False),
+    ("-inf", False), ("-nan", False), ("scene.opts", False), ("-", False), ("", False)])
+def test_negative_numbers_are_values(argument, is_option):
+    assert options.is_option(argument) == is_option
+
+
+@pytest.mark.parametrize("line, files, found", [
+    ("a.opts -load_x -3 b.opts -flag", ["a.opts", "b.opts"], ["-load_x", "-3", "-flag"]),
+    ("-snes_monitor a.opts -x 1", ["a.opts"], ["-snes_monitor", "-x", "1"]),
+    ("-archive_resume scene.txt", ["scene.txt"], ["-archive_resume"]),
+    ("-archive_resume false scene.txt", ["scene.txt"], ["-archive_resume", "false"]),
+    ("-options_file more.opts", [], ["-options_file", "more.opts"]),
+    ("-x 1 two", ["two"], ["-x", "1"])])
+def test_arguments_are_files_or_options(line, files, found):
+    assert options.split_arguments(line.split()) == (files, found)
+
+
+def test_two_dashes_are_an_error():
+    with pytest.raises(InputError, match="--scene_poisson has two dashes: options have one, try -scene_poisson"):
+        options.split_arguments(["--scene_poisson", "0.3"])
+
+
+def test_files_come_first_from_left_to_right(tmp_path):
+    one, two = tmp_path / "one.opts", tmp_path / "two.opts"
+    one.write_text('# a comment\n\n-load_path "normal_force=25; normal_force=-3"  # another\n  -a\t1\r\n-flag\n')
+    two.write_text("-prefix_push pre_\n-b -2\n-prefix_pop\n-single 'x y'\n-empty \"\"")
+    assert options.petsc_arguments(["-last", "-3", str(one), "-more", str(two)]) == [
+        "contactsnes", "-load_path", "normal_force=25; normal_force=-3", "-a", "1", "-flag",
+        "-prefix_push", "pre_", "-b", "-2", "-prefix_pop", "-single", "x y", "-empty", "", "-last", "-3", "-more"]
+
+
+@pytest.mark.parametrize("text", [
+    "scene_poisson 0.3", "-a 1 2", "-a -b", '-load_path "normal_force=1', "--a 1", "-3 1", '-a b"c d"', "-prefix_push x_\n-a 1",
+    "alias -a -b"])
+def test_bad_file_is_an_error_that_names_it(tmp_path, text):
+    path = tmp_path / "bad.opts"
+    path.write_text("-good 1\n" + text)
+    with pytest.raises(InputError) as error:
+        options.petsc_arguments([str(path)])
+    assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+def test_file_that_cannot_be_read_is_an_error_that_names_it(tmp_path):
+    binary = tmp_path / "binary.opts"
+    binary.write_bytes(bytes(range(128, 256)))
+    for path in (tmp_path / "absent.opts", tmp_path, binary):
+        with pytest.raises(InputError, match="cannot be read") as error:
+            options.read_file(path)
+        assert str(path) in str(error.value)
+
+
+def test_petsc_starts_with_files_and_command_line(tmp_path):
+    """The later wins, in a fresh PETSc, as when PETSc reads the same files itself."""
+    one, two = tmp_path / "one.opts", tmp_path / "two.opts"
+    one.write_text('-scene_poisson 0.1\n-scene_period 50 # beta\n-load_path "normal_force=1; normal_force=-2"\n-both 1\n')
+    two.write_text("-scene_poisson 0.2\n-prefix_push scene_\n-gap_offset -0.5\n-prefix_pop\n-archive_file a.h5\n"
+                   "-archive_resume\n")
+    script = ("import sys, petsc4py\nfrom contactsnes import options\n"
+              "petsc4py.init({})\n"
+              "print(sorted(options.database().items()))")
+    run = lambda vector, arguments: subprocess.run([sys.executable, "-c", script.format(vector), *map(str, arguments)],
+                                                   capture_output=True, text=True, check=True).stdout.splitlines()[0]
+    ours = run("options.petsc_arguments(sys.argv[1:])", ["-both", "-3", one, "-scene_poisson", "0.3", two])
+    petsc = run("['x', '-options_file', sys.argv[1], '-options_file', sys.argv[2], *sys.argv[3:]]",
+                [one, two, "-both", "-3", "-scene_poisson", "0.3"])
+    assert ours == petsc == str([
+        ("archive_file", "a.h5"), ("archive_resume", ""), ("both", "-3"), ("load_path", "normal_force=1; normal_force=-2"),
+        ("scene_gap_offset", "-0.5"), ("scene_period", "50"), ("scene_poisson", "0.3")])
+
+
+# The database
+
+def test_database_keeps_whole_values_and_marks_nothing_used(petsc):
+    path = "; ".join(f"normal_force={value}" for value in range(300))
+    petsc["Contactsnes_long"] = path
+    petsc["contactsnes_odd"] = "a -b # (c) d"
+    petsc["contactsnes_flag"] = ""
+    found = options.database()
+    assert found["contactsnes_long"] == path and found["contactsnes_odd"] == "a -b # (c) d" and found["contactsnes_flag"] == ""
+    assert "b" not in found
+    assert not options._used("contactsnes_long")
+    petsc.getString("contactsnes_long")
+    assert options._used("contactsnes_long")
+
+
+def test_database_text_is_an_options_file(petsc, tmp_path):
+    petsc["contactsnes_path"] = "normal_force=25; normal_force=-3"
+    petsc["contactsnes_flag"] = ""
+    petsc["contactsnes_value"] = -3
+    text = options.database_text()
+    assert text.index("-contactsnes_flag\n") < text.index('-contactsnes_path "normal_force=25; normal_force=-3"\n')
+    path = tmp_path / "all.opts"
+    path.write_text(text)
+    found = options.read_file(path)
+    assert found[found.index("-contactsnes_path") + 1] == "normal_force=25; normal_force=-3"
+    assert found[found.index("-contactsnes_value") + 1] == "-3"
+
+
+def test_nothing_set_gives_the_defaults(petsc):
+    for cls in OPTION_CLASSES:
+        assert options.read(cls, "contactsnes_absent_") == cls()
+
+
+def random_instance(cls, random):
+    """An allowed instance with a random subset of fields off their defaults."""
+    def value(rule):
+        if rule["kind"] == "flag":
+            return True
+        if rule["choices"]:
+            return random.choice(rule["choices"])
+        if rule["kind"] == "integer":
+            return 2 * random.randint(8, 5000)
+        if rule["kind"] == "text":
+            return random.choice(("a b=-3; c", "x.h5:data", "plain", "-2"))
+        if rule["infinite"] and random.random() < 0.3:
+            return math.inf
+        low = next((rule[key] for key in ("minimum", "above") if rule[key] is not None), -10)
+        high = next((rule[key] for key in ("maximum", "below") if rule[key] is not None), 1e3)
+        return low + (high - low) * random.uniform(1e-3, 0.999)
+
+    values = {}
+    for field in dataclasses.fields(cls):
+        rule = field.metadata
+        if random.random() < 0.5:
+            many = rule["many"] in ("directions", "legs") and random.random() < 0.5
+            values[field.name] = tuple(value(rule) for _ in range(2)) if many else value(rule)
+    return cls(**values)
+
+
+@pytest.mark.parametrize("cls", [*OPTION_CLASSES, CoreOptions])
+def test_what_is_written_as_options_is_read_back_equal(petsc, cls):
+    generator = random.Random(cls.prefix)
+    done = 0
+    while done < 40:
+        try:
+            instance = random_instance(cls, generator)
+        except InputError:
+            continue  # fields that do not go together
+        prefix = f"contactsnes_{cls.prefix}{done}_"
+        for field in dataclasses.fields(cls):
+            value = getattr(instance, field.name)
+            if value != field.default:
+                petsc[f"{prefix}{cls.prefix}{field.name}"] = as_text(value)
+        assert options.read(cls, prefix) == instance
+        done += 1
+
+
+@pytest.mark.parametrize("text, value", [("", True), ("true", True), ("Yes", True), ("1", True), ("off", False), ("0", False)])
+def test_flags(petsc, text, value):
+    petsc["contactsnes_f_archive_resume"] = text
+    assert options.read(Output, "contactsnes_f_").resume is value
+
+
+@pytest.mark.parametrize("cls, name, text", [
+    (Scene, "poisson", "soft"), (Scene, "poisson", "0.3 0.4"), (Scene, "poisson", "0.3,0.4"), (Scene, "poisson", ""),
+    (Scene, "points", "auto"), (Scene, "points", "1e3"), (Scene, "points", "64,,64"), (Scene, "dimension", "2.0"),
+    (Scene, "height", "high"), (Scene, "law", ""), (Scene, "period", "inf"), (Output, "resume", "maybe"), (Output, "file", ""),
+    (Load, "stop", "never"), (Load, "path", ""), (Steps, "initial_step", "1,x"), (Form, "form", "Force")])
+def test_wrong_types_are_named_with_value_and_what_is_allowed(petsc, cls, name, text):
+    petsc[f"contactsnes_w_{cls.prefix}{name}"] = text
+    with pytest.raises(InputError) as error:
+        options.read(cls, "contactsnes_w_")
+    sentence = str(error.value)
+    assert f"-{cls.prefix}{name}" in sentence and text in sentence and "allowed is" in sentence and "\n" not in sentence
+
+
+def test_names_are_not_case_sensitive(petsc):
+    petsc["contactsnes_c_Scene_Poisson"] = 0.25
+    assert options.read(Scene, "contactsnes_c_").poisson == 0.25
+
+
+@pytest.mark.parametrize("name, guess", [
+    ("scene_poison", "-scene_poisson"), ("load_paths", "-load_path"), ("continuation_first_step", "-continuation_"),
+    ("contact_windows", "-contact_window"), ("archive_overwriet", "-archive_overwrite"), ("scene_poisson=0.3", "-scene_poisson"),
+    ("pc_core_smooth", "-pc_core_smoothing"), ("scene_zzzz", "")])
+def test_unknown_names_are_errors_with_the_nearest_valid_one(petsc, name, guess):
+    petsc["scene_poisson"], petsc["pc_core_smoothing"], petsc["snes_rtol"], petsc["mine"] = 0.3, 1, 1, 1
+    options.check_names([CoreOptions])
+    petsc[name] = 1
+    with pytest.raises(InputError) as error:
+        options.check_names([CoreOptions])
+    assert f"-{name} is no option" in str(error.value) and guess in str(error.value)
+
+
+def test_names_inside_values_are_not_taken_for_options(petsc):
+    petsc["contactsnes_value"] = "1 -scene_nonsense 2"
+    options.check_names()
+
+
+def test_unused_options_of_petsc_are_found(petsc):
+    from petsc4py import PETSc
+
+    petsc["snes_max_it"], petsc["snes_maxit"], petsc["ksp_nonsense"], petsc["mine"], petsc["scen_poisson"] = 3, 4, 1, 1, 0.3
+    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    snes.setFromOptions()
+    snes.destroy()
+    assert sorted(options.unused_options()) == ["-ksp_nonsense", "-scen_poisson", "-snes_maxit"]
+
+
+# Help
+
+def test_help_has_every_option_with_unit_default_and_range():
+    text = " ".join(options.help_text([CoreOptions], width=100).split())
+    for cls in (*OPTION_CLASSES, CoreOptions):
+        for field in dataclasses.fields(cls):
+            rule = field.metadata
+            assert f" {cls.option_name(field.name)} {rule['meaning']}" in text
+            assert rule["unit"] in text and (f"default {rule['default_text']}" in text or not rule["default_text"])
+    assert "residual_norm = sqrt( sum over the window's nodes" in text and "-snes_atol (default 1e-8" in text
+
+
+@pytest.mark.parametrize("width", [60, 80, 132])
+def test_help_fits_the_terminal(width, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert max(map(len, options.help_text().splitlines())) <= width
+
+
+def test_help_and_arguments_work_before_petsc_starts():
+    script = ("import sys\nfrom contactsnes import options\noptions.help_text(); options.petsc_arguments(['-a', '1'])\n"
+              "assert not any(name.startswith('petsc4py') for name in sys.modules)")
+    subprocess.run([sys.executable, "-c", script], check=True)
