@@ -264,6 +264,11 @@ class ArcLength:
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
 
+    @property
+    def evaluations(self):
+        """Number of residuals evaluated so far."""
+        return self.form.evaluations
+
     def gap(self, unknown):
         """Gap of the form's part of the unknown."""
         return self.form.gap(unknown)

@@ -133,20 +133,22 @@ class Walk:
         failures = 0
         while self.history[-1][0] < 1.0:
             position = self.history[-1][0]
-            step = min(step, 1.0 - position)
-            target = 1.0 if 1.0 - position - step < 1e-9 else position + step
+            # The last two steps share what is left, so that none is tiny.
+            left = 1.0 - position
+            step = left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left) if left < 2.0 * step else step
+            target = 1.0 if step == left else position + step
             try:
                 point = self._step(target)
             except NotConverged as error:
-                failures, step = failures + 1, 0.5 * step if failures else 0.25 * step
+                failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the next one is {step:.3g} of the leg")
-                if failures >= 3 or step < self.leg.smallest:
+                if failures >= 2 or step < self.leg.smallest:
                     yield from self._fold(error)
                     if self.stopped:
                         return
                     failures, step = 0, self.leg.initial
                 continue
-            failures = 0
+            failures = max(0, failures - 0.5)
             step = grown(step, point.spent["last_iterations"], self.leg.largest)
             yield self._accept(replace(point, step=step))
 
@@ -159,8 +161,8 @@ class Walk:
         guess = predict(self.system, self.history, self.leg, target, self.predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         last = self.history[-1][1]
-        missed = self.system.distance(guess, point.state)
-        if missed > 0.2 and missed > 0.6 * self.system.distance(last.state, point.state):
+        missed = self.system.missed(guess, point.state)
+        if missed > 0.2 and missed > 0.6 * self.system.missed(last.state, point.state):
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
 
@@ -210,14 +212,14 @@ class Turn:
         """
         trail = self._trail()
         reach = self.history[-1][0] + self.leg.initial
-        length = None
+        first = length = self.system.distance(trail[0][1].state, trail[1][1].state)
         for _ in range(self.most):
             try:
-                point, length = self._advance(trail, length)
+                point = self._ahead(trail, length)
             except NotConverged as second:
-                if length is None or length < 1e-6 * max(1.0, self.system.norm(trail[-1][1].state)):
-                    raise NotConverged(f"{error}; following the branch by arc length failed too: {second}") from None
                 length *= 0.25
+                if length < 1e-4 * first:
+                    raise NotConverged(f"{error}; following the branch by arc length failed too: {second}") from None
                 continue
             trail.append((point.position, point))
             if point.position < trail[-2][0]:
@@ -237,12 +239,10 @@ class Turn:
         point = self.system.solve(guess, self.leg.controls, self.leg.load(here + step))
         return [(here, last), (here + step, point)]
 
-    def _advance(self, trail, length):
-        """One step along the arc from the last two points; its length by default is theirs."""
+    def _ahead(self, trail, length):
+        """The point at a given arc length beyond the last two."""
         (before, first), (here, last) = trail[-2:]
-        if length is None:
-            length = self.system.distance(first.state, last.state)
-        return self._at(last, here, first, before, length), length
+        return self._at(last, here, first, before, length)
 
     def _at(self, last, here, first, before, length):
         """The point at arc length ``length`` from ``last`` in the direction from ``first`` to it."""
@@ -331,6 +331,8 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     NotConverged, NoEquilibrium : after the points before the failure have been handed out
     """
     emitted = list(history)
+    if emitted and (emitted[-1].event in stops or (at_fold == "stop" and emitted[-1].event == "fold")):
+        return
     if emitted:
         # A jump may have been archived without the further events at its load.
         fresh = list(with_events(emitted[-2] if len(emitted) > 1 else None, emitted[-1]))[1:] \

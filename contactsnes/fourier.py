@@ -177,6 +177,22 @@ class Window:
                 edge[[0, -1]] = True
         return mask.reshape(-1)
 
+    def area_below(self, values, level):
+        """Length or area where values (nodes) lie below a level, its edge interpolated between nodes.
+
+        Cubic in one dimension; in two, linear on the triangles of either diagonal (second order). Beyond the window nothing
+        is below; a window that is the whole cell closes on itself.
+        """
+        box = self.box(values)
+        for axis, (extent, total) in enumerate(zip(self.shape, self.grid.shape)):
+            if extent == total:
+                box = np.concatenate([box, box.take([0], axis=axis)], axis=axis)
+        if box.ndim == 2:
+            return _area_below(box, level) * self.grid.node_area
+        places, signs = crossings(box, level)
+        ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level else [])]
+        return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
+
     def circle(self):
         """Shape of the circulant that holds a convolution of the window: padded, or the cell where that is smaller."""
         return tuple(total if 2 * n - 1 >= total else min(total, next_fast_len(2 * n - 1, real=True))
@@ -301,10 +317,32 @@ def crossings(values, level):
     first = np.flatnonzero(above[1:] != above[:-1])
     places = np.empty(len(first))
     for k, i in enumerate(first):
-        low, high = max(i - 1, 0), min(i + 3, len(values))
-        if high - low < 4:
+        if not 0 < i < len(values) - 2:
             places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
             continue
-        cubic = np.polynomial.Polynomial.fit(np.arange(-1.0, 3.0), values[low:high] - level, 3, domain=[-1, 1])
-        places[k] = i + brentq(cubic, 0.0, 1.0, xtol=1e-14)
+        before, left, right, after = values[i - 1:i + 3] - level
+        # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its sign.
+        rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
+        twist = (fall - rise) / 3
+        places[k] = i + brentq(lambda t: (1 - t) * left + t * right + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
+                               xtol=1e-14)
     return places, np.where(above[first + 1], 1, -1)
+
+
+def _area_below(box, level):
+    """Area below a level of the piecewise linear surface through a box of nodes, in squares of the grid."""
+    corners = box[:-1, :-1], box[1:, :-1], box[1:, 1:], box[:-1, 1:]
+    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
+    cut = (lowest < level) & (highest >= level)
+    a, b, c, d = (corner[cut] - level for corner in corners)
+    triangles = ((a, b, c), (a, c, d), (b, c, d), (b, d, a))
+    return np.count_nonzero(highest < level) + 0.25 * sum(_part_below(triangle).sum() for triangle in triangles)
+
+
+def _part_below(corners):
+    """Part of each triangle where the plane through three corner values is negative."""
+    low, middle, high = np.sort(np.stack(corners), axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one = low ** 2 / ((middle - low) * (high - low))
+        two = 1.0 - high ** 2 / ((high - low) * (high - middle))
+    return np.select([high < 0.0, middle < 0.0, low < 0.0], [1.0, two, one], 0.0)

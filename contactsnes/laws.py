@@ -132,10 +132,9 @@ class Law:
         """
         normal, slope, _, _ = self._normal(gap)
         target = gap + normal / stiffness + (1.0 + slope / stiffness) * step
-        with np.errstate(divide="ignore"):
-            new = np.where(target < 0.0, -np.log1p(-stiffness * np.minimum(target, 0.0)), target)
-        # N(a) <= 1/e bounds a from below by w; in overlap the linear continuation bounds it by its slope.
-        low, high = np.minimum(target, 0.0) + np.where(target > 0.0, target - NORMAL_PEAK / stiffness, 0.0),             np.maximum(target, 0.0)
+        new = np.where(target < 0.0, -np.log1p(-stiffness * np.minimum(target, 0.0)), target)
+        # a and w have one sign, and N(a) is at most 1/e, and negative in overlap: a lies between these.
+        low, high = np.where(target > 0.0, target - NORMAL_PEAK / stiffness, target), np.maximum(target, 0.0)
         for _ in range(60):
             normal, slope, _, _ = self._normal(new)
             excess = new + normal / stiffness - target

@@ -53,6 +53,11 @@ def _positive(**values):
         _require(np.greater(value, 0), f"{name} {value} must be positive")
 
 
+def _not_negative(**values):
+    for name, value in values.items():
+        _require(np.greater_equal(value, 0), f"{name} {value} must not be negative")
+
+
 def _root(function, low, high, message):
     """Zero of `function` in [low, high]; ValueError(message) where its sign does not change."""
     _require(function(low) * function(high) <= 0, message)
@@ -79,8 +84,10 @@ def _cell_angle(half_width, period):
 
 def _root_depth(x, half_width, period=np.inf):
     """sqrt(a^2 - x^2), or (L/pi) sqrt(sin^2(pi a/L) - sin^2(pi x/L)) without cancellation; 0 outside the contact."""
-    scaled = (lambda y: y) if np.isinf(period) else (lambda y: np.sin(np.pi * y / period) * period / np.pi)
-    return np.sqrt(np.maximum(scaled(half_width - np.asarray(x)) * scaled(half_width + np.asarray(x)), 0.0))
+    left, right = half_width + np.asarray(x), half_width - np.asarray(x)
+    if np.isfinite(period):
+        left, right = (period / np.pi * np.sin(np.pi / period * distance) for distance in (left, right))
+    return np.sqrt(np.maximum(left * right, 0.0))
 
 
 def _reciprocal_depth(x, half_width, period=np.inf):
@@ -88,7 +95,7 @@ def _reciprocal_depth(x, half_width, period=np.inf):
     return np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
 
 
-# ------------------------------------------------------------------------------------------ line contact without adhesion
+# ---- line contact without adhesion
 
 def hertz_line_load(half_width, period=np.inf):
     """Load of a cylinder, W = pi a^2/4 (Johnson 1985); periodic: W = -(L^2/2 pi) ln cos(pi a/L), exact."""
@@ -100,14 +107,15 @@ def hertz_line_load(half_width, period=np.inf):
 
 def hertz_line_half_width(load, period=np.inf):
     """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`."""
-    _require(np.greater_equal(load, 0), f"load {load} must not be negative without adhesion")
+    _not_negative(load=load)
     if np.isinf(period):
         return 2 * np.sqrt(load / np.pi)
     return period / np.pi * np.arcsin(np.sqrt(-np.expm1(-4 * np.pi * load / period**2)))
 
 
 def hertz_line_pressure(x, half_width, period=np.inf):
-    """Pressure p = sqrt(a^2 - x^2)/2, 0 outside (Johnson 1985); periodic, exact: (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L))."""
+    """Pressure p = sqrt(a^2 - x^2)/2, 0 outside (Johnson 1985); periodic, exact:
+    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L))."""
     angle, depth = _angle(half_width, period), _root_depth(x, half_width, period)
     if np.isinf(period):
         return depth / 2
@@ -115,29 +123,29 @@ def hertz_line_pressure(x, half_width, period=np.inf):
 
 
 def hertz_line_approach(half_width, period):
-    """Approach of the mean surface, d = (L^2/4 pi^2)[ln v ln(1-v) + Li_2(v)], v = sin^2(pi a/L), exact; (2/pi)[W
-    ln(L/(pi a)) + pi a^2/8] for a << L. Needs a finite period: an isolated line contact has no finite approach."""
+    """Approach of the mean surface, d = (L^2/4 pi^2)[ln v ln(1-v) + Li_2(v)], v = sin^2(pi a/L), exact; for a << L,
+    d = (2/pi)[W ln(L/(pi a)) + pi a^2/8]. Needs a finite period: an isolated line contact has no finite approach."""
     v = np.sin(_cell_angle(half_width, period)) ** 2
     series = v * (1 + v / 4 + v**2 / 9 + v**3 / 16 + v**4 / 25)  # Li_2, where 1 - v would lose digits
     return (period / (2 * np.pi)) ** 2 * (xlogy(np.log1p(-v), v) + np.where(v < 1e-3, series, spence(1 - v)))
 
 
-# ------------------------------------------------------------------------------------- bonded strip = flat punch, mode I or II
+# ---- bonded strip = flat punch, mode I or II
 
 def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
     """Force that breaks a bonded strip in mode I or II, F = sqrt(2 L tan(pi a/L) w), isolated sqrt(2 pi a w), from
-    K^2 = F^2/(L tan(pi a/L)) = 2 w (Tada, Paris & Irwin 2000). In mode I it is the adhesive part of JKR's load. In mode II
-    it is the tangential strength if the traction falls to zero within a short range (law of McGarry et al., tangential
-    Maugis parameter above about 5), not if residual friction remains."""
+    K^2 = F^2/(L tan(pi a/L)) = 2 w (Tada, Paris & Irwin 2000). In mode I it is the adhesive part of JKR's load. In
+    mode II it is the tangential strength if the traction falls to zero within a short range (law of McGarry et al.,
+    tangential Maugis parameter above about 5), not if residual friction remains."""
     angle = _angle(half_width, period)
-    _require(np.greater_equal(work_of_adhesion, 0), f"work_of_adhesion {work_of_adhesion} must not be negative")
+    _not_negative(work_of_adhesion=work_of_adhesion)
     width = np.pi * np.asarray(half_width) if np.isinf(period) else period * np.tan(angle)
     return np.sqrt(2 * width * work_of_adhesion)
 
 
 def ligament_traction(x, half_width, force=1.0, period=np.inf):
-    """Traction on a bonded strip or under a flat punch, F/(pi sqrt(a^2 - x^2)), periodic F cos(pi x/L)/(L sqrt(sin^2(pi
-    a/L) - sin^2(pi x/L))), 0 outside (Johnson 1985; Tada, Paris & Irwin 2000)."""
+    """Traction on a bonded strip or under a flat punch, F/(pi sqrt(a^2 - x^2)), 0 outside (Johnson 1985); periodic:
+    F cos(pi x/L)/(L sqrt(sin^2(pi a/L) - sin^2(pi x/L))) (Tada, Paris & Irwin 2000)."""
     _angle(half_width, period)
     return force / np.pi * np.cos(np.pi * np.asarray(x) / period) * _reciprocal_depth(x, half_width, period)
 
@@ -148,7 +156,7 @@ def ligament_stiffness(half_width, period):
     return -np.pi / (2 * np.log(np.sin(_cell_angle(half_width, period))))
 
 
-# ------------------------------------------------------------------------------- adhesive line contact, short-range adhesion
+# ---- adhesive line contact, short-range adhesion
 
 def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
     """JKR load of a cylinder, `hertz_line_load` - `ligament_force`: W = pi a^2/4 - sqrt(2 pi a w) (Barquins 1988)."""
@@ -156,29 +164,34 @@ def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
 
 
 def jkr_line_pressure(x, half_width, period=np.inf, work_of_adhesion=1.0):
-    """JKR pressure of a cylinder, sqrt(a^2 - x^2)/2 - sqrt(2 w/(pi a))/sqrt(1 - x^2/a^2) or its periodic form, 0 outside
-    (Barquins 1988): tension without bound towards the edge."""
+    """JKR pressure of a cylinder, sqrt(a^2 - x^2)/2 - sqrt(2 w/(pi a))/sqrt(1 - x^2/a^2) (Barquins 1988) or its
+    periodic form, 0 outside: tension without bound towards the edge."""
     force = ligament_force(half_width, period, work_of_adhesion)
     return hertz_line_pressure(x, half_width, period) - ligament_traction(x, half_width, force, period)
 
 
 def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
-    """JKR approach of the mean surface, d = d_Hertz - (2/pi) F ln(1/sin(pi a/L)), F = `ligament_force`: the periodic cell in
-    the limit of a short range of adhesion (normal Maugis parameter to infinity)."""
+    """JKR approach of the mean surface, d = d_Hertz - (2/pi) F ln(1/sin(pi a/L)), F = `ligament_force`: the periodic
+    cell in the limit of a short range of adhesion (normal Maugis parameter to infinity)."""
     force = ligament_force(half_width, period, work_of_adhesion)
     return hertz_line_approach(half_width, period) + 2 / np.pi * xlogy(force, np.sin(_angle(half_width, period)))
 
 
 def _load_extrema(power, value, period):
     """Half widths of least and largest load, both roots of sin^3 t cos^power t = value, t = pi a/L."""
-    peak, message = np.arctan(np.sqrt(3 / power)), f"no partial contact is stable under a load: period {period} too short"
     if value == 0:
         return 0.0, period / 2 * (1 - 1e-7)
-    excess = lambda t: np.sin(t) ** 3 * np.cos(t) ** power - value
+
+    def excess(t):
+        return np.sin(t) ** 3 * np.cos(t) ** power - value
+
+    peak, message = np.arctan(np.sqrt(3 / power)), f"no partial contact is stable at any load, period {period}"
     return [period / np.pi * _root(excess, *bracket, message) for bracket in ((0.0, peak), (peak, np.pi / 2))]
 
 
 def _jkr_extrema(period, work_of_adhesion):
+    _positive(period=period)
+    _not_negative(work_of_adhesion=work_of_adhesion)
     if np.isinf(period):
         return np.cbrt(2 * work_of_adhesion / np.pi), np.inf
     return _load_extrema(1, 2 * np.pi**2 * work_of_adhesion / period**3, period)
@@ -192,8 +205,8 @@ def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
 
 
 def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
-    """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a periodic cell, above the
-    load at which the contact jumps to the full period."""
+    """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a periodic cell, above
+    the load at which the contact jumps to the full period."""
     smallest, largest = _jkr_extrema(period, work_of_adhesion)
     if np.isinf(period):  # Hertz's width plus JKR's at no load exceeds the width at this load
         largest = hertz_line_half_width(max(load, 0.0)) + np.cbrt(32 * work_of_adhesion / np.pi)
@@ -223,11 +236,11 @@ def jkr_line_half_width_at_approach(approach, period, work_of_adhesion=1.0):
                  period / 2 * (1 - 1e-7), f"no stable partial JKR contact at the approach {approach}")
 
 
-# ------------------------------------------------------------------------------------------------------------- sinusoid
+# ---- sinusoid
 
 def sinusoid_load(half_width, period, amplitude, work_of_adhesion=1.0):
-    """Load per period on the wave A(1 - cos 2 pi x/L), W = pi A sin^2(pi a/L) - sqrt(2 L tan(pi a/L) w) (Westergaard 1939;
-    adhesive: Johnson 1995). Full contact needs W = pi A without adhesion."""
+    """Load per period on the wave A(1 - cos 2 pi x/L), W = pi A sin^2(pi a/L) - sqrt(2 L tan(pi a/L) w) (Westergaard
+    1939; adhesive: Johnson 1995). Full contact needs W = pi A without adhesion."""
     _positive(amplitude=amplitude)
     smooth = np.pi * amplitude * np.sin(_cell_angle(half_width, period)) ** 2
     return smooth - ligament_force(half_width, period, work_of_adhesion)
@@ -244,32 +257,36 @@ def sinusoid_pressure(x, half_width, period, amplitude, work_of_adhesion=1.0):
 
 
 def sinusoid_approach(half_width, period, amplitude, work_of_adhesion=1.0):
-    """Approach of the mean surface to the wave of `sinusoid_load`, A s^2 (1 - 2 ln s) - (2/pi) F ln(1/s), s = sin(pi a/L), by
-    the sum of flat punches; A at full contact."""
+    """Approach of the mean surface to the wave of `sinusoid_load`, A s^2 (1 - 2 ln s) - (2/pi) F ln(1/s) with
+    s = sin(pi a/L), by the sum of flat punches; A at full contact."""
     _positive(amplitude=amplitude)
     s, force = np.sin(_cell_angle(half_width, period)), ligament_force(half_width, period, work_of_adhesion)
     return amplitude * (s**2 - xlogy(2 * s**2, s)) + 2 / np.pi * xlogy(force, s)
 
 
 def sinusoid_half_width(load, period, amplitude, work_of_adhesion=1.0):
-    """Half width on the wave of `sinusoid_load` that is stable at a load, between pull-off and the jump to full contact,
-    both at sin^3 t cos^5 t = w L/(8 pi^2 A^2), t = pi a/L (Johnson 1995)."""
+    """Half width on the wave of `sinusoid_load` that is stable at a load, between pull-off and the jump to full
+    contact, both at sin^3 t cos^5 t = w L/(8 pi^2 A^2), t = pi a/L (Johnson 1995)."""
+    _require(0 < period < np.inf, f"period {period} must be positive and finite")
+    _positive(amplitude=amplitude)
+    _not_negative(work_of_adhesion=work_of_adhesion)
     extrema = _load_extrema(5, work_of_adhesion * period / (8 * np.pi**2 * amplitude**2), period)
     return _root(lambda a: sinusoid_load(a, period, amplitude, work_of_adhesion) - load, *extrema,
                  f"no stable partial contact with the wave at the load {load}")
 
 
-# ------------------------------------------------------------------------------ line contact, finite range of adhesion
+# ---- line contact, finite range of adhesion
 
 def _cohesive_tension(x, inner, outer, stress):
-    """Uniform stress on a < |x| < c with the tension that closes |x| < a, (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2))."""
-    _require(np.greater_equal(inner, 0) & np.less_equal(inner, outer), f"need 0 <= {inner} <= {outer} for the zone's edges")
+    """Uniform stress s on a < |x| < c, and (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2)) within a, which stays closed."""
+    _require(np.greater_equal(inner, 0) & np.less_equal(inner, outer),
+             f"the inner edge {inner} of the zone must lie between 0 and its outer edge {outer}")
     share = 2 / np.pi * np.arctan2(np.sqrt((outer - inner) * (outer + inner)), _root_depth(x, inner))
     return stress * np.where(np.abs(x) < outer, share, 0.0)
 
 
 def _cohesive_opening(spread, inner, stress):
-    """Displacement at c relative to |x| < a under `_cohesive_tension`: (4 s a/pi)[sqrt(m^2-1) arcosh m - m ln m],
+    """Displacement at c relative to |x| < a under `_cohesive_tension`, (4 s a/pi)[sqrt(m^2-1) arcosh m - m ln m],
     m = c/a = cosh(spread)."""
     logarithm = np.log1p(2 * np.sinh(spread / 2) ** 2)
     return 4 * stress * inner / np.pi * (spread * np.sinh(spread) - np.cosh(spread) * logarithm)
@@ -286,22 +303,23 @@ def _maugis_line_state(log_spread, normal_maugis):
 
 
 def _maugis_line_least(normal_maugis):
-    _positive(normal_maugis=normal_maugis)
     return _minimum(lambda t: _maugis_line_state(t, normal_maugis)[0], _SMALLEST, np.log(40.0))
 
 
 def maugis_line_pull_off(normal_maugis):
-    """(load, a, c) of least load of `maugis_line`. For a normal Maugis parameter below about 1 the contact a shrinks there to
-    nothing; its value is then only as exact as the flat minimum allows."""
+    """(load, a, c) of least load of `maugis_line`. For a normal Maugis parameter below about 1 the contact a shrinks
+    there to nothing; its value is then only as exact as the flat minimum allows."""
     return _maugis_line_state(_maugis_line_least(normal_maugis), normal_maugis)
 
 
 def maugis_line(load, normal_maugis):
-    """Half widths (a, c) of a Maugis-Dugdale cylinder at a load: contact |x| < a, uniform tension s = lambda_n/e (the peak of
-    the exponential law, over the range e delta_n) on a < |x| < c (Baney & Hui 1997; Johnson & Greenwood 2008), m = c/a:
-    1 = (s a^2/2)[m sqrt(m^2-1) - arcosh m] + (4 s^2 a/pi)[sqrt(m^2-1) arcosh m - m ln m], W = pi a^2/4 - 2 s a sqrt(m^2-1).
-    Isolated. Compare c with the width of a numerical contact. ValueError below pull-off."""
-    spread = _root(lambda t: _maugis_line_state(t, normal_maugis)[0] - load, _SMALLEST, _maugis_line_least(normal_maugis),
+    """Half widths (a, c) of a Maugis-Dugdale cylinder at a load: contact |x| < a, uniform tension s = lambda_n/e on
+    a < |x| < c (the peak of the exponential law, over the range e delta_n), s h(c) = 1, isolated; with m = c/a:
+    1 = (s a^2/2)[m sqrt(m^2-1) - arcosh m] + (4 s^2 a/pi)[sqrt(m^2-1) arcosh m - m ln m],
+    W = pi a^2/4 - 2 s a sqrt(m^2-1) (Baney & Hui 1997; Johnson & Greenwood 2008). The width of a numerical contact is
+    to be compared with c. ValueError below pull-off."""
+    least = _maugis_line_least(normal_maugis)
+    spread = _root(lambda t: _maugis_line_state(t, normal_maugis)[0] - load, _SMALLEST, least,
                    f"no stable Maugis-Dugdale contact at the load {load}")
     return _maugis_line_state(spread, normal_maugis)[1:]
 
@@ -325,11 +343,12 @@ def rigid_cylinder_pull_off(normal_maugis):
     return 0.5 / normal_maugis, rigid_cylinder_load(0.5 / normal_maugis, normal_maugis)
 
 
-# ---------------------------------------------------------------------------------- tangential loading of line contacts
+# ---- tangential loading of line contacts
 
 def slip_zone_force(half_width, stick_half_width, strength):
     """Tangential force 2 tau sqrt(a^2 - s^2) on a contact that sticks at |x| < s and slips at the traction tau beyond
-    (Dugdale's zone in shear, isolated): a law that stays at its peak traction, for large tangential Maugis parameters."""
+    (Dugdale's zone in shear, isolated): a law that stays at its peak traction, for large tangential Maugis
+    parameters."""
     _positive(strength=strength)
     _require(np.greater_equal(stick_half_width, 0) & np.less_equal(stick_half_width, half_width),
              f"stick_half_width {stick_half_width} must lie between 0 and half_width {half_width}")
@@ -342,7 +361,8 @@ def slip_zone_traction(x, half_width, stick_half_width, strength):
 
 
 def slip_zone_edge_slip(half_width, stick_half_width, strength):
-    """Slip at the edge of the contact of `slip_zone_force`, (4 tau s/pi)[sqrt(m^2-1) arcosh m - m ln m], m = a/s, s > 0."""
+    """Slip at the edge of the contact of `slip_zone_force`, (4 tau s/pi)[sqrt(m^2-1) arcosh m - m ln m], m = a/s, s >
+    0."""
     _positive(stick_half_width=stick_half_width, strength=strength)
     _require(np.less_equal(stick_half_width, half_width), f"stick_half_width {stick_half_width} exceeds {half_width}")
     return _cohesive_opening(np.arccosh(half_width / stick_half_width), stick_half_width, strength)
@@ -365,14 +385,16 @@ def cattaneo_line_traction(x, half_width, stick_half_width, friction, period=np.
 
 
 def cattaneo_line_displacement(half_width, stick_half_width, friction, period):
-    """Mean tangential displacement f [d(a) - d(s)] of the surface, d the Hertzian approach, relative to the stick zone."""
+    """Mean tangential displacement f [d(a) - d(s)] of the surface, d the Hertzian approach, relative to the stick
+    zone."""
     return friction * (hertz_line_approach(half_width, period) - hertz_line_approach(stick_half_width, period))
 
 
 def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.0):
-    """Tangential force 2 a tau(slip) for a tangential Maugis parameter lambda_t << 1, where the slip is uniform, b = lambda_t
-    slip: tau = 2 lambda_t b exp(-b^2) up to b = 1/sqrt 2, then tau_max [r + (1-r) exp(-(b - 1/sqrt 2)^2)] (modified law).
-    Leading order: that the contact shrinks makes the true maximum a few per cent less than 2 a tau_max."""
+    """Tangential force 2 a tau(slip) for a tangential Maugis parameter lambda_t << 1, where the slip is uniform, b =
+    lambda_t slip: tau = 2 lambda_t b exp(-b^2) up to b = 1/sqrt 2, then tau_max [r + (1-r) exp(-(b - 1/sqrt 2)^2)]
+    (modified law). Leading order: that the contact shrinks makes the true maximum a few per cent less than 2 a
+    tau_max."""
     _require(0 <= residual_friction <= 1, f"residual_friction {residual_friction} must lie between 0 and 1")
     b, b_peak = tangential_maugis * np.abs(slip), np.sqrt(0.5)
     level = residual_friction + (1 - residual_friction) * np.exp(-((b - b_peak) ** 2))
@@ -381,32 +403,35 @@ def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.
 
 
 def drive_stiffness(period, height, poisson=0.5):
-    """Force per tangential displacement of the top at a held surface, L k_0t = L (1 - nu)/(2 H): simple shear of a layer."""
+    """Force per tangential displacement of the top at a held surface, L k_0t = L (1 - nu)/(2 H): simple shear of a
+    layer."""
     _positive(period=period, height=height)
     _require(period < np.inf and 0 <= poisson <= 0.5, f"need a finite period {period} and 0 <= poisson {poisson} <= 0.5")
     return period * (1 - poisson) / (2 * height)
 
 
 def driven_displacement(mean_slip, tangential_force, period, height, poisson=0.5):
-    """Tangential displacement of the top, U = mean u_t + T/(L k_0t). The path (mean u_t, T) is the same for any height;
-    sliding starts with a jump if dT/d(mean u_t) < -`drive_stiffness` somewhere. After gross sliding T is constant."""
+    """Tangential displacement of the top, U = mean u_t + T/(L k_0t). The path (mean u_t, T) is the same for any
+    height; sliding starts with a jump if dT/d(mean u_t) < -`drive_stiffness` somewhere. After gross sliding T is
+    constant."""
     return mean_slip + tangential_force / drive_stiffness(period, height, poisson)
 
 
-# ---------------------------------------------------------------------------------------------------------- mixed mode
+# ---- mixed mode
 
 def mixed_mode_toughness(phase_angle, mode_parameter):
-    """Toughness G_c/phi_n = 1 + tan^2[(1 - m) psi], tan psi = K_II/K_I, |psi| <= pi/2 (Hutchinson & Suo 1992): m = 1 is
-    Griffith's criterion, for m = 0 mode II does not matter."""
+    """Toughness G_c/phi_n = 1 + tan^2[(1 - m) psi], tan psi = K_II/K_I, |psi| <= pi/2 (Hutchinson & Suo 1992): m = 1
+    is Griffith's criterion, for m = 0 mode II does not matter."""
     _require(np.less_equal(np.abs(phase_angle), np.pi / 2), f"phase_angle {phase_angle} must lie within +-pi/2")
     _require(0 <= mode_parameter <= 1, f"mode_parameter {mode_parameter} must lie between 0 and 1")
     return 1 / np.cos((1 - mode_parameter) * np.asarray(phase_angle)) ** 2
 
 
 def mixed_mode_line(half_width, phase_angle, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
-    """(load, tangential_force) of a bonded adhesive cylinder at the equilibrium K_I^2 + K_II^2 = 2 G_c(psi) of its edge: W =
-    W_Hertz - B cos psi, T = B sin psi/sqrt(phi_t/phi_n), B = ligament force times sqrt(G_c). The unit of T carries
-    sqrt(phi_t/phi_n), hence `work_ratio` phi_t/phi_n. Nothing slips; a cohesive law follows this qualitatively at best."""
+    """(load, tangential_force) of a bonded adhesive cylinder at the equilibrium K_I^2 + K_II^2 = 2 G_c(psi) of its
+    edge: W = W_Hertz - B cos psi, T = B sin psi/sqrt(phi_t/phi_n), B = ligament force times sqrt(G_c). The unit of T
+    carries sqrt(phi_t/phi_n), hence `work_ratio` phi_t/phi_n. Nothing slips; a cohesive law follows this
+    qualitatively at best."""
     _positive(work_ratio=work_ratio)
     bond = ligament_force(half_width, period) * np.sqrt(mixed_mode_toughness(phase_angle, mode_parameter))
     load = hertz_line_load(half_width, period) - bond * np.cos(phase_angle)
@@ -414,8 +439,8 @@ def mixed_mode_line(half_width, phase_angle, mode_parameter=1.0, work_ratio=1.0,
 
 
 def savkoor_briggs_line_load(half_width, tangential_force, work_ratio=1.0, period=np.inf):
-    """Load of `mixed_mode_line` for m = 1, W = W_Hertz - sqrt(2 L tan(pi a/L) - (phi_t/phi_n) T^2), isolated pi a^2/4 -
-    sqrt(2 pi a - (phi_t/phi_n) T^2) (Savkoor & Briggs 1977, for a line)."""
+    """Load of `mixed_mode_line` for m = 1, W = W_Hertz - sqrt(2 L tan(pi a/L) - (phi_t/phi_n) T^2), isolated pi a^2/4
+    - sqrt(2 pi a - (phi_t/phi_n) T^2) (Savkoor & Briggs 1977, for a line)."""
     _positive(work_ratio=work_ratio)
     remaining = ligament_force(half_width, period) ** 2 - work_ratio * np.square(tangential_force)
     _require(remaining >= 0, f"tangential_force {tangential_force} exceeds the strength of the half_width {half_width}")
@@ -426,51 +451,65 @@ def _mixed_mode_force(half_width, load, mode_parameter, work_ratio, period):
     """Tangential force that holds `half_width` at `load`: cos psi = share cos((1-m) psi), share = (W_Hertz - W)/F."""
     share = np.clip((hertz_line_load(half_width, period) - load) / ligament_force(half_width, period), 0, 1)
     rest = 1 - mode_parameter  # solved for pi/2 - psi, so that the signs at the ends survive rounding
-    angle = brentq(lambda t: np.sin(t) - share * np.sin(mode_parameter * np.pi / 2 + rest * t), 0, np.pi / 2, xtol=1e-15)
+    angle = brentq(lambda t: np.sin(t) - share * np.sin(np.pi / 2 * mode_parameter + rest * t), 0, np.pi / 2)
     return mixed_mode_line(half_width, np.pi / 2 - angle, mode_parameter, work_ratio, period)[1]
 
 
 def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
-    """(half_width, tangential_force) of `mixed_mode_line` at the largest tangential force a load allows, 0 < m <= 1, beyond
-    which the bonded contact breaks or, under compression, falls to sliding."""
+    """(half_width, tangential_force) of `mixed_mode_line` at the largest tangential force a load allows, 0 < m <= 1,
+    beyond which the bonded contact breaks or slides; for m < 1 under compression its width may then have come down to
+    Hertz's."""
     _require(0 < mode_parameter <= 1, f"mode_parameter {mode_parameter} must be above 0 and at most 1")
     largest = jkr_line_half_width(load, period)
     if load >= 0:
         smallest = max(hertz_line_half_width(load, period), 1e-9)
     else:  # the unstable equilibrium without shear
-        smallest = _root(lambda a: jkr_line_load(a, period) - load, load**2 / (8 * np.pi), jkr_line_pull_off(period)[0], "")
-    force = lambda a: _mixed_mode_force(a, load, mode_parameter, work_ratio, period)
-    weakest = _minimum(lambda a: -force(a), smallest, largest)
+        smallest = brentq(lambda a: jkr_line_load(a, period) - load, load**2 / (8 * np.pi), _jkr_extrema(period, 1.0)[0])
+
+    def force(a):
+        return _mixed_mode_force(a, load, mode_parameter, work_ratio, period)
+
+    weakest = max(smallest, _minimum(lambda a: -force(a), smallest, largest), key=force)
     return weakest, force(weakest)
 
 
 def mixed_mode_line_half_width(load, tangential_force, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
-    """Half width of `mixed_mode_line` that is stable at a load and a tangential force, up to `mixed_mode_line_strength`."""
+    """Half width of `mixed_mode_line` that is stable at a load and a tangential force, up to
+    `mixed_mode_line_strength`."""
     smallest, strength = mixed_mode_line_strength(load, mode_parameter, work_ratio, period)
-    return _root(lambda a: _mixed_mode_force(a, load, mode_parameter, work_ratio, period) - abs(tangential_force), smallest,
-                 jkr_line_half_width(load, period), f"tangential_force {tangential_force} exceeds the strength {strength}")
+    largest = jkr_line_half_width(load, period)
+
+    def excess(a):
+        return _mixed_mode_force(a, load, mode_parameter, work_ratio, period) - abs(tangential_force)
+
+    if excess(largest) >= 0:  # a force within rounding of none
+        return largest
+    return _root(excess, smallest, largest, f"tangential_force {tangential_force} exceeds the strength {strength}")
 
 
-# ------------------------------------------------------------------- works and peaks of the traction-separation laws
+# ---- works and peaks of the traction-separation laws
 
 def peak_normal_traction(normal_maugis):
     """Largest attraction of both laws, lambda_n/e at the gap delta_n."""
+    _positive(normal_maugis=normal_maugis)
     return normal_maugis * np.exp(-1.0)
 
 
 def peak_tangential_traction(tangential_maugis):
     """Largest tangential traction of both laws at no gap, sqrt(2/e) lambda_t at the slip delta_t/sqrt 2."""
+    _positive(tangential_maugis=tangential_maugis)
     return np.sqrt(2 * np.exp(-1.0)) * tangential_maugis
 
 
 def normal_work(ranges):
     """Work of opening without slip to a gap of `ranges` delta_n, 1 - (1 + a) exp(-a) in phi_n, of both laws."""
+    _not_negative(ranges=ranges)
     return 1 - (1 + ranges) * np.exp(-ranges)
 
 
 def mcgarry_proportional_work(mixity):
-    """(normal, tangential) works in phi_n, phi_t of separating along g_t/delta_t = c g_n/delta_n, c > 0, by the law of McGarry
-    et al. (2014): W_t = 1 - (sqrt(pi)/2c) exp(1/4c^2) erfc(1/2c), W_n = W_t/(2 c^2)."""
+    """(normal, tangential) works in phi_n, phi_t of separating along g_t/delta_t = c g_n/delta_n by the law of McGarry
+    et al. (2014), c = `mixity` > 0: W_t = 1 - (sqrt(pi)/2c) exp(1/4c^2) erfc(1/2c), W_n = W_t/(2 c^2)."""
     _positive(mixity=mixity)
     c = np.asarray(mixity, float)
     series = 2 * c**2 * (1 - 6 * c**2 + 60 * c**4)  # the difference from 1 cancels for small c
@@ -479,9 +518,9 @@ def mcgarry_proportional_work(mixity):
 
 
 def mcgarry_sequential_work(normal_ranges=None, tangential_ranges=None):
-    """(normal, tangential) works by the law of McGarry et al. (2014) on a broken path: either opening to a = `normal_ranges`,
-    then sliding off, 1 - (1+a) exp(-a) and exp(-a); or sliding to b = `tangential_ranges`, then opening, exp(-b^2) and
-    1 - exp(-b^2)."""
+    """(normal, tangential) works by the law of McGarry et al. (2014) on a broken path: either opening to a =
+    `normal_ranges`, then sliding off, 1 - (1+a) exp(-a) and exp(-a); or sliding to b = `tangential_ranges`, then
+    opening, exp(-b^2) and 1 - exp(-b^2)."""
     _require((normal_ranges is None) != (tangential_ranges is None), "give normal_ranges or tangential_ranges")
     if tangential_ranges is None:
         return normal_work(normal_ranges), np.exp(-normal_ranges)
@@ -489,24 +528,26 @@ def mcgarry_sequential_work(normal_ranges=None, tangential_ranges=None):
 
 
 def modified_tangential_work(residual_friction):
-    """(up to the peak, excess over the residual traction beyond it) of the tangential work of the modified law at no gap,
-    1 - exp(-1/2) and sqrt(pi/2) exp(-1/2) (1 - tau_inf/tau_max), in phi_t: without residual friction 1.1536 in all, not 1."""
+    """(up to the peak, excess over the residual traction beyond it) of the tangential work of the modified law at no
+    gap, 1 - exp(-1/2) and sqrt(pi/2) exp(-1/2) (1 - tau_inf/tau_max), in phi_t: without residual friction 1.1536 in
+    all, not 1."""
+    _not_negative(residual_friction=residual_friction)
     return 1 - np.exp(-0.5), np.sqrt(np.pi / 2) * np.exp(-0.5) * (1 - residual_friction)
 
 
-# ------------------------------------------------------------------------------------------------------------- spheres
+# ---- spheres
 
 def hertz_sphere(contact_radius, contact_modulus=1.0, radius=1.0):
     """(load, approach) without adhesion, P = 4 E* a^3/(3 R), delta = a^2/R (Johnson 1985)."""
     _positive(contact_modulus=contact_modulus, radius=radius)
-    _require(np.greater_equal(contact_radius, 0), f"contact_radius {contact_radius} must not be negative")
+    _not_negative(contact_radius=contact_radius)
     return 4 * contact_modulus * np.power(contact_radius, 3.0) / (3 * radius), np.square(contact_radius) / radius
 
 
 def hertz_sphere_radius(load, contact_modulus=1.0, radius=1.0):
     """Contact radius without adhesion at a load >= 0, a^3 = 3 P R/(4 E*) (Johnson 1985)."""
     _positive(contact_modulus=contact_modulus, radius=radius)
-    _require(np.greater_equal(load, 0), f"load {load} must not be negative without adhesion")
+    _not_negative(load=load)
     return np.cbrt(3 * load * radius / (4 * contact_modulus))
 
 
@@ -517,8 +558,8 @@ def hertz_sphere_pressure(r, contact_radius, contact_modulus=1.0, radius=1.0):
 
 
 def jkr_sphere(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """(load, approach), P = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), delta = a^2/R - sqrt(2 pi w a/E*) (Johnson, Kendall & Roberts
-    1971): short-range adhesion, a compliant body."""
+    """(load, approach), P = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), delta = a^2/R - sqrt(2 pi w a/E*) (Johnson, Kendall
+    & Roberts 1971): short-range adhesion, a compliant body."""
     _positive(work_of_adhesion=work_of_adhesion)
     load, approach = hertz_sphere(contact_radius, contact_modulus, radius)
     force = np.sqrt(8 * np.pi * work_of_adhesion * contact_modulus * np.power(contact_radius, 3.0))
@@ -546,8 +587,8 @@ def jkr_sphere_pull_off(work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
 
 
 def jkr_sphere_fold(work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """(contact_radius, approach, load) at pull-off under a prescribed approach, delta = -3 a^2/R, P = -5 pi w R/6 at a^3 =
-    pi w R^2/(8 E*)."""
+    """(contact_radius, approach, load) at pull-off under a prescribed approach, delta = -3 a^2/R, P = -5 pi w R/6 at
+    a^3 = pi w R^2/(8 E*)."""
     _positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = np.pi * work_of_adhesion * radius
     a = np.cbrt(force * radius / (8 * contact_modulus))
@@ -555,8 +596,8 @@ def jkr_sphere_fold(work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
 
 
 def dmt_sphere(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """(load, approach), P = 4 E* a^3/(3 R) - 2 pi w R, delta = a^2/R (Derjaguin, Muller & Toporov 1975): long-range adhesion, a
-    stiff body."""
+    """(load, approach), P = 4 E* a^3/(3 R) - 2 pi w R, delta = a^2/R (Derjaguin, Muller & Toporov 1975): long-range
+    adhesion, a stiff body."""
     _positive(work_of_adhesion=work_of_adhesion)
     load, approach = hertz_sphere(contact_radius, contact_modulus, radius)
     return load - 2 * np.pi * work_of_adhesion * radius, approach
@@ -575,7 +616,7 @@ def _maugis_sphere_state(log_angle, maugis):
     """(load, a, c, approach) in Maugis's units for c/a = 1/cos(angle): the energy condition is quadratic in a."""
     angle = np.exp(log_angle)
     tangent, secant = np.tan(angle), 1 / np.cos(angle)
-    square = maugis * (secant * angle) ** 2 * spherical_jn(1, 2 * angle)  # (lambda/2)[t + (m^2-2) arctan t], uncancelled
+    square = maugis * (secant * angle) ** 2 * spherical_jn(1, 2 * angle)  # (lambda/2)[t + (m^2-2) arctan t]
     linear = 4 / 3 * maugis**2 * (angle * tangent - 2 * np.sin(angle / 2) ** 2 * secant)
     a = 2 / (linear + np.sqrt(linear**2 + 4 * square))
     return a**3 - maugis * a**2 * (tangent + secant**2 * angle), a, a * secant, a**2 - 4 / 3 * maugis * a * tangent
@@ -593,13 +634,14 @@ def maugis_sphere_pull_off(cohesive_stress, work_of_adhesion=1.0, contact_modulu
 
 
 def maugis_sphere(load, cohesive_stress, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """(a, c, approach) of a sphere at a load, with the uniform tension s on a < r < c, s h(c) = w (Maugis 1992; lambda =
-    2 s (R/(pi w K^2))^(1/3), K = 4 E*/3, A = a (K/(pi w R^2))^(1/3), m = c/a, t = sqrt(m^2-1)):
+    """(a, c, approach) of a Maugis-Dugdale sphere at a load: contact r < a, uniform tension s on a < r < c, s h(c) = w
+    (Maugis 1992). With lambda = 2 s (R/(pi w K^2))^(1/3), K = 4 E*/3, A = a (K/(pi w R^2))^(1/3), m = c/a, t = sqrt(m^2-1):
     1 = (lambda A^2/2)[t + (m^2-2) arctan t] + (4 lambda^2 A/3)[t arctan t - m + 1],
     P/(pi w R) = A^3 - lambda A^2 [t + m^2 arctan t], delta (K^2/(pi^2 w^2 R))^(1/3) = A^2 - (4/3) lambda A t.
     For the exponential law s = phi_n/(e delta_n). ValueError below pull-off."""
     maugis, force, length, depth = _maugis_sphere_units(cohesive_stress, work_of_adhesion, contact_modulus, radius)
-    log_angle = _root(lambda t: _maugis_sphere_state(t, maugis)[0] - load / force, _SMALLEST, _maugis_sphere_least(maugis),
+    least = _maugis_sphere_least(maugis)
+    log_angle = _root(lambda t: _maugis_sphere_state(t, maugis)[0] - load / force, _SMALLEST, least,
                       f"no stable Maugis-Dugdale contact at the load {load}")
     _, a, c, approach = _maugis_sphere_state(log_angle, maugis)
     return a * length, c * length, approach * depth
@@ -612,17 +654,18 @@ def maugis_sphere_pressure(r, contact_radius, cohesive_radius, cohesive_stress, 
 
 
 def bonded_circle_stiffness(contact_radius, poisson=0.5, contact_modulus=1.0):
-    """Tangential force per displacement of a sticking circle, 8 a G*, G* = mu/(2 - nu) = E* (1-nu)/(2 (2-nu)) for one body of
-    Poisson ratio nu on a rigid counterface (Mindlin 1949)."""
+    """Tangential force per displacement of a sticking circle, 8 a G*, G* = mu/(2 - nu) = E* (1-nu)/(2 (2-nu)) for one
+    body of Poisson ratio nu on a rigid counterface (Mindlin 1949)."""
     _positive(contact_radius=contact_radius, contact_modulus=contact_modulus)
     _require(0 <= poisson <= 0.5, f"poisson {poisson} must lie between 0 and 0.5")
     return 8 * contact_radius * contact_modulus * (1 - poisson) / (2 * (2 - poisson))
 
 
 def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modulus=1.0, radius=1.0):
-    """(stick radius, displacement) of a Hertzian sphere with Coulomb friction, s^3/a^3 = 1 - Q/(f P), delta_t = (3 f P/(16 a
-    G*))[1 - (1 - Q/(f P))^(2/3)] (Cattaneo 1938; Mindlin 1949). Transverse slip is neglected: exact for nu = 0 only, else
-    expect a few per cent of difference."""
+    """(stick radius, displacement) of a Hertzian sphere with Coulomb friction f, s^3/a^3 = 1 - Q/(f P),
+    delta_t = (3 f P/(16 a G*))[1 - (1 - Q/(f P))^(2/3)] (Cattaneo 1938; Mindlin 1949), G* of `bonded_circle_stiffness`.
+    Slip across the force (unless nu = 0) and normal-tangential coupling (unless nu = 1/2) are neglected: expect
+    differences of a few per cent."""
     _positive(load=load, friction=friction)
     a, stick = hertz_sphere_radius(load, contact_modulus, radius), 1 - tangential_force / (friction * load)
     _require(np.greater_equal(stick, 0) & np.less_equal(stick, 1),
@@ -631,10 +674,12 @@ def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modul
     return a * np.cbrt(stick), sliding * (1 - np.cbrt(stick) ** 2)
 
 
-def savkoor_briggs_sphere_radius(load, tangential_force, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """Radius of a bonded adhesive sphere that is stable at a load and a tangential force, from (4 E* a^3/(3R) - P)^2 =
-    8 pi w E* a^3 - E* Q^2/(4 G*), G* of `bonded_circle_stiffness` (Savkoor & Briggs 1977). The contact is taken to stay a
-    circle, modes II and III averaged. ValueError beyond the strength, where 9 (pi w R)^2 + 6 pi w R P < E* Q^2/(4 G*)."""
+def savkoor_briggs_sphere_radius(load, tangential_force, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0,
+                                 radius=1.0):
+    """Radius of a bonded adhesive sphere that is stable at a load and a tangential force, from
+    (4 E* a^3/(3R) - P)^2 = 8 pi w E* a^3 - E* Q^2/(4 G*), G* of `bonded_circle_stiffness` (Savkoor & Briggs 1977). The
+    contact is taken to stay a circle, modes II and III averaged. ValueError beyond the strength, where
+    9 (pi w R)^2 + 6 pi w R P < E* Q^2/(4 G*)."""
     _positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     ratio = 2 * contact_modulus / bonded_circle_stiffness(1.0, poisson, contact_modulus)  # E*/(4 G*)
     force = 3 * np.pi * work_of_adhesion * radius

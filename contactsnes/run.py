@@ -2,10 +2,16 @@
 
 import numpy as np
 
-from . import continuation, scene as scenes
+from . import continuation, observables, scene as scenes
 from .contact import DISPLACEMENT, FORCE, Contact
+from .fourier import Window
 from .geometry import read_heights
 from .snes import Corrector
+from .states import State
+
+KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
+        "event", "fold_kind")
+"""What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
 class Branch:
@@ -41,6 +47,26 @@ class Branch:
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
         return continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
                                    at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+
+    def observe(self, point):
+        """Name -> value of everything that a point can tell (``observables.table``)."""
+        return observables.observe(self.contact, point)
+
+    def packed(self, point):
+        """Arrays, numbers and strings from which ``restored`` makes the point again."""
+        state = point.state
+        return {**{name: getattr(point, name) for name in KEPT}, "displacement": state.displacement, "means": state.means,
+                "window_start": np.array(state.window.start), "window_shape": np.array(state.window.shape),
+                "forced": np.array([control == FORCE for control in point.controls]),
+                "origin": point.load if point.origin is None else point.origin}
+
+    def restored(self, packed):
+        """The point that was ``packed``."""
+        window = Window(self.contact.grid, packed["window_start"], packed["window_shape"])
+        state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
+        controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
+        return continuation.Point(state=state, controls=controls, origin=np.array(packed["origin"]),
+                                  **{name: packed[name] for name in KEPT})
 
     def _start(self):
         """The first point, at -load_start."""

@@ -15,7 +15,7 @@ from .options import read
 from .preconditioners import ZonePC
 from .scene import Options, option
 
-COLD, WARM = 200, 25
+COLD, WARM = 200, 16
 """Most Newton iterations of a first point, and of a step: a step that needs more is better made shorter."""
 
 
@@ -177,7 +177,7 @@ class Corrector:
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""
-        return states.combined([point.state for point in points], weights)
+        return states.combined(self.contact, [point.state for point in points], weights)
 
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
@@ -186,6 +186,10 @@ class Corrector:
     def distance(self, first, second):
         """Root mean square distance of two states, ranges of the law."""
         return states.distance(self.contact, first, second)
+
+    def missed(self, guess, state):
+        """How far a solve ended from its guess where the law acts, ranges of the law."""
+        return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state)
 
     # Solving.
     def start(self, controls, load):
@@ -246,6 +250,10 @@ class Corrector:
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         self.totals["linear_iterations"] += ksp.getIterationNumber()
         moved = unknown + step * change.getArray(readonly=True)
+        ahead = step * form.displacement(change.getArray(readonly=True))[0]
+        gap = states.normal_gap(self.contact, state)
+        # In the regularised gap a long step into overlap stays bounded.
+        moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, 1.5 * SOFTENING)) / form.root
         scalars = form.scalars(moved)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = scalars

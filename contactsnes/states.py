@@ -10,7 +10,7 @@ from scipy import ndimage
 from scipy.optimize import brentq
 
 from .contact import CERTAIN, FORCE
-from .fourier import crossings
+from .fourier import Window, crossings
 from .laws import CUTOFF
 
 
@@ -83,6 +83,16 @@ def fitted(contact, state):
     return State(fresh, fresh.take(cell), state.means)
 
 
+def wider(state, window):
+    """The state on a window that reaches a fifth further than ``window`` on either side."""
+    extra = [max(2, extent // 5) for extent in window.shape]
+    if any(extent + 2 * more >= total for extent, more, total in zip(window.shape, extra, window.grid.shape)):
+        return State(window, onto(state, window), state.means)
+    wide = Window(window.grid, [start - more for start, more in zip(window.start, extra)],
+                  [extent + 2 * more for extent, more in zip(window.shape, extra)])
+    return State(wide, onto(state, wide), state.means)
+
+
 def covers(contact, state):
     """Whether every node outside the state's window is certainly out of the law's range."""
     if state.window.is_whole:
@@ -108,10 +118,12 @@ def with_components(state, components):
     return State(state.window, displacement, means)
 
 
-def combined(states, weights):
-    """Weighted sum of states at fixed places, on the window of the last."""
+def combined(contact, states, weights):
+    """Weighted sum of states at fixed places, on the window of the last, without overlap much deeper than its."""
     window = states[-1].window
     displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
+    floor = contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0
+    np.maximum(displacement[0], floor - window.take(contact.initial_gap), out=displacement[0])
     return State(window, displacement, sum(weight * state.means for state, weight in zip(states, weights)))
 
 
@@ -119,6 +131,13 @@ def distance(contact, first, second):
     """Root mean square distance of two states over the second's window, ranges of the law."""
     change = onto(first, second.window) - second.displacement
     return float(np.sqrt(contact.grid.inner(change, change) / change.size))
+
+
+def missed(contact, guess, found):
+    """Root mean square distance of a guess from what was found, over the nodes where the law acts (gap below 10 ranges)."""
+    change = onto(guess, found.window) - found.displacement
+    change = change[:, normal_gap(contact, found) < 10.0]
+    return float(np.sqrt(contact.grid.inner(change, change) / max(change.size, 1)))
 
 
 def edges(contact, state):
@@ -139,12 +158,14 @@ def follow_edge(contact, states, weights):
     if any(end is None for end in ends):
         return None
     window = states[-1].window
-    origins = np.array([state.window.coordinates()[0][0] / contact.grid.spacings[0] for state in states])
+    states = [wider(state, window) for state in states]
+    ends = [edges(contact, state) for state in states]
+    origins = np.array([_first_node(state.window) for state in states])
     places = np.array(ends) + origins[:, None]
     left, right = np.asarray(weights) @ places
     if right - left < 4.0:
         return None
-    nodes = np.arange(window.size) + origins[-1]
+    nodes = np.arange(window.size) + _first_node(window)
     gaps = np.zeros((len(states[-1].displacement), window.size))
     for state, weight, (begin, end), origin in zip(states, weights, places, origins):
         source = begin + (nodes - left) * (end - begin) / (right - left) - origin
@@ -152,5 +173,12 @@ def follow_edge(contact, states, weights):
         field[0] = normal_gap(contact, state)
         for gap, values in zip(gaps, field):
             gap += weight * ndimage.map_coordinates(values, [source], order=3, mode="nearest")
+    # An extrapolation into deep overlap would meet the exponential.
+    np.maximum(gaps[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=gaps[0])
     gaps[0] -= window.take(contact.initial_gap)
     return State(window, gaps, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def _first_node(window):
+    """Place of a line window's first node, in nodes from the cell's middle."""
+    return window.start[0] - (window.grid.shape[0] if window.start[0] > window.grid.shape[0] // 2 else 0)

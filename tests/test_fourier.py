@@ -8,7 +8,7 @@ import pyfftw
 import pytest
 import scipy.fft
 
-from contactsnes.fourier import Convolution, Grid, Transform, Window, enclosing, kernel_of, smooth, transform_cost
+from contactsnes.fourier import Convolution, Grid, Transform, Window, crossings, enclosing, kernel_of, smooth, transform_cost
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [
@@ -414,3 +414,37 @@ def test_smoothing_narrower_than_a_node_or_wider_than_the_window():
     for nodes in (1, 2, 3, 4, 5):
         window = Window(LINE, (3,), (nodes,))
         np.testing.assert_allclose(smooth(window, np.ones(nodes), 50.0), 1.0, rtol=1e-14)
+
+
+# Crossings
+
+def test_crossings_are_exact_for_a_cubic():
+    nodes = np.arange(12.0)
+    places, signs = crossings((nodes - 2.3) * (nodes - 5.6) * (nodes - 8.2) + 7.0, 7.0)
+    np.testing.assert_allclose(places, [2.3, 5.6, 8.2], atol=1e-12)
+    assert signs.tolist() == [1, -1, 1]
+
+
+def test_crossings_at_the_ends_are_linear():
+    places, signs = crossings(np.array([1.0, -1.0, -4.0, 0.0, 3.0]), 0.5)
+    np.testing.assert_allclose(places, [0.25, 3 + 0.5 / 3], rtol=1e-14)
+    assert signs.tolist() == [-1, 1]
+    assert crossings(np.arange(3.0), 5.0)[0].size == 0
+
+
+def test_crossings_are_of_fourth_order():
+    spacings, root = 0.2 * 0.5 ** np.arange(4), np.arcsin(0.2)
+    errors = [h * abs(crossings(np.sin(root + h * (np.arange(9) - 4.37)), 0.2)[0][0] - 4.37) for h in spacings]
+    assert np.polyfit(np.log(spacings), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.2)
+
+
+def test_crossings_where_a_node_is_on_the_level():
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        values = 10 * rng.normal(size=7)
+        values[3] = np.e
+        places, signs = crossings(values, np.e)
+        above = values >= np.e
+        assert len(places) == np.count_nonzero(above[1:] != above[:-1]) == len(signs)
+        if above[2] != above[4]:
+            assert 3.0 in places

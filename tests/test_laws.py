@@ -373,6 +373,35 @@ def test_energy_has_the_traction_for_derivative(law):
     np.testing.assert_allclose(difference, traction(law, a)[0], rtol=1e-7, atol=1e-8)
 
 
+# Step in the regularised gap
+
+def regularised(law, a, stiffness):
+    """w = a + N(a) / stiffness."""
+    return a + traction(law, a)[0] / stiffness
+
+
+@pytest.mark.parametrize("stiffness", [0.1354, 0.2, 1.0, 5.0])
+def test_regularised_step_is_the_same_step_in_another_variable(stiffness):
+    law, rng = Modified(), np.random.default_rng(4)
+    gap = np.concatenate([rng.uniform(-49.0, 8.0, 300), rng.uniform(-1.0, 4.0, 300), [0.0, 1.0, 2.0, 500.0]])
+    step = np.concatenate([rng.normal(scale=5.0, size=600), [0.0, 0.0, 1e-3, -700.0]])
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        new = gap + law.regularised_step(gap, step, stiffness)
+    target = regularised(law, gap, stiffness) + (1 + slope(law, gap)[0, 0] / stiffness) * step
+    # To rounding of w, and to the tolerance of a where w is steep.
+    steep = 1 + slope(law, new)[0, 0] / stiffness
+    assert np.all(np.abs(regularised(law, new, stiffness) - target) <= 1e-13 * np.abs(target) + 1e-9 * steep)
+
+
+def test_regularised_step_is_the_step_to_first_order():
+    law = Modified()
+    gap = np.array([-12.0, -3.0, -0.4, 0.5, 1.5, 6.0])
+    sizes = 0.1 * 0.5 ** np.arange(1, 9)
+    differences = [np.linalg.norm(law.regularised_step(gap, h * np.ones(6), 0.2) - h) for h in sizes]
+    assert np.polyfit(np.log(sizes), np.log(differences), 1)[0] == pytest.approx(2.0, abs=0.1)
+    assert np.all(law.regularised_step(gap, np.zeros(6), 0.2) == pytest.approx(0.0, abs=1e-9))
+
+
 def test_names_of_laws():
     assert LAWS == {"modified": Modified, "mcgarry": McGarry}
     assert Modified().residual_friction == 1.0 and Modified().residual_adhesion == 0.0

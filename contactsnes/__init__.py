@@ -1,0 +1,29 @@
+"""contactsnes: adhesive frictional contact of elastic bodies, solved by PETSc's nonlinear solvers.
+
+Call ``petsc4py.init(arguments)`` before the first solve if PETSc is to have options. Names are imported when they are first
+used, so that importing this package alone does not start PETSc.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Scene": "scene", "Load": "scene", "Steps": "scene", "Form": "scene", "InputError": "scene",
+    "Contact": "contact", "Branch": "run", "NotConverged": "continuation", "NoEquilibrium": "continuation",
+    "observe": "observables", "table": "observables", "Archive": "archive", "read": "archive", "plot": "plots",
+}
+
+__all__ = ["reference", *_HOMES]
+
+
+def __getattr__(name):
+    if name == "reference":
+        return import_module(".reference", __name__)
+    if name in _HOMES:
+        return getattr(import_module("." + _HOMES[name], __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted([*globals(), *__all__])

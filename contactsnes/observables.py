@@ -1,0 +1,132 @@
+"""Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function, label, unit."""
+
+from functools import cached_property
+from typing import Callable, NamedTuple
+
+import numpy as np
+
+from . import states
+from .laws import CUTOFF
+
+EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
+FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
+
+
+class Observable(NamedTuple):
+    """A number of a point: function of a `Measurement`, label, unit, NumPy type, and names if it is an enumeration."""
+
+    function: Callable
+    label: str
+    unit: str
+    kind: str = "f8"
+    names: tuple = ()
+
+
+class Measurement:
+    """A point in its contact, with gap and traction on its window evaluated once (ranges of the law).
+
+    Parameters
+    ----------
+    contact : Contact
+    point : Point
+    """
+
+    def __init__(self, contact, point):
+        self.contact, self.point, self.grid = contact, point, contact.grid
+        self.state, self.window = point.state, point.state.window
+        self.components = len(point.controls)
+
+    @cached_property
+    def gap(self):
+        """Gap (components, nodes): normal a, tangential b."""
+        gap = self.state.displacement.copy()
+        gap[0] = states.normal_gap(self.contact, self.state)
+        return gap
+
+    @cached_property
+    def traction(self):
+        """Traction (components, nodes)."""
+        return self.contact.law.traction(self.gap)
+
+    @cached_property
+    def in_contact(self):
+        """Mask of the nodes in contact."""
+        return self.gap[0] < self.contact.scene.contact_threshold
+
+    def component(self, values, index):
+        """The value of a component, 0 where the leg has no such unknown."""
+        return float(values[index]) if index < self.components else 0.0
+
+    def mean(self, index):
+        """Mean displacement over the cell, u_n,r or u_t,r."""
+        return self.component(self.state.means, index) / self.contact.ranges[index]
+
+    def contact_area(self):
+        """Length or area where the gap is below the contact threshold."""
+        return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
+
+    def minimum_gap(self):
+        """Smallest normal gap of the cell, u_n,r."""
+        smallest = self.grid.minimum(self.gap[0])
+        if smallest >= CUTOFF and not self.window.is_whole:
+            smallest = self.grid.minimum(self.contact.extended(self.state)[0] + self.contact.initial_gap)
+        return float(smallest / self.contact.ranges[0])
+
+    def maximum_tangential_gap(self):
+        """Largest tangential gap in contact, u_t,r."""
+        if self.components == 1:
+            return 0.0
+        slip = np.linalg.norm(self.gap[1:], axis=0)
+        return float(self.grid.maximum(slip, where=self.in_contact, initial=0.0) / self.contact.ranges[1])
+
+    def maximum_tangential_traction(self):
+        """Largest tangential traction, p_t,r."""
+        if self.components == 1:
+            return 0.0
+        return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
+
+    def fields(self):
+        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r) over the cell, (components of the scene, *grid)."""
+        count = self.contact.scene.components
+        displacement, traction = np.zeros((2, count, *self.grid.shape))
+        displacement[:self.components] = self.contact.extended(self.state)
+        displacement /= self.contact.ranges.reshape(-1, *[1] * len(self.grid.shape))
+        self.window.put(self.traction, traction[:self.components])
+        return displacement, traction
+
+
+def table(scene):
+    """Name -> Observable of everything that a point of a scene can tell, in the order of the archive."""
+    plane = scene.dimension == 2
+    ends, force_units = (("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)")) if plane else (("",), ("w_n,r", "w_t,r"))
+    rows = {"leg": Observable(lambda m: m.point.leg, "leg", "", "i8"),
+            "normal_displacement": Observable(lambda m: m.component(m.point.displacements, 0), "$D$", "u_n,r"),
+            "normal_force": Observable(lambda m: m.component(m.point.forces, 0), "$W_n$", force_units[0])}
+    for i, end in enumerate(ends, start=1):
+        rows[f"tangential_displacement{end}"] = Observable(
+            lambda m, i=i: m.component(m.point.displacements, i), f"$U{end}$", "u_t,r")
+        rows[f"tangential_force{end}"] = Observable(lambda m, i=i: m.component(m.point.forces, i), f"$W_t{end}$", force_units[1])
+    rows["approach"] = Observable(lambda m: -m.mean(0), "approach", "u_n,r")
+    for i, end in enumerate(ends, start=1):
+        rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i), f"mean slip{end}", "u_t,r")
+    rows.update({
+        "contact_area": Observable(Measurement.contact_area, "contact area", "beta^2" if plane else "beta"),
+        "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),
+        "maximum_pressure": Observable(lambda m: float(m.grid.maximum(-m.traction[0], initial=0.0)), "largest pressure", "p_n,r"),
+        "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap, "largest slip", "u_t,r"),
+        "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction, "largest shear traction", "p_t,r"),
+        "residual_norm": Observable(lambda m: m.point.residual_norm, "residual", "ranges of the law")})
+    for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""), ("function_evaluations", ""),
+                       ("transforms", "real FFTs of the cell"), ("wall_time", "s")):
+        rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "), unit,
+                                "f8" if unit else "i8")
+    rows["stable"] = Observable(lambda m: -1, "stable (1, 0, -1: not checked)", "", "i8")
+    rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
+    rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
+    return rows
+
+
+def observe(contact, point):
+    """Name -> value of every observable of a point."""
+    measurement = Measurement(contact, point)
+    return {name: row.function(measurement) for name, row in table(contact.scene).items()}

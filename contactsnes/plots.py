@@ -1,0 +1,436 @@
+"""Figures of archives, as wide as a column of a journal."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from .archive import ArchiveError, read
+
+WIDTH = 8.5 / 2.54  # inches
+STYLE = {
+    "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,
+    "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 5, "xtick.direction": "in",
+    "ytick.direction": "in", "xtick.top": True, "ytick.right": True, "legend.frameon": False, "savefig.dpi": 300,
+    "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,
+}  # fmt: skip
+# Okabe and Ito's colours, which the colour-blind can tell apart; the markers do without colour.
+BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#555555"
+FILLED = dict(markeredgecolor="white", markeredgewidth=0.4)
+MARKS = {
+    "start": dict(marker="o", markersize=4, color=BLUE, **FILLED),
+    "fold": dict(marker="v", markersize=6, color=VERMILION, **FILLED),
+    "jump": dict(marker="s", markersize=8, color="none", markeredgecolor="#E69F00"),  # open: others may sit in it
+    "gross_sliding": dict(marker="*", markersize=8, color="#009E73", **FILLED),
+    "pull_off": dict(marker="X", markersize=6, color="#CC79A7", **FILLED),
+    "bifurcation": dict(marker="D", markersize=5, color="black", **FILLED),
+}
+EVENTS = tuple(MARKS)[1:]
+DASHED = dict(linestyle="--", linewidth=0.7)  # jumps
+
+
+class Figures(NamedTuple):
+    """Files that were written, and the figures that were not, with the reason."""
+
+    files: list[Path]
+    skipped: dict[str, str]
+
+
+class NothingToShow(Exception):
+    """A figure would be empty; the message says why."""
+
+
+def plot(path, output=None, pdf=False, points=None):
+    """Draw the figures that an archive has data for.
+
+    ``RUN-shear.png``: tangential force and contact area against tangential displacement; ``RUN-area.png``: contact area
+    against tangential force; ``RUN-approach.png``: normal force against normal displacement; ``RUN-profiles.png``: gap and
+    tractions in and around the contact at chosen points (along y = 0 in two dimensions); ``RUN-maps.png``: the same over
+    a two-dimensional interface. Shear figures begin where the tangential load begins.
+
+    Parameters
+    ----------
+    path : path of the archive
+    output : folder of the figures; by default that of the archive
+    pdf : bool, whether to write each figure as PDF, too
+    points : list of int, points of profiles and maps, counted from 0 or, if negative, from the end; by default events, the
+        first and the last of the shear, and some between them
+
+    Returns
+    -------
+    Figures
+        Files, and reasons for figures that were skipped.
+
+    Raises
+    ------
+    ArchiveError
+        If the archive cannot be read or has no points, the folder is missing, or a chosen point has no fields.
+    """
+    record = read(path)
+    folder = Path(path).parent if output is None else Path(output)
+    if not record.points:
+        raise ArchiveError(f"{path} has no points to plot yet.")
+    if not folder.is_dir():
+        raise ArchiveError(f"The folder of the figures, {folder}, does not exist: create it or name another.")
+    figures = Figures([], {})
+    chosen = choose_points(record, points)
+    with matplotlib.rc_context(STYLE):
+        for name, draw in (("shear", draw_shear), ("area", draw_area), ("approach", draw_approach),
+                           ("profiles", lambda record: draw_profiles(record, chosen)),
+                           ("maps", lambda record: draw_maps(record, chosen))):  # fmt: skip
+            try:
+                figure = draw(record)
+            except NothingToShow as reason:
+                figures.skipped[name] = str(reason)
+                continue
+            for suffix in (".png", ".pdf") if pdf else (".png",):
+                file = folder / f"{Path(path).stem}-{name}{suffix}"
+                figure.savefig(file)
+                figures.files.append(file)
+    return figures
+
+
+# Figures
+
+
+def draw_shear(record):
+    """Figure of tangential force and contact area against the applied tangential displacement."""
+    direction, part = shear(record)
+    figure = Figure((WIDTH, 1.25 * WIDTH), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    displacement = f"tangential_displacement{direction}"
+    draw_branch(above, record, displacement, f"tangential_force{direction}", part)
+    draw_branch(below, record, displacement, "contact_area", part)
+    above.set_xlabel("")
+    place_legend(above, event_handles(record, part))
+    figure.align_ylabels()
+    return figure
+
+
+def draw_area(record):
+    """Figure of the contact area against the tangential force."""
+    direction, part = shear(record)
+    figure = Figure((WIDTH, 0.8 * WIDTH), layout="constrained")
+    axes = figure.subplots()
+    draw_branch(axes, record, f"tangential_force{direction}", "contact_area", part)
+    place_legend(axes, event_handles(record, part))
+    return figure
+
+
+def draw_approach(record):
+    """Figure of the normal force against the displacements of the mean surface and, if another, of the top."""
+    top, surface, force = record["normal_displacement"], record["approach"], record["normal_force"]
+    part = unsheared(record)
+    if record.points > 1 and not any(varies(values[part]) for values in (top, surface, force)):
+        raise NothingToShow("the normal load is the same at all points")
+    figure = Figure((WIDTH, 0.8 * WIDTH), layout="constrained")
+    axes = figure.subplots()
+    handles = []
+    if not np.allclose(top, surface, rtol=1e-6, atol=1e-6 * np.max(np.abs(top))):
+        axes.plot(top[part], force[part], ":", color=GREY)
+        handles = [Line2D([], [], color=BLUE, label=r"mean surface, $\bar{d}$"),
+                   Line2D([], [], color=GREY, linestyle=":", label="top of the body, $D$")]  # fmt: skip
+    draw_branch(axes, record, "approach", "normal_force", part)
+    axes.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+    if handles:
+        axes.set_xlabel(label("normal displacement", "d", record.units["approach"]))
+    add_inset(axes, record, part)
+    place_legend(axes, handles + event_handles(record, part))
+    return figure
+
+
+def draw_profiles(record, chosen):
+    """Figure of the gap, the pressure and the tangential traction along x at the chosen points."""
+    profiles = fields(record, chosen)
+    if len(record.coordinates) > 1:
+        middle = len(record.coordinates[1]) // 2
+        profiles = [(gap[:, middle], traction[:, :, middle]) for gap, traction in profiles]
+    x, units = record.coordinates[0], record.units["traction"].split("; ")
+    panels = [("gap", "g_n", record.units["initial_gap"], [gap for gap, _ in profiles]),
+              ("pressure", "-p_n", units[0], [-traction[0] for _, traction in profiles])]  # fmt: skip
+    for component, axis in list(enumerate(directions(record)))[: max(len(profiles[0][1]) - 1, 0)]:
+        values = [traction[1 + component] for _, traction in profiles]
+        if any(np.any(value) for value in values):
+            panels.append(("tangential traction", tangential("p", axis), units[-1], values))
+    figure = Figure((WIDTH, (0.25 + 0.45 * len(panels)) * WIDTH), layout="constrained")
+    stack = figure.subplots(len(panels), 1, sharex=True)
+    for axes, (text, symbol, unit, values) in zip(stack, panels):
+        for value, colour in zip(values, colours(len(chosen))):
+            axes.plot(x, value, color=colour)
+        axes.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        axes.set_ylabel(label(text, symbol, unit))
+    zoom(stack, x, [gap for gap, _ in profiles], [traction[0] for _, traction in profiles])
+    stack[-1].set_xlabel(label("", "x", record.units["x"]))
+    handles = [Line2D([], [], color=colour, label=text) for colour, text in zip(colours(len(chosen)), names(record, chosen))]
+    place_legend(stack[0], handles)
+    figure.align_ylabels()
+    return figure
+
+
+def draw_maps(record, chosen):
+    """Figure of the gap, the pressure and the tangential traction over a two-dimensional interface."""
+    if len(record.coordinates) < 2:
+        raise NothingToShow("the interface has one dimension")
+    chosen = chosen if len(chosen) <= 3 else [chosen[0], chosen[len(chosen) // 2], chosen[-1]]
+    maps = fields(record, chosen)
+    gaps, pressures = [gap for gap, _ in maps], [-traction[0] for _, traction in maps]
+    shears = [np.hypot.reduce(traction[1:]) if len(traction) > 1 else np.zeros(1) for _, traction in maps]
+    window, ceiling = contact_region(record.coordinates, gaps, pressures)
+    largest, units = np.max(np.abs(pressures)) or 1, record.units["traction"].split("; ")
+    rows = [("gap", "g_n", record.units["initial_gap"], gaps, "cividis", (np.min(gaps), ceiling)),
+            ("pressure", "-p_n", units[0], pressures, "RdBu_r", (-largest, largest))]  # fmt: skip
+    if np.max(shears) > 0:
+        rows.append(("tang. traction", "|p_t|", units[-1], shears, "viridis", (0, np.max(shears))))
+    width, height = np.ptp(window, axis=1)
+    panel = (WIDTH - 1.4) / max(len(chosen), 2) * height / width
+    figure = Figure((WIDTH, len(rows) * (panel + 0.1) + 0.9), layout="compressed")
+    grid = figure.subplots(len(rows), len(chosen), sharex=True, sharey=True, squeeze=False)
+    for line, (text, symbol, unit, values, colormap, limits) in zip(grid, rows):
+        for axes, value, gap in zip(line, values, gaps):
+            image = draw_map(axes, record, value, colormap, limits)
+            draw_edge(axes, record, gap)
+        figure.colorbar(image, ax=list(line), label=label(text, symbol, unit, "\n"), aspect=12,
+                        extend="max" if text == "gap" else "neither")  # fmt: skip
+    for axes, text in zip(grid[0], names(record, chosen, "\n")):
+        axes.set(title=text, xlim=window[0], ylim=window[1])
+    for axes in grid[-1]:
+        axes.set_xlabel(label("", "x", record.units["x"]))
+    for axes in grid[:, 0]:
+        axes.set_ylabel(label("", "y", record.units["y"]))
+    return figure
+
+
+# Parts of figures
+
+
+def draw_branch(axes, record, x, y, part):
+    """Draw column `y` against column `x` for a part (slice) of the points: jumps dashed, events and the start marked."""
+    horizontal, vertical, events = record[x][part], record[y][part], record["event"][part]
+    jumps = np.flatnonzero(events[1:] == "jump") + 1
+    for piece in np.split(np.arange(len(events)), jumps):
+        axes.plot(horizontal[piece], vertical[piece], color=BLUE)
+    for jump in jumps:
+        axes.plot(horizontal[jump - 1 : jump + 1], vertical[jump - 1 : jump + 1], color=BLUE, **DASHED)
+    axes.plot(horizontal[0], vertical[0], **MARKS["start"], linestyle="none", zorder=3)
+    for name in EVENTS:
+        axes.plot(horizontal[events == name], vertical[events == name], **MARKS[name], linestyle="none", zorder=3)
+    axes.set_xlabel(column_label(record, x))
+    axes.set_ylabel(column_label(record, y))
+    axes.margins(0.06)
+
+
+def add_inset(axes, record, part):
+    """Inset, above a rising curve, of the neighbourhood of events where these crowd in a corner of the axes."""
+    events, x, y = (record[name][part] for name in ("event", "approach", "normal_force"))
+    at = events != "none"
+    if not np.any(at) or np.ptp(x[at]) > 0.2 * np.ptp(x) or np.ptp(y[at]) > 0.2 * np.ptp(y):
+        return
+    inset = axes.inset_axes([0.1, 0.5, 0.4, 0.46])
+    draw_branch(inset, record, "approach", "normal_force", part)
+    for values, limit in ((x[at], inset.set_xlim), (y[at], inset.set_ylim)):
+        margin = 0.3 * np.ptp(values) or 0.1 * np.max(np.abs(values))
+        limit(np.min(values) - margin, np.max(values) + margin)
+    inset.set(xlabel="", ylabel="")
+
+
+def event_handles(record, part):
+    """Entries of the legend for the start and the events that occur."""
+    found = record["event"][part]
+    handles = [Line2D([], [], **MARKS["start"], linestyle="none", label="start" if len(found) > 1 else "only point")]
+    for name in (name for name in EVENTS if name in found):
+        line = DASHED | {"color": BLUE} if name == "jump" else {"linestyle": "none"}
+        look = {**MARKS[name], **line, "markerfacecolor": MARKS[name]["color"]}
+        handles.append(Line2D([], [], **look, label=kinds(record, part) if name == "fold" else name.replace("_", " ")))
+    return handles
+
+
+def kinds(record, part):
+    """Folds with the kinds that occur."""
+    found = record["fold_kind"][part][record["event"][part] == "fold"] if "fold_kind" in record else []
+    words = sorted({str(kind).replace("_", " ") for kind in found if kind})
+    return f"fold ({', '.join(words)})" if words else "fold"
+
+
+def place_legend(axes, handles):
+    """A legend above the axes, where it can hide nothing."""
+    columns = len(handles) if len(handles) < 4 and sum(len(handle.get_label()) for handle in handles) < 40 else 2
+    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns, borderaxespad=0.2,
+                columnspacing=1.2, handletextpad=0.5, handlelength=1.8)  # fmt: skip
+
+
+def draw_map(axes, record, values, colormap, limits):
+    """Image of values on the nodes of a two-dimensional grid."""
+    x, y = record.coordinates
+    half = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    extent = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
+    return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, vmin=limits[0], vmax=limits[1])
+
+
+def draw_edge(axes, record, gap):
+    """Line where the contact ends, if the scene says at which gap."""
+    threshold = record.scene.get("contact_threshold", np.nan) / record.scene.get("normal_maugis", np.nan)
+    if np.min(gap) < threshold < np.max(gap):
+        axes.contour(*record.coordinates, gap.T, levels=[threshold], colors="white", linewidths=1.4)
+        axes.contour(*record.coordinates, gap.T, levels=[threshold], colors="black", linewidths=0.6)
+
+
+def zoom(stack, x, gaps, tractions):
+    """Limit profiles to the contact and its surroundings, and the gap to what matters there."""
+    (window,), ceiling = contact_region((x,), gaps, tractions)
+    stack[0].set_xlim(window)
+    floor = min(map(np.min, gaps))
+    stack[0].set_ylim(floor - 0.1 * (ceiling - floor), ceiling)
+
+
+def colours(count):
+    """Colours of successive points, dark to light; readable in grey."""
+    return matplotlib.colormaps["viridis"](np.linspace(0, 0.85, count))
+
+
+# Data
+
+
+def shear(record):
+    """Direction of the tangential load ('', '_x' or '_y'), and the points from where it begins (slice)."""
+    ranges = {axis: np.ptp(record[f"tangential_displacement{axis}"]) for axis in directions(record)}
+    axis = max(ranges, key=ranges.get)
+    load = record[f"tangential_displacement{axis}"]
+    if not np.any(load):
+        raise NothingToShow("there is no tangential load")
+    moved = np.flatnonzero(load != load[0])
+    return axis, slice(max(moved[0] - 1, 0) if moved.size else 0, None)
+
+
+def unsheared(record):
+    """The points before the tangential load begins; all where the normal load moves on under it (slice)."""
+    try:
+        first = shear(record)[1].start
+    except NothingToShow:
+        return slice(0, None)
+    moves = np.ptp(record["normal_displacement"][first:]) > 0.1 * np.ptp(record["normal_displacement"])
+    return slice(0, None if moves else first + 1)
+
+
+def directions(record):
+    """Endings of the tangential columns."""
+    return [axis for axis in ("", "_x", "_y") if f"tangential_displacement{axis}" in record]
+
+
+def varies(values):
+    return np.ptp(values) > 1e-9 * np.max(np.abs(values))
+
+
+def choose_points(record, points):
+    """Points of profiles and maps: those asked for, or events, begin, end, and some between, of the sheared part."""
+    stored = record.field_points
+    if points is not None:
+        chosen = [point + record.points if point < 0 else point for point in points]
+        for point in chosen:
+            if point not in stored:
+                raise ArchiveError(f"{record.path} has no fields of point {point}; it has those of {describe(stored)}.")
+        return chosen
+    try:
+        stored = [point for point in stored if point >= shear(record)[1].start]
+    except NothingToShow:
+        pass
+    events = [point for point in stored if record["event"][point] in EVENTS]
+    chosen = {*stored[:1], *events[:2], *stored[-1:]}
+    spread = [stored[index] for index in np.linspace(0, len(stored) - 1, 5).astype(int)] if stored else []
+    for point in (spread[2], spread[1], spread[3]) if stored else ():
+        chosen |= {point} if len(chosen) < 5 else set()
+    return sorted(chosen)
+
+
+def describe(stored):
+    return f"points {stored[0]} to {stored[-1]}" if stored else "none (-archive_fields all keeps them)"
+
+
+def fields(record, chosen):
+    """Gap and traction at the chosen points."""
+    if not chosen:
+        raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
+    if record.initial_gap is None:
+        raise NothingToShow("the initial gap is not stored")
+    return [(record.initial_gap + record.field("displacement", point)[0], record.field("traction", point))
+            for point in chosen]  # fmt: skip
+
+
+def contact_region(coordinates, gaps, tractions):
+    """Limits in each direction of where the law acts, with a margin, and a gap above which it does not."""
+    peak = np.max(np.abs(tractions))
+    acts = np.max(np.abs(tractions), axis=0) > 1e-2 * peak if peak > 0 else np.ones(gaps[0].shape, bool)
+    ceiling = 1.5 * max(np.max(gap[acts]) for gap in gaps)
+    limits = []
+    for axis, x in enumerate(coordinates):
+        other = tuple(range(acts.ndim))[:axis] + tuple(range(acts.ndim))[axis + 1 :]
+        inside = x[np.any(acts, axis=other)]
+        margin = 0.2 * (inside[-1] - inside[0]) + 2 * (x[1] - x[0])
+        limits.append((max(inside[0] - margin, x[0]), min(inside[-1] + margin, x[-1])))
+    return limits, ceiling
+
+
+# Words
+
+
+def names(record, chosen, between=", "):
+    """What tells the chosen points apart: the load that differs most, and their events."""
+    columns = [f"tangential_displacement{axis}" for axis in directions(record)] + ["normal_force", "normal_displacement"]
+    spans = {name: np.ptp(record[name][chosen]) > 1e-6 * max(np.max(np.abs(record[name])), 1e-300) for name in columns}
+    name = next((name for name in columns if spans[name]), "normal_force")
+    texts = [f"{symbol_of(record, name)} = {record[name][point]:.4g}" for point in chosen]
+    events = [str(record["event"][point]).replace("_", " ") for point in chosen]
+    return [text if event == "none" else f"{text}{between}{event}" for text, event in zip(texts, events)]
+
+
+SYMBOLS = {
+    "normal_force": ("normal force", "W_n"),
+    "approach": ("approach", r"\bar{d}"),
+    "normal_displacement": ("normal displacement", "D"),
+    "tangential_force": ("tangential force", "W_t"),
+    "tangential_displacement": ("tangential displacement", "U_t"),
+}
+
+
+def column_label(record, name):
+    """Label of a column: words, symbol and unit."""
+    unit = record.units[name]
+    if name == "contact_area":
+        return label("contact area", "A", unit) if len(record.coordinates) > 1 or "2" in unit else label("contact length", "2a", unit)
+    return label(*word_and_symbol(name), unit)
+
+
+def word_and_symbol(name):
+    axis = name[-2:] if name.endswith(("_x", "_y")) else ""
+    words, symbol = SYMBOLS[name.removesuffix(axis)]
+    return words, tangential(symbol[0], axis) if axis else symbol
+
+
+def tangential(symbol, axis):
+    """Symbol of a tangential quantity in a direction ('', '_x', '_y')."""
+    return f"{symbol}_{{t{axis.replace('_', ',')}}}"
+
+
+def symbol_of(record, name):
+    """Symbol over unit of a column."""
+    return label("", word_and_symbol(name)[1], record.units[name])
+
+
+def label(words, symbol, unit, between=" "):
+    """Label in a figure: a symbol over its scale (contact length $2a/\\beta$), or before its SI unit in brackets."""
+    scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
+    scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
+    scale = re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)
+    if not unit:
+        text = f"${symbol}$"
+    elif scale == unit:
+        text = f"${symbol}$ ({unit})"
+    else:
+        scale = "(" + scale.replace(" ", r"\,") + ")" if " " in scale else scale
+        text = f"${symbol} / {scale}$"
+    return f"{words}{between if words else ''}{text}"
