@@ -107,15 +107,7 @@ class Contact:
 
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""
-        grid = self.grid
-        within = normal_gap < CUTOFF
-        found = enclosing(grid, within, margin=0.05)
-        whole = [2 * n - 1 >= total for n, total in zip(found.shape, grid.shape)]
-        if all(whole):
-            return grid.whole
-        start = [0 if full else s for full, s in zip(whole, found.start)]
-        shape = [total if full else n for full, n, total in zip(whole, found.shape, grid.shape)]
-        return type(found)(grid, start, shape)
+        return enclosing(self.grid, normal_gap < CUTOFF, margin=0.05)
 
 
 class DisplacementForm:

@@ -10,6 +10,8 @@ import numpy as np
 
 FOLD_TOLERANCE = 1e-6
 """Relative accuracy in the load to which a fold is located; a step of the search promises less than this."""
+SHORT = 0.1
+"""Steps that had to be cut below this part of the leg's initial one look like a fold: arc length finds out."""
 
 
 class NotConverged(RuntimeError):
@@ -138,11 +140,11 @@ class Walk:
             step = left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left) if left < 2.0 * step else step
             target = 1.0 if step == left else position + step
             try:
-                point = self._step(target)
+                point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge" else self.predictor)
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the next one is {step:.3g} of the leg")
-                if failures >= 2 or step < self.leg.smallest:
+                if failures >= 2 or step < max(self.leg.smallest, SHORT * self.leg.initial):
                     yield from self._fold(error)
                     if self.stopped:
                         return
@@ -156,9 +158,9 @@ class Walk:
         return ", ".join(f"{name} {value:.6g}" for name, value in
                          zip(self.system.names(self.leg.controls), self.leg.load(position)))
 
-    def _step(self, target):
+    def _step(self, target, predictor):
         """Predict and correct; a correction as long as the step itself is another branch's, not a neighbour."""
-        guess = predict(self.system, self.history, self.leg, target, self.predictor)
+        guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         last = self.history[-1][1]
         missed = self.system.missed(guess, point.state)
@@ -174,8 +176,12 @@ class Walk:
 
     def _fold(self, error):
         """Find out what stops the walk; yield the fold and, by default, the point after the jump."""
-        turn = Turn(self.system, self.leg, self.history)
-        fold, beyond, passed = turn.search(error)
+        try:
+            fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
+        except NotConverged:
+            fold, beyond, passed = self.history[-1][1], self.system.lowered(self.history[-1][1]), None
+            if beyond is None:
+                raise
         if fold is None:
             yield self._accept(passed)
             return
@@ -222,12 +228,22 @@ class Turn:
                     raise NotConverged(f"{error}; following the branch by arc length failed too: {second}") from None
                 continue
             trail.append((point.position, point))
-            if point.position < trail[-2][0]:
+            arc, slope = self._slopes(trail[-3:])
+            if slope[2] <= 0.0:
                 return (*self._locate(trail[-3:]), None)
-            if point.position >= 1.0 or (point.position > reach and len(trail) > 8):
+            steady = slope[2] > 0.7 * slope[1]
+            if steady and (point.position >= 1.0 or (point.position > reach and len(trail) > 8)):
                 return None, None, self._natural(trail, min(point.position, 1.0))
-            length *= 1.5 if point.spent["last_iterations"] <= 6 else 1.0
+            length *= 1.7 if steady and point.spent["last_iterations"] <= 6 else 1.0
         raise NotConverged(f"{error}; arc length made no headway either")
+
+    def _slopes(self, trail):
+        """Places on the arc of three points, and d(position)/d(arc length) there by the parabola through them."""
+        distance = self.system.distance
+        arc = np.array([-distance(trail[0][1].state, trail[1][1].state), 0.0,
+                        distance(trail[1][1].state, trail[2][1].state)])
+        curvature, slope, _ = np.polyfit(arc, [place for place, _ in trail], 2)
+        return arc, slope + 2.0 * curvature * arc
 
     def _trail(self):
         """The last two points, made by a tiny tangent step where the leg has only begun."""
@@ -259,15 +275,12 @@ class Turn:
     def _locate(self, trail):
         """The point of largest load among three on the arc, refined by parabolas, and the state beyond it."""
         beyond = trail[-1][1]
-        distance = self.system.distance
-        for _ in range(8):
-            arc = np.array([-distance(trail[0][1].state, trail[1][1].state), 0.0,
-                            distance(trail[1][1].state, trail[2][1].state)])
-            places = np.array([place for place, _ in trail])
-            curvature, slope, _ = np.polyfit(arc, places - places[1], 2)
-            shift = float(np.clip(-0.5 * slope / curvature, 0.9 * arc[0], 0.9 * arc[2])) if curvature < 0.0 else 0.5 * arc[2]
-            gain = abs(curvature) * shift ** 2
-            if gain * self._scale() < FOLD_TOLERANCE:
+        for _ in range(10):
+            arc, slopes = self._slopes(trail)
+            curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
+            top = -0.5 * slopes[1] / curvature if curvature < 0.0 else 0.5 * arc[2]
+            shift = float(np.clip(top, 0.9 * arc[0], 0.9 * arc[2]))
+            if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
                 break
             toward = 0 if shift < 0.0 else 2
             try:
@@ -320,7 +333,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     Parameters
     ----------
     system : solves, extrapolates and jumps (``Corrector``)
-    start : function () -> Point, the first point, for a path without ``history``
+    start : function () -> Point, the first point with what it cost, for a path without ``history``
     legs : functions (last point) -> Leg or None (nothing to do), one a leg
     predictor, at_fold : options ``-continuation_*``
     stops : names of events that end the path
@@ -338,7 +351,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         fresh = list(with_events(emitted[-2] if len(emitted) > 1 else None, emitted[-1]))[1:] \
             if emitted[-1].event == "jump" else []
     else:
-        fresh = [replace(start(), spent=system.account())]
+        fresh = [start()]
     for point in fresh:
         emitted.append(point)
         yield point

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import matplotlib
 import numpy as np
+from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -19,20 +20,21 @@ STYLE = {
     "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 5, "xtick.direction": "in",
     "ytick.direction": "in", "xtick.top": True, "ytick.right": True, "legend.frameon": False, "savefig.dpi": 300,
     "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,
-}  # fmt: skip
+}
 # Okabe and Ito's colours, which the colour-blind can tell apart; the markers do without colour.
 BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#555555"
 FILLED = dict(markeredgecolor="white", markeredgewidth=0.4)
 MARKS = {
     "start": dict(marker="o", markersize=4, color=BLUE, **FILLED),
     "fold": dict(marker="v", markersize=6, color=VERMILION, **FILLED),
-    "jump": dict(marker="s", markersize=8, color="none", markeredgecolor="#E69F00"),  # open: others may sit in it
-    "gross_sliding": dict(marker="*", markersize=8, color="#009E73", **FILLED),
-    "pull_off": dict(marker="X", markersize=6, color="#CC79A7", **FILLED),
+    "jump": dict(marker="s", markersize=7, color="none", markeredgecolor="#E69F00"),  # open: others may sit in it
+    "gross_sliding": dict(marker="*", markersize=7, color="#009E73", **FILLED),
+    "pull_off": dict(marker="X", markersize=5, color="#CC79A7", **FILLED),
     "bifurcation": dict(marker="D", markersize=5, color="black", **FILLED),
 }
 EVENTS = tuple(MARKS)[1:]
 DASHED = dict(linestyle="--", linewidth=0.7)  # jumps
+ZERO = dict(color=GREY, linewidth=0.4, zorder=0)
 
 
 class Figures(NamedTuple):
@@ -83,7 +85,7 @@ def plot(path, output=None, pdf=False, points=None):
     with matplotlib.rc_context(STYLE):
         for name, draw in (("shear", draw_shear), ("area", draw_area), ("approach", draw_approach),
                            ("profiles", lambda record: draw_profiles(record, chosen)),
-                           ("maps", lambda record: draw_maps(record, chosen))):  # fmt: skip
+                           ("maps", lambda record: draw_maps(record, chosen))):
             try:
                 figure = draw(record)
             except NothingToShow as reason:
@@ -127,20 +129,22 @@ def draw_approach(record):
     """Figure of the normal force against the displacements of the mean surface and, if another, of the top."""
     top, surface, force = record["normal_displacement"], record["approach"], record["normal_force"]
     part = unsheared(record)
-    if record.points > 1 and not any(varies(values[part]) for values in (top, surface, force)):
-        raise NothingToShow("the normal load is the same at all points")
+    if record.points > 1 and not (varies(force[part]) and (varies(top[part]) or varies(surface[part]))):
+        raise NothingToShow("the normal load does not move")
     figure = Figure((WIDTH, 0.8 * WIDTH), layout="constrained")
     axes = figure.subplots()
     handles = []
     if not np.allclose(top, surface, rtol=1e-6, atol=1e-6 * np.max(np.abs(top))):
-        axes.plot(top[part], force[part], ":", color=GREY)
+        for piece in pieces(record["event"][part]):
+            axes.plot(top[part][piece], force[part][piece], ":", color=GREY)
         handles = [Line2D([], [], color=BLUE, label=r"mean surface, $\bar{d}$"),
-                   Line2D([], [], color=GREY, linestyle=":", label="top of the body, $D$")]  # fmt: skip
-    draw_branch(axes, record, "approach", "normal_force", part)
-    axes.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+                   Line2D([], [], color=GREY, linestyle=":", label="top of the body, $D$")]
+    crowded = draw_inset(axes, record, part)
+    draw_branch(axes, record, "approach", "normal_force", part, () if crowded else EVENTS)
+    axes.axhline(0, **ZERO)
+    axes.axvline(0, **ZERO)
     if handles:
         axes.set_xlabel(label("normal displacement", "d", record.units["approach"]))
-    add_inset(axes, record, part)
     place_legend(axes, handles + event_handles(record, part))
     return figure
 
@@ -153,22 +157,23 @@ def draw_profiles(record, chosen):
         profiles = [(gap[:, middle], traction[:, :, middle]) for gap, traction in profiles]
     x, units = record.coordinates[0], record.units["traction"].split("; ")
     panels = [("gap", "g_n", record.units["initial_gap"], [gap for gap, _ in profiles]),
-              ("pressure", "-p_n", units[0], [-traction[0] for _, traction in profiles])]  # fmt: skip
+              ("pressure", "-p_n", units[0], [-traction[0] for _, traction in profiles])]
     for component, axis in list(enumerate(directions(record)))[: max(len(profiles[0][1]) - 1, 0)]:
         values = [traction[1 + component] for _, traction in profiles]
-        if any(np.any(value) for value in values):
+        if np.max(np.abs(values)) > 1e-6 * np.max(np.abs([traction for _, traction in profiles])):
             panels.append(("tangential traction", tangential("p", axis), units[-1], values))
     figure = Figure((WIDTH, (0.25 + 0.45 * len(panels)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(panels), 1, sharex=True)
     for axes, (text, symbol, unit, values) in zip(stack, panels):
         for value, colour in zip(values, colours(len(chosen))):
             axes.plot(x, value, color=colour)
-        axes.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        axes.axhline(0, **ZERO)
         axes.set_ylabel(label(text, symbol, unit))
     zoom(stack, x, [gap for gap, _ in profiles], [traction[0] for _, traction in profiles])
     stack[-1].set_xlabel(label("", "x", record.units["x"]))
-    handles = [Line2D([], [], color=colour, label=text) for colour, text in zip(colours(len(chosen)), names(record, chosen))]
-    place_legend(stack[0], handles)
+    title, texts = names(record, chosen)
+    handles = [Line2D([], [], color=colour, label=text) for colour, text in zip(colours(len(chosen)), texts)]
+    place_legend(stack[0], handles, title)
     figure.align_ylabels()
     return figure
 
@@ -182,22 +187,27 @@ def draw_maps(record, chosen):
     gaps, pressures = [gap for gap, _ in maps], [-traction[0] for _, traction in maps]
     shears = [np.hypot.reduce(traction[1:]) if len(traction) > 1 else np.zeros(1) for _, traction in maps]
     window, ceiling = contact_region(record.coordinates, gaps, pressures)
-    largest, units = np.max(np.abs(pressures)) or 1, record.units["traction"].split("; ")
-    rows = [("gap", "g_n", record.units["initial_gap"], gaps, "cividis", (np.min(gaps), ceiling)),
-            ("pressure", "-p_n", units[0], pressures, "RdBu_r", (-largest, largest))]  # fmt: skip
+    units = record.units["traction"].split("; ")
+    rows = [("gap", "g_n", record.units["initial_gap"], gaps, "cividis", Normalize(np.min(gaps), ceiling)),
+            ("pressure", "-p_n", units[0], pressures, *pressure_colours(pressures))]
     if np.max(shears) > 0:
-        rows.append(("tang. traction", "|p_t|", units[-1], shears, "viridis", (0, np.max(shears))))
+        rows.append(("tang. traction", "|p_t|", units[-1], shears, "viridis", Normalize(0, np.max(shears))))
     width, height = np.ptp(window, axis=1)
     panel = (WIDTH - 1.4) / max(len(chosen), 2) * height / width
     figure = Figure((WIDTH, len(rows) * (panel + 0.1) + 0.9), layout="compressed")
     grid = figure.subplots(len(rows), len(chosen), sharex=True, sharey=True, squeeze=False)
-    for line, (text, symbol, unit, values, colormap, limits) in zip(grid, rows):
+    for line, (text, symbol, unit, values, colormap, norm) in zip(grid, rows):
         for axes, value, gap in zip(line, values, gaps):
-            image = draw_map(axes, record, value, colormap, limits)
+            image = draw_map(axes, record, value, colormap, norm)
             draw_edge(axes, record, gap)
-        figure.colorbar(image, ax=list(line), label=label(text, symbol, unit, "\n"), aspect=12,
-                        extend="max" if text == "gap" else "neither")  # fmt: skip
-    for axes, text in zip(grid[0], names(record, chosen, "\n")):
+        bar = figure.colorbar(image, ax=list(line), label=label(text, symbol, unit, "\n"), aspect=12,
+                              extend="max" if text == "gap" else "neither")
+        if isinstance(norm, TwoSlopeNorm):
+            ticks = (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax)
+            bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+    title, texts = names(record, chosen)
+    figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
+    for axes, text in zip(grid[0], texts):
         axes.set(title=text, xlim=window[0], ylim=window[1])
     for axes in grid[-1]:
         axes.set_xlabel(label("", "x", record.units["x"]))
@@ -209,34 +219,45 @@ def draw_maps(record, chosen):
 # Parts of figures
 
 
-def draw_branch(axes, record, x, y, part):
+def draw_branch(axes, record, x, y, part, shown=EVENTS):
     """Draw column `y` against column `x` for a part (slice) of the points: jumps dashed, events and the start marked."""
     horizontal, vertical, events = record[x][part], record[y][part], record["event"][part]
-    jumps = np.flatnonzero(events[1:] == "jump") + 1
-    for piece in np.split(np.arange(len(events)), jumps):
-        axes.plot(horizontal[piece], vertical[piece], color=BLUE)
-    for jump in jumps:
-        axes.plot(horizontal[jump - 1 : jump + 1], vertical[jump - 1 : jump + 1], color=BLUE, **DASHED)
+    dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
+    for piece in pieces(events):
+        axes.plot(horizontal[piece], vertical[piece], color=BLUE, **dots)
+        if piece[0] > 0:
+            jump = slice(piece[0] - 1, piece[0] + 1)
+            axes.plot(horizontal[jump], vertical[jump], color=BLUE, **DASHED)
     axes.plot(horizontal[0], vertical[0], **MARKS["start"], linestyle="none", zorder=3)
-    for name in EVENTS:
+    for name in shown:
         axes.plot(horizontal[events == name], vertical[events == name], **MARKS[name], linestyle="none", zorder=3)
     axes.set_xlabel(column_label(record, x))
     axes.set_ylabel(column_label(record, y))
     axes.margins(0.06)
 
 
-def add_inset(axes, record, part):
-    """Inset, above a rising curve, of the neighbourhood of events where these crowd in a corner of the axes."""
+def pieces(events):
+    """Indices of the points between jumps: one array for each piece of the branch."""
+    return np.split(np.arange(len(events)), np.flatnonzero(events[1:] == "jump") + 1)
+
+
+def draw_inset(axes, record, part):
+    """Inset, above a rising curve, of several events where they crowd at its lower end; whether there is need of it."""
     events, x, y = (record[name][part] for name in ("event", "approach", "normal_force"))
     at = events != "none"
-    if not np.any(at) or np.ptp(x[at]) > 0.2 * np.ptp(x) or np.ptp(y[at]) > 0.2 * np.ptp(y):
-        return
-    inset = axes.inset_axes([0.1, 0.5, 0.4, 0.46])
+    crowded = all(np.max(values[at], initial=values[0]) - np.min(values) < 0.2 * np.ptp(values) for values in (x, y))
+    if np.count_nonzero(at) < 3 or not crowded:
+        return False
+    inset = axes.inset_axes([0.11, 0.57, 0.34, 0.38])
     draw_branch(inset, record, "approach", "normal_force", part)
-    for values, limit in ((x[at], inset.set_xlim), (y[at], inset.set_ylim)):
-        margin = 0.3 * np.ptp(values) or 0.1 * np.max(np.abs(values))
-        limit(np.min(values) - margin, np.max(values) + margin)
-    inset.set(xlabel="", ylabel="")
+    limits = []
+    for values, whole in ((x[at], x), (y[at], y)):
+        margin = 0.3 * np.ptp(values) or 0.05 * np.ptp(whole)
+        limits.append((np.min(values) - margin, np.max(values) + margin))
+    inset.set(xlabel="", ylabel="", xlim=limits[0], ylim=limits[1])
+    (left, right), (low, high) = limits
+    axes.indicate_inset([left, low, right - left, high - low], edgecolor=GREY, linewidth=0.5)
+    return True
 
 
 def event_handles(record, part):
@@ -246,30 +267,31 @@ def event_handles(record, part):
     for name in (name for name in EVENTS if name in found):
         line = DASHED | {"color": BLUE} if name == "jump" else {"linestyle": "none"}
         look = {**MARKS[name], **line, "markerfacecolor": MARKS[name]["color"]}
-        handles.append(Line2D([], [], **look, label=kinds(record, part) if name == "fold" else name.replace("_", " ")))
+        handles.append(Line2D([], [], **look, label=kinds(record, part) if name == "fold" else word(name)))
     return handles
 
 
 def kinds(record, part):
     """Folds with the kinds that occur."""
     found = record["fold_kind"][part][record["event"][part] == "fold"] if "fold_kind" in record else []
-    words = sorted({str(kind).replace("_", " ") for kind in found if kind})
+    words = sorted({word(kind) for kind in found if kind})
     return f"fold ({', '.join(words)})" if words else "fold"
 
 
-def place_legend(axes, handles):
+def place_legend(axes, handles, title=None):
     """A legend above the axes, where it can hide nothing."""
-    columns = len(handles) if len(handles) < 4 and sum(len(handle.get_label()) for handle in handles) < 40 else 2
-    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns, borderaxespad=0.2,
-                columnspacing=1.2, handletextpad=0.5, handlelength=1.8)  # fmt: skip
+    longest = max(len(handle.get_label()) for handle in handles)
+    columns = min(len(handles), 3 if longest < 14 else 2)
+    axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns, borderaxespad=0.2,
+                columnspacing=1.2, handletextpad=0.5, handlelength=1.8)
 
 
-def draw_map(axes, record, values, colormap, limits):
+def draw_map(axes, record, values, colormap, norm):
     """Image of values on the nodes of a two-dimensional grid."""
     x, y = record.coordinates
     half = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     extent = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
-    return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, vmin=limits[0], vmax=limits[1])
+    return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, norm=norm)
 
 
 def draw_edge(axes, record, gap):
@@ -288,6 +310,16 @@ def zoom(stack, x, gaps, tractions):
     stack[0].set_ylim(floor - 0.1 * (ceiling - floor), ceiling)
 
 
+def pressure_colours(pressures):
+    """Colour map and norm: compression red, attraction blue, each over its own range."""
+    low, high = np.min(pressures), np.max(pressures)
+    if low > -1e-3 * high:
+        return "Reds", Normalize(0, high or 1)
+    if high < -1e-3 * low:
+        return "Blues_r", Normalize(low, 0)
+    return "RdBu_r", TwoSlopeNorm(0, low, high)
+
+
 def colours(count):
     """Colours of successive points, dark to light; readable in grey."""
     return matplotlib.colormaps["viridis"](np.linspace(0, 0.85, count))
@@ -298,12 +330,12 @@ def colours(count):
 
 def shear(record):
     """Direction of the tangential load ('', '_x' or '_y'), and the points from where it begins (slice)."""
-    ranges = {axis: np.ptp(record[f"tangential_displacement{axis}"]) for axis in directions(record)}
-    axis = max(ranges, key=ranges.get)
-    load = record[f"tangential_displacement{axis}"]
-    if not np.any(load):
+    axes = [axis for axis in directions(record) if np.any(record[f"tangential_force{axis}"])]
+    loads = [record[f"tangential_displacement{axis}"] for axis in axes]
+    if not any(map(np.any, loads)):
         raise NothingToShow("there is no tangential load")
-    moved = np.flatnonzero(load != load[0])
+    axis, load = max(zip(axes, loads), key=lambda pair: np.max(np.abs(pair[1])))
+    moved = np.flatnonzero(np.abs(load - load[0]) > 1e-6 * np.max(np.abs(load)))
     return axis, slice(max(moved[0] - 1, 0) if moved.size else 0, None)
 
 
@@ -323,7 +355,7 @@ def directions(record):
 
 
 def varies(values):
-    return np.ptp(values) > 1e-9 * np.max(np.abs(values))
+    return np.ptp(values) > 1e-6 * np.max(np.abs(values))
 
 
 def choose_points(record, points):
@@ -358,34 +390,42 @@ def fields(record, chosen):
     if record.initial_gap is None:
         raise NothingToShow("the initial gap is not stored")
     return [(record.initial_gap + record.field("displacement", point)[0], record.field("traction", point))
-            for point in chosen]  # fmt: skip
+            for point in chosen]
 
 
 def contact_region(coordinates, gaps, tractions):
     """Limits in each direction of where the law acts, with a margin, and a gap above which it does not."""
     peak = np.max(np.abs(tractions))
-    acts = np.max(np.abs(tractions), axis=0) > 1e-2 * peak if peak > 0 else np.ones(gaps[0].shape, bool)
-    ceiling = 1.5 * max(np.max(gap[acts]) for gap in gaps)
+    acts = np.abs(tractions) > 1e-2 * peak if peak > 0 else np.ones(np.shape(gaps), bool)
     limits = []
-    for axis, x in enumerate(coordinates):
-        other = tuple(range(acts.ndim))[:axis] + tuple(range(acts.ndim))[axis + 1 :]
-        inside = x[np.any(acts, axis=other)]
+    for axis, x in enumerate(coordinates, start=1):
+        inside = x[np.any(acts, axis=tuple(other for other in range(acts.ndim) if other != axis))]
         margin = 0.2 * (inside[-1] - inside[0]) + 2 * (x[1] - x[0])
         limits.append((max(inside[0] - margin, x[0]), min(inside[-1] + margin, x[-1])))
-    return limits, ceiling
+    return limits, 1.5 * np.max(np.array(gaps)[acts])
 
 
 # Words
 
 
-def names(record, chosen, between=", "):
-    """What tells the chosen points apart: the load that differs most, and their events."""
+def names(record, chosen):
+    """What tells the chosen points apart: symbol of the first load that differs, and its values with the events."""
     columns = [f"tangential_displacement{axis}" for axis in directions(record)] + ["normal_force", "normal_displacement"]
-    spans = {name: np.ptp(record[name][chosen]) > 1e-6 * max(np.max(np.abs(record[name])), 1e-300) for name in columns}
-    name = next((name for name in columns if spans[name]), "normal_force")
-    texts = [f"{symbol_of(record, name)} = {record[name][point]:.4g}" for point in chosen]
-    events = [str(record["event"][point]).replace("_", " ") for point in chosen]
-    return [text if event == "none" else f"{text}{between}{event}" for text, event in zip(texts, events)]
+    differing = [name for name in columns if varies(record[name][chosen])]
+    name = differing[0] if differing else "normal_force"
+    values = [number(record[name][point], 4) for point in chosen]
+    events = [record["event"][point] for point in chosen]
+    texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in zip(values, events)]
+    return label("", word_and_symbol(name)[1], record.units[name]), texts
+
+
+def number(value, digits):
+    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def word(name):
+    """An event or kind of fold in plain words."""
+    return str(name).replace("_", " " if name == "gross_sliding" else "-")
 
 
 SYMBOLS = {
@@ -401,7 +441,7 @@ def column_label(record, name):
     """Label of a column: words, symbol and unit."""
     unit = record.units[name]
     if name == "contact_area":
-        return label("contact area", "A", unit) if len(record.coordinates) > 1 or "2" in unit else label("contact length", "2a", unit)
+        return label(*(("contact area", "A") if unit.endswith("^2") else ("contact length", "2a")), unit)
     return label(*word_and_symbol(name), unit)
 
 
@@ -416,11 +456,6 @@ def tangential(symbol, axis):
     return f"{symbol}_{{t{axis.replace('_', ',')}}}"
 
 
-def symbol_of(record, name):
-    """Symbol over unit of a column."""
-    return label("", word_and_symbol(name)[1], record.units[name])
-
-
 def label(words, symbol, unit, between=" "):
     """Label in a figure: a symbol over its scale (contact length $2a/\\beta$), or before its SI unit in brackets."""
     scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
@@ -431,6 +466,7 @@ def label(words, symbol, unit, between=" "):
     elif scale == unit:
         text = f"${symbol}$ ({unit})"
     else:
-        scale = "(" + scale.replace(" ", r"\,") + ")" if " " in scale else scale
+        if " " in scale:  # a long one: on a line of its own
+            scale, between = "(" + scale.replace(" ", r"\,") + ")", "\n"
         text = f"${symbol} / {scale}$"
     return f"{words}{between if words else ''}{text}"

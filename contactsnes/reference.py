@@ -340,15 +340,15 @@ def rigid_cylinder_load(gap, normal_maugis):
 
 def rigid_cylinder_pull_off(normal_maugis):
     """(gap, load) of least load of `rigid_cylinder_load`: lambda h = 1/2, W = -sqrt(2 pi lambda/e)."""
-    return 0.5 / normal_maugis, rigid_cylinder_load(0.5 / normal_maugis, normal_maugis)
+    _positive(normal_maugis=normal_maugis)
+    return 0.5 / normal_maugis, -np.sqrt(2 * np.pi * normal_maugis * np.exp(-1.0))
 
 
 # ---- tangential loading of line contacts
 
 def slip_zone_force(half_width, stick_half_width, strength):
     """Tangential force 2 tau sqrt(a^2 - s^2) on a contact that sticks at |x| < s and slips at the traction tau beyond
-    (Dugdale's zone in shear, isolated): a law that stays at its peak traction, for large tangential Maugis
-    parameters."""
+    (Dugdale's zone in shear, isolated): a law that stays at its peak, for large tangential Maugis parameters."""
     _positive(strength=strength)
     _require(np.greater_equal(stick_half_width, 0) & np.less_equal(stick_half_width, half_width),
              f"stick_half_width {stick_half_width} must lie between 0 and half_width {half_width}")
@@ -361,8 +361,7 @@ def slip_zone_traction(x, half_width, stick_half_width, strength):
 
 
 def slip_zone_edge_slip(half_width, stick_half_width, strength):
-    """Slip at the edge of the contact of `slip_zone_force`, (4 tau s/pi)[sqrt(m^2-1) arcosh m - m ln m], m = a/s, s >
-    0."""
+    """Slip at the edge of the contact of `slip_zone_force`, (4 tau s/pi)[sqrt(m^2-1) arcosh m - m ln m], m = a/s."""
     _positive(stick_half_width=stick_half_width, strength=strength)
     _require(np.less_equal(stick_half_width, half_width), f"stick_half_width {stick_half_width} exceeds {half_width}")
     return _cohesive_opening(np.arccosh(half_width / stick_half_width), stick_half_width, strength)
@@ -385,16 +384,14 @@ def cattaneo_line_traction(x, half_width, stick_half_width, friction, period=np.
 
 
 def cattaneo_line_displacement(half_width, stick_half_width, friction, period):
-    """Mean tangential displacement f [d(a) - d(s)] of the surface, d the Hertzian approach, relative to the stick
-    zone."""
+    """Mean tangential displacement of the surface relative to the stick zone, f [d(a) - d(s)], d Hertz's approach."""
     return friction * (hertz_line_approach(half_width, period) - hertz_line_approach(stick_half_width, period))
 
 
 def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.0):
-    """Tangential force 2 a tau(slip) for a tangential Maugis parameter lambda_t << 1, where the slip is uniform, b =
-    lambda_t slip: tau = 2 lambda_t b exp(-b^2) up to b = 1/sqrt 2, then tau_max [r + (1-r) exp(-(b - 1/sqrt 2)^2)]
-    (modified law). Leading order: that the contact shrinks makes the true maximum a few per cent less than 2 a
-    tau_max."""
+    """Tangential force 2 a tau for a tangential Maugis parameter lambda_t << 1, where the slip is uniform (leading
+    order; the contact shrinks, so that the true maximum is a few per cent below 2 a tau_max). Modified law,
+    b = lambda_t slip: tau = 2 lambda_t b exp(-b^2) up to b = 1/sqrt 2, then tau_max [r + (1-r) exp(-(b - 1/sqrt 2)^2)]."""
     _require(0 <= residual_friction <= 1, f"residual_friction {residual_friction} must lie between 0 and 1")
     b, b_peak = tangential_maugis * np.abs(slip), np.sqrt(0.5)
     level = residual_friction + (1 - residual_friction) * np.exp(-((b - b_peak) ** 2))
@@ -403,17 +400,17 @@ def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.
 
 
 def drive_stiffness(period, height, poisson=0.5):
-    """Force per tangential displacement of the top at a held surface, L k_0t = L (1 - nu)/(2 H): simple shear of a
-    layer."""
+    """Force per tangential displacement of the top at a held surface, L k_0t = L (1 - nu)/(2 H), the layer's
+    simple shear."""
     _positive(period=period, height=height)
-    _require(period < np.inf and 0 <= poisson <= 0.5, f"need a finite period {period} and 0 <= poisson {poisson} <= 0.5")
+    _require(np.isfinite(period), "the force per cell needs a finite period")
+    _require(0 <= poisson <= 0.5, f"poisson {poisson} must lie between 0 and 0.5")
     return period * (1 - poisson) / (2 * height)
 
 
 def driven_displacement(mean_slip, tangential_force, period, height, poisson=0.5):
     """Tangential displacement of the top, U = mean u_t + T/(L k_0t). The path (mean u_t, T) is the same for any
-    height; sliding starts with a jump if dT/d(mean u_t) < -`drive_stiffness` somewhere. After gross sliding T is
-    constant."""
+    height; sliding starts with a jump where dT/d(mean u_t) < -`drive_stiffness`. After gross sliding T is constant."""
     return mean_slip + tangential_force / drive_stiffness(period, height, poisson)
 
 
@@ -428,10 +425,9 @@ def mixed_mode_toughness(phase_angle, mode_parameter):
 
 
 def mixed_mode_line(half_width, phase_angle, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
-    """(load, tangential_force) of a bonded adhesive cylinder at the equilibrium K_I^2 + K_II^2 = 2 G_c(psi) of its
-    edge: W = W_Hertz - B cos psi, T = B sin psi/sqrt(phi_t/phi_n), B = ligament force times sqrt(G_c). The unit of T
-    carries sqrt(phi_t/phi_n), hence `work_ratio` phi_t/phi_n. Nothing slips; a cohesive law follows this
-    qualitatively at best."""
+    """(load, tangential_force) of a bonded adhesive cylinder at the equilibrium K_I^2 + K_II^2 = 2 G_c(psi) of its edge,
+    W = W_Hertz - B cos psi, T = B sin psi/sqrt(phi_t/phi_n), B = ligament force times sqrt(G_c). The unit of T carries
+    sqrt(phi_t/phi_n), hence `work_ratio` phi_t/phi_n. Nothing slips; a cohesive law follows this at best in quality."""
     _positive(work_ratio=work_ratio)
     bond = ligament_force(half_width, period) * np.sqrt(mixed_mode_toughness(phase_angle, mode_parameter))
     load = hertz_line_load(half_width, period) - bond * np.cos(phase_angle)
@@ -457,14 +453,14 @@ def _mixed_mode_force(half_width, load, mode_parameter, work_ratio, period):
 
 def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
     """(half_width, tangential_force) of `mixed_mode_line` at the largest tangential force a load allows, 0 < m <= 1,
-    beyond which the bonded contact breaks or slides; for m < 1 under compression its width may then have come down to
-    Hertz's."""
+    beyond which the bond breaks; for m < 1 and under compression the width may then be down to Hertz's."""
     _require(0 < mode_parameter <= 1, f"mode_parameter {mode_parameter} must be above 0 and at most 1")
     largest = jkr_line_half_width(load, period)
     if load >= 0:
         smallest = max(hertz_line_half_width(load, period), 1e-9)
     else:  # the unstable equilibrium without shear
-        smallest = brentq(lambda a: jkr_line_load(a, period) - load, load**2 / (8 * np.pi), _jkr_extrema(period, 1.0)[0])
+        ends = load**2 / (8 * np.pi), jkr_line_pull_off(period)[0]
+        smallest = brentq(lambda a: jkr_line_load(a, period) - load, *ends)
 
     def force(a):
         return _mixed_mode_force(a, load, mode_parameter, work_ratio, period)
@@ -474,8 +470,7 @@ def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np
 
 
 def mixed_mode_line_half_width(load, tangential_force, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
-    """Half width of `mixed_mode_line` that is stable at a load and a tangential force, up to
-    `mixed_mode_line_strength`."""
+    """Half width of `mixed_mode_line`, stable at a load and a tangential force up to `mixed_mode_line_strength`."""
     smallest, strength = mixed_mode_line_strength(load, mode_parameter, work_ratio, period)
     largest = jkr_line_half_width(load, period)
 
@@ -528,9 +523,8 @@ def mcgarry_sequential_work(normal_ranges=None, tangential_ranges=None):
 
 
 def modified_tangential_work(residual_friction):
-    """(up to the peak, excess over the residual traction beyond it) of the tangential work of the modified law at no
-    gap, 1 - exp(-1/2) and sqrt(pi/2) exp(-1/2) (1 - tau_inf/tau_max), in phi_t: without residual friction 1.1536 in
-    all, not 1."""
+    """Tangential work of the modified law at no gap, in phi_t: (up to the peak, excess over the residual traction beyond
+    it), 1 - exp(-1/2) and sqrt(pi/2) exp(-1/2) (1 - tau_inf/tau_max); 1.1536 in all without residual friction, not 1."""
     _not_negative(residual_friction=residual_friction)
     return 1 - np.exp(-0.5), np.sqrt(np.pi / 2) * np.exp(-0.5) * (1 - residual_friction)
 
@@ -635,7 +629,7 @@ def maugis_sphere_pull_off(cohesive_stress, work_of_adhesion=1.0, contact_modulu
 
 def maugis_sphere(load, cohesive_stress, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
     """(a, c, approach) of a Maugis-Dugdale sphere at a load: contact r < a, uniform tension s on a < r < c, s h(c) = w
-    (Maugis 1992). With lambda = 2 s (R/(pi w K^2))^(1/3), K = 4 E*/3, A = a (K/(pi w R^2))^(1/3), m = c/a, t = sqrt(m^2-1):
+    (Maugis 1992). With K = 4 E*/3, lambda = 2 s (R/(pi w K^2))^(1/3), A = a (K/(pi w R^2))^(1/3), t^2 = m^2 - 1, m = c/a:
     1 = (lambda A^2/2)[t + (m^2-2) arctan t] + (4 lambda^2 A/3)[t arctan t - m + 1],
     P/(pi w R) = A^3 - lambda A^2 [t + m^2 arctan t], delta (K^2/(pi^2 w^2 R))^(1/3) = A^2 - (4/3) lambda A t.
     For the exponential law s = phi_n/(e delta_n). ValueError below pull-off."""

@@ -1,5 +1,7 @@
 """The Python face: from a scene and a load path to its branch of converged points."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from . import continuation, observables, scene as scenes
@@ -69,32 +71,44 @@ class Branch:
                                   **{name: packed[name] for name in KEPT})
 
     def _start(self):
-        """The first point, at -load_start."""
+        """The first point, at -load_start: a cold solve without tangential load, then steps to the one asked for."""
         initial = self.load.initial(self.scene.dimension)
         count = self.scene.components if self._sheared[0] else 1
-        controls = tuple(initial[i].control for i in range(count))
-        return self.corrector.start(controls, np.array([initial[i].value for i in range(count)]))
+        controls = (initial[0].control, *[DISPLACEMENT] * (count - 1))
+        values = np.array([initial[0].value, *[0.0] * (count - 1)])
+        point = replace(self.corrector.start(controls, values), spent=self.corrector.account())
+        leg = self._leg_to(0, initial, count, [point], lambda length: (0.1 * length, 0.25 * length, 1e-6 * length))
+        if leg is None:
+            return point
+        spent = dict(point.spent)
+        for point in continuation.Walk(self.corrector, leg, [(0.0, point)], self.steps.predictor, "jump"):
+            spent = {name: spent[name] + point.spent[name] for name in spent}
+        return replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="", spent=spent)
 
     def _leg(self, number, points):
         """The continuation's leg from the last point, or None where nothing moves."""
-        named, last = self.legs[number - 1].controls, points[-1]
         count = self.scene.components if self._sheared[number] else 1
+        return self._leg_to(number, self.legs[number - 1].controls, count, points,
+                            lambda length: self.steps.sizes(number, length))
+
+    def _leg_to(self, number, named, count, points, sizes):
+        """A leg from the last point to named controls and values (None: held), or None where nothing moves."""
+        last = points[-1]
         controls = [*last.controls, *[DISPLACEMENT] * (count - len(last.controls))]
-        reached = {DISPLACEMENT: np.resize(last.displacements, count), FORCE: np.resize(last.forces, count)}
-        for values in reached.values():
-            values[len(last.controls):] = 0.0
-        for component, control in named.items():
-            controls[component] = control.control
+        reached = {DISPLACEMENT: last.displacements, FORCE: last.forces}
+        reached = {control: np.append(values, np.zeros(count - len(values))) for control, values in reached.items()}
+        for component in set(named) & set(range(count)):
+            controls[component] = named[component].control
         start = np.array([reached[control][i] for i, control in enumerate(controls)])
-        if last.leg == number:
+        if last.leg == number and last.origin is not None:
             start = last.origin
         end = start.copy()
-        for component, control in named.items():
-            if control.value is not None:
-                end[component] = control.value
-        moving = [component for component in named if end[component] != start[component]]
+        for component in set(named) & set(range(count)):
+            if named[component].value is not None:
+                end[component] = named[component].value
+        moving = [component for component in named if component < count and end[component] != start[component]]
         if not moving:
             return None
         length = abs(end[moving[0]] - start[moving[0]])
-        initial, largest, smallest = np.array(self.steps.sizes(number, length)) / length
+        initial, largest, smallest = np.array(sizes(length)) / length
         return continuation.Leg(number, tuple(controls), start, end, moving[0], initial, largest, smallest)

@@ -12,7 +12,6 @@ from .contact import FORCE, ArcLength, DisplacementForm, ForceForm
 from .continuation import NoEquilibrium, NotConverged, Point
 from .laws import DEEPEST, SLIP, SOFTENING
 from .options import read
-from .preconditioners import ZonePC
 from .scene import Options, option
 
 COLD, WARM = 200, 16
@@ -102,7 +101,7 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=300)
     ksp.getPC().setType("python")
-    ksp.getPC().setPythonContext(ZonePC())
+    ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
     if not database.hasName("ksp_rtol"):
         snes.setUseEW(True)
         snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
@@ -191,15 +190,24 @@ class Corrector:
         """How far a solve ended from its guess where the law acts, ranges of the law."""
         return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state)
 
+    def lowered(self, point):
+        """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""
+        free = point.controls[0] == FORCE and not point.in_contact
+        return states.lowered(self.contact, point.state) if free else None
+
     # Solving.
     def start(self, controls, load):
-        """The first point: a cold solve at given loads from the start without overlap."""
+        """The first point: a cold solve at given loads from the start without overlap.
+
+        Under a prescribed normal force, and where Newton fails, the body is relaxed from there dynamically first.
+        """
         state = states.undeformed(self.contact, controls, load)
-        try:
-            return self.solve(state, controls, load, COLD)
-        except NotConverged as error:
-            self.log(f"the first solve failed ({error}): relaxing the body dynamically")
-            return self.jump(state, controls, load, "from the undeformed body")
+        if controls[0] != FORCE:
+            try:
+                return self.solve(state, controls, load, COLD)
+            except NotConverged as error:
+                self.log(f"the first solve failed ({error}): relaxing the body dynamically")
+        return self.jump(state, controls, load, "from the undeformed body")
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
@@ -264,8 +272,6 @@ class Corrector:
 
         Raises NoEquilibrium where the body leaves or slides without end, NotConverged where the motion does not settle.
         """
-        from .relaxation import Fire
-
         form = ForceForm(self.contact, controls)
         form.set_load(load)
         cell = self.contact.extended(states.with_components(state, form.components)).reshape(form.shape)
@@ -273,14 +279,13 @@ class Corrector:
         for tolerance in (1e-3, 1e-5, 1e-8):
             snes = create_snes(form, prefix="jump_")
             snes.setType("python")
-            fire = Fire()
-            snes.setPythonContext(fire)
+            snes.setPythonType("contactsnes.relaxation.Fire")
             snes.setTolerances(atol=tolerance, max_it=200000)
             snes.setFromOptions()
             try:
                 unknown, _ = self._newton(form, unknown, None, snes)
             except NotConverged as error:
-                if getattr(fire, "escaped", False):
+                if snes.getPythonContext().escaped:
                     loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
                     raise NoEquilibrium(f"no equilibrium at {loads} {where}: the body leaves or slides without end") from None
                 raise NotConverged(f"the motion {where} did not settle: {error}") from None

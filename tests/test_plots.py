@@ -43,7 +43,7 @@ def jkr(half_width, compliance=0.0):
     force = np.pi * half_width**2 / 4 - np.sqrt(2 * np.pi * half_width)
     displacement = 2 / np.pi * (force * np.log(LENGTH / np.pi / half_width) + np.pi * half_width**2 / 8)
     return dict(normal_force=force, approach=displacement, contact_area=2 * half_width,
-                normal_displacement=displacement + compliance * force)  # fmt: skip
+                normal_displacement=displacement + compliance * force)
 
 
 def loading(compliance=0.0, contact=(0.86, 6.3), count=30):
@@ -63,7 +63,7 @@ def shear(half_width=6.3, count=40, axis=""):
     for step in load:
         force = step / 52
         rows.append({**jkr(half_width), f"tangential_displacement{axis}": step, f"tangential_force{axis}": force,
-                     "contact_area": 2 * half_width * (1 - 0.0045 * force**2)})  # fmt: skip
+                     "contact_area": 2 * half_width * (1 - 0.0045 * force**2)})
     rows[-1] |= dict(event="fold", fold_kind="sliding")
     slid = {**rows[-1], f"tangential_force{axis}": 4.4, "contact_area": 1.55 * half_width, "fold_kind": ""}
     rows += [{**slid, "event": "jump"}, {**slid, "event": "gross_sliding"}]
@@ -128,18 +128,18 @@ def check_images(figures):
 def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
     line_archive(tmp_path / "run.h5", rows)
-    figures = plots.plot(tmp_path / "run.h5", pdf=True)
-    kinds = ("approach", "area", "profiles", "shear")
-    assert names_of(figures) == [f"run-{kind}.{suffix}" for kind in kinds for suffix in ("pdf", "png")]
-    assert all(file.parent == tmp_path and file.stat().st_size > 1000 for file in figures.files)
+    figures = plots.plot(tmp_path / "run.h5")
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles", "shear")]
     assert figures.skipped == {"maps": "the interface has one dimension"}
     check_images(figures)
 
 
 def test_normal_loading_has_no_tangential_figures(tmp_path):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in loading()])
-    figures = plots.plot(tmp_path / "run.h5", output=tmp_path)
-    assert names_of(figures) == ["run-approach.png"]
+    (tmp_path / "figures").mkdir()
+    figures = plots.plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
+    assert names_of(figures) == ["run-approach.pdf", "run-approach.png"]
+    assert all(file.parent.name == "figures" and file.stat().st_size > 1000 for file in figures.files)
     assert figures.skipped["shear"] == figures.skipped["area"] == "there is no tangential load"
     assert "-archive_fields" in figures.skipped["profiles"]
 
@@ -148,8 +148,17 @@ def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plots.plot(tmp_path / "run.h5", points=[0, -1])
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles", "shear")]
-    assert figures.skipped == {"approach": "the normal load is the same at all points"}
+    assert figures.skipped == {"approach": "the normal load does not move"}
     check_images(figures)
+
+
+def test_normal_load_under_shear_is_part_of_the_approach(tmp_path):
+    rows = [jkr(half_width) for half_width in (2, 4, 6.3)] + shear(count=5)[1:5]
+    unloading = [{**rows[-1], **jkr(half_width)} for half_width in (4, 2)]
+    for name, last in (("held", []), ("unloaded", unloading)):
+        record = plots.read(archive_of(tmp_path / f"{name}.h5", [(row, ()) for row in rows + last]).path)
+        curve = plots.draw_approach(record).axes[0].lines[0].get_xdata()
+        assert len(curve) == (record.points if last else 3)
 
 
 @pytest.mark.parametrize("fields", ["none", "last"])
@@ -223,8 +232,8 @@ def test_bad_input(tmp_path):
     [
         ("w_t,r", "force $W / w_{t,r}$"),
         ("beta^2", r"force $W / \beta^2$"),
-        ("R phi_n", r"force $W / (R\,\phi_{n})$"),
-        ("R phi_n sqrt(phi_t/phi_n)", r"force $W / (R\,\phi_{n}\,\sqrt{\phi_{t}/\phi_{n}})$"),
+        ("R phi_n", "force\n" r"$W / (R\,\phi_{n})$"),
+        ("R phi_n sqrt(phi_t/phi_n)", "force\n" r"$W / (R\,\phi_{n}\,\sqrt{\phi_{t}/\phi_{n}})$"),
         ("N/m", "force $W$ (N/m)"),
         ("", "force $W$"),
     ],

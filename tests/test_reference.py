@@ -389,7 +389,7 @@ def test_savkoor_briggs_line_against_its_quartic(load, ratio):
     bond = np.pi * critical**2 / 4 - load
     assert bond * critical == pytest.approx(2, rel=1e-5)
     assert strength == pytest.approx(np.sqrt((2 * np.pi * critical - bond**2) / ratio), rel=1e-9)
-    for tangential in (0.0, 0.5 * strength, 0.99 * strength):
+    for tangential in (0.0, 1e-12, 0.5 * strength, 0.99 * strength):
         quartic = [np.pi**2 / 16, 0, -np.pi / 2 * load, -2 * np.pi, load**2 + ratio * tangential**2]
         roots = np.roots(quartic)
         largest = roots[np.abs(roots.imag) < 1e-9].real.max()
@@ -610,6 +610,15 @@ def test_savkoor_briggs_sphere_releases_the_work_of_adhesion(load, tangential):
     lambda: reference.mixed_mode_line_strength(0.0, 0.0),
     lambda: reference.savkoor_briggs_line_load(1.0, 10.0),
     lambda: reference.mcgarry_sequential_work(),
+    lambda: reference.mixed_mode_line_half_width(-2.0, 0.1),
+    lambda: reference.jkr_line_half_width(np.nan),
+    lambda: reference.jkr_line_pull_off(np.inf, -1.0),
+    lambda: reference.sinusoid_half_width(0.0, np.inf, 1.0),
+    lambda: reference.sinusoid_half_width(0.0, 10.0, -1.0),
+    lambda: reference.rigid_cylinder_pull_off(0.0),
+    lambda: reference.peak_tangential_traction(-1.0),
+    lambda: reference.modified_tangential_work(-0.1),
+    lambda: reference.normal_work(-1.0),
     lambda: reference.hertz_sphere(-1.0),
     lambda: reference.jkr_sphere_radius(-4.8),
     lambda: reference.jkr_sphere(1.0, radius=0.0),
