@@ -10,7 +10,7 @@ force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of th
 import numpy as np
 
 from .elasticity import Body
-from .fourier import Convolution, Grid, Transform, enclosing
+from .fourier import Convolution, Grid, Operator, enclosing
 from .geometry import initial_gap
 from .laws import CUTOFF, LAWS
 
@@ -49,7 +49,7 @@ class Contact:
         self.initial_gap = self.ranges[0] * np.ascontiguousarray(gap)
         self.convex = scene.geometry in ("cylinder", "sphere")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
-        self._symbols = {}
+        self._operators = {}
 
     def signs(self, components):
         """-1 for the normal, +1 for tangential components: load = sign x displacement of the body."""
@@ -60,15 +60,15 @@ class Contact:
         normal, tangential = self.body.rigid_compliance
         return np.array([normal] + [tangential] * (components - 1)) * self.ranges[:components] ** 2
 
-    def symbols(self, components, kind="compliance"):
-        """Blocks {(i, j): symbol} of the mean-free compliance or stiffness, scaled to ranges of the law."""
+    def operator(self, components, kind="compliance"):
+        """Operator of the mean-free compliance or stiffness among components, scaled to ranges of the law."""
         key = (components, kind)
-        if key not in self._symbols:
+        if key not in self._operators:
             power = 1 if kind == "compliance" else -1
             blocks = getattr(self.body, kind)(self.grid.wavevectors(), components)
-            self._symbols[key] = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
-                                  for (i, j), symbol in blocks.items()}
-        return self._symbols[key]
+            self._operators[key] = Operator(self.grid, {
+                (i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power for (i, j), symbol in blocks.items()})
+        return self._operators[key]
 
     def diagonal_compliance(self, component, components, shape):
         """C_ii on a circle of ``shape`` points with the cell's spacing, scaled to ranges of the law; 0 at q = 0."""
@@ -77,7 +77,7 @@ class Contact:
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""
-        return (0, 1) in self.symbols(2 if len(self.grid.shape) == 1 else 3)
+        return (0, 1) in self.operator(self.scene.components).blocks
 
     def load_factor(self, components):
         """Force of a component over the sum of its traction over nodes: sign x lambda x area of a node."""
@@ -100,7 +100,7 @@ class Contact:
         cell = np.zeros((components, *self.grid.shape))
         window.put(self.law.traction(gap), cell)
         flat = cell.reshape(components, -1)
-        Convolution(self.grid.whole, self.symbols(components), components).apply(flat, flat)
+        Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
         window.put(state.displacement, cell)
         return cell
@@ -122,6 +122,11 @@ class DisplacementForm:
     contact : Contact
     window : Window that holds every node within the law's range
     controls : 'displacement' or 'force' for each component; their number is the number of components
+
+    Attributes
+    ----------
+    tangent : array (components, components, nodes), the law's at the last ``linearise``
+    work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     """
 
     name = "displacement"
@@ -138,13 +143,13 @@ class DisplacementForm:
         self.size = self.count + len(self.forced)
         self.root = np.sqrt(self.count)
         self.initial_gap = window.take(contact.initial_gap)
-        self.convolution = Convolution(window, contact.symbols(self.components), self.components)
+        self.convolution = Convolution(window, contact.operator(self.components), self.components)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.factor = contact.load_factor(self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
         self._gap = np.empty(self.shape)
-        self._work = np.empty(self.shape)
+        self.work = np.empty(self.shape)
         self.evaluations = 0
         self.products = 0
 
@@ -174,7 +179,7 @@ class DisplacementForm:
     def residual(self, unknown, out):
         """F: the imbalance of displacements over sqrt(M), then of prescribed forces over max(1, |force|)."""
         self.evaluations += 1
-        traction = self._work
+        traction = self.work
         self.contact.law.evaluate(self.gap(unknown), traction)
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
@@ -191,7 +196,7 @@ class DisplacementForm:
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""
-        self.contact.law.evaluate(self.gap(unknown), self._work, self.tangent)
+        self.contact.law.evaluate(self.gap(unknown), self.work, self.tangent)
 
     def stiffen(self, field, out):
         """out_i = sum_j D_ij field_j: the law's tangent times a field."""
@@ -203,7 +208,7 @@ class DisplacementForm:
         """out = J vector at the last linearisation: two transforms of the padded window a component."""
         self.products += 1
         field = vector[:self.count].reshape(self.shape)
-        work = self.stiffen(field, self._work)
+        work = self.stiffen(field, self.work)
         total = self.grid.sum(work)
         self.convolution.apply(work, work)
         mean = -self.rigid_compliance * total / self.grid.size
@@ -229,7 +234,7 @@ class DisplacementForm:
 
     def forces(self, unknown):
         """Normal force W and tangential forces, w_n,r, w_t,r."""
-        return self.factor * self.grid.sum(self.contact.law.evaluate(self.gap(unknown), self._work))
+        return self.factor * self.grid.sum(self.contact.law.evaluate(self.gap(unknown), self.work))
 
 
 class ArcLength:
@@ -319,12 +324,12 @@ class ForceForm:
         self.initial_gap = contact.initial_gap.reshape(-1)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.factor = contact.load_factor(self.components)
-        self.convolution = Convolution(self.window, contact.symbols(self.components, "stiffness"), self.components,
+        self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"), self.components,
                                        measure=True)
-        self.compliance = Convolution(self.window, contact.symbols(self.components), self.components)
+        self.compliance = Convolution(self.window, contact.operator(self.components), self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
-        self._gap, self._work = np.empty(self.shape), np.empty(self.shape)
+        self._gap, self.work = np.empty(self.shape), np.empty(self.shape)
         self.evaluations = 0
         self.products = 0
         kept, self.mean_stiffness = np.ones(self.components), np.zeros(self.components)
@@ -359,7 +364,7 @@ class ForceForm:
         """F: the imbalance of tractions over sqrt(M)."""
         self.evaluations += 1
         gap = self.gap(unknown)
-        traction = self.contact.law.evaluate(gap, self._work)
+        traction = self.contact.law.evaluate(gap, self.work)
         return self._balance(unknown, traction, self._target(), out)
 
     def _balance(self, unknown, traction, target, out):
@@ -376,7 +381,7 @@ class ForceForm:
     def apply_jacobian(self, vector, out):
         """out = J vector at the last linearisation: two transforms of the cell a component."""
         self.products += 1
-        work = self.stiffen(vector.reshape(self.shape), self._work)
+        work = self.stiffen(vector.reshape(self.shape), self.work)
         work *= self.root
         return self._balance(vector, work, np.zeros(self.components), out)
 

@@ -16,21 +16,20 @@ from scipy.optimize import brentq
 class Transform:
     """A planned pair of real transforms of ``count`` arrays of one shape, on aligned memory.
 
-    Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read ``result``. ``real`` keeps its
-    content (so its padding stays zero); ``spectrum`` does not survive ``backward``.
+    Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read ``real`` again: it is overwritten, its
+    padding too, and ``spectrum`` does not survive.
     """
 
     def __init__(self, grid, shape, count, measure=False):
         axes = tuple(range(1, 1 + len(shape)))
         self.shape = shape
         self.real = pyfftw.zeros_aligned((count, *shape))
-        self.result = pyfftw.zeros_aligned((count, *shape))
         self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)
         plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE",)}
         if measure:
             plan["planning_timelimit"] = 1.0
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
-        self._backward = pyfftw.FFTW(self.spectrum, self.result, direction="FFTW_BACKWARD", **plan)
+        self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
         self.real[...] = 0.0
         self._grid = grid
         self._cost = count * transform_cost(math.prod(shape), grid.size)
@@ -41,7 +40,7 @@ class Transform:
         self._forward.execute()
 
     def backward(self):
-        """``spectrum`` to ``result``."""
+        """``spectrum`` to ``real``."""
         self._grid.transforms += self._cost
         self._backward.execute()
 
@@ -224,41 +223,63 @@ def enclosing(grid, mask, margin):
     return Window(grid, start, shape)
 
 
+class Operator:
+    """A circulant operator on the cell: blocks {(i, j): half spectrum}, those left out zero, and their kernels on demand.
+
+    The blocks carry the factor 1/size that unnormalised transforms need.
+    """
+
+    def __init__(self, grid, symbols):
+        self.grid = grid
+        self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
+        self._kernels = {}
+
+    def kernel(self, key):
+        """Real-space kernel of a block over the cell: the response at each lag to a unit at lag 0."""
+        if key not in self._kernels:
+            plan = Transform(self.grid, self.grid.shape, 1)
+            plan.spectrum[0] = self.blocks[key]
+            plan.backward()
+            self._kernels[key] = plan.real[0]
+        return self._kernels[key]
+
+    def on_window(self, key, window):
+        """The block on the padded circle of a window."""
+        shape, grid = window.circle(), self.grid
+        if shape == grid.shape:
+            return self.blocks[key]
+        lags = [np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int), np.arange(-n + 1, 0)])
+                if m < total else np.arange(total)
+                for n, m, total in zip(window.shape, shape, grid.shape)]
+        plan = Transform(grid, shape, 1)
+        plan.real[0] = self.kernel(key)[np.ix_(*lags)]
+        for axis, (n, m, total) in enumerate(zip(window.shape, shape, grid.shape)):
+            if m < total:
+                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
+        plan.forward()
+        symbol = plan.spectrum[0] / math.prod(shape)
+        # An even block stays even on the circle.
+        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
+
+
 class Convolution:
-    """Product of a circulant body operator with fields on a window: exact for the periodic cell.
+    """Product of a circulant operator of the cell with fields on a window: exact for the periodic cell.
 
     Parameters
     ----------
     window : the nodes that carry fields
-    symbols : {(i, j): half spectrum over the cell} blocks of the operator; those left out are zero
+    operator : Operator on the cell
     count : number of components
     measure : plan the transforms by measurement, for operators that are applied thousands of times
     """
 
-    def __init__(self, window, symbols, count, measure=False):
-        grid, self.window, self.count = window.grid, window, count
-        shape = window.circle()
-        self.transform = Transform(grid, shape, count, measure)
-        self.blocks = {key: self._on_circle(grid, symbol, shape) / math.prod(shape) for key, symbol in symbols.items()}
+    def __init__(self, window, operator, count, measure=False):
+        self.window, self.count = window, count
+        self.transform = Transform(window.grid, window.circle(), count, measure)
+        self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
         self._product = None if self._diagonal else np.empty_like(self.transform.spectrum)
-
-    def _on_circle(self, grid, symbol, shape):
-        """Symbol on the padded circle of the operator whose symbol over the cell is given."""
-        if shape == grid.shape:
-            return symbol
-        kernel = kernel_of(grid, symbol)
-        lags = [np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int), np.arange(-n + 1, 0)])
-                if m < total else np.arange(total)
-                for n, m, total in zip(self.window.shape, shape, grid.shape)]
-        plan = Transform(grid, shape, 1)
-        plan.real[0] = kernel[np.ix_(*lags)]
-        for axis, (n, m, total) in enumerate(zip(self.window.shape, shape, grid.shape)):
-            if m < total:
-                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
-        plan.forward()
-        return plan.spectrum[0].copy()
 
     def apply(self, values, out):
         """out (components, nodes) = operator times values (components, nodes); the two may be the same array."""
@@ -267,7 +288,8 @@ class Convolution:
         plan.forward()
         self.multiply(plan.spectrum)
         plan.backward()
-        self.window.box(out)[...] = plan.result[self._inside]
+        self.window.box(out)[...] = plan.real[self._inside]
+        clear_padding(plan.real, self.window.shape)
         return out
 
     def multiply(self, spectrum):
@@ -282,12 +304,11 @@ class Convolution:
             spectrum[i] += block * self._product[j]
 
 
-def kernel_of(grid, symbol):
-    """Real-space kernel over the cell of an operator with the given symbol: response at lag k to a unit at lag 0."""
-    plan = Transform(grid, grid.shape, 1)
-    plan.spectrum[0] = symbol
-    plan.backward()
-    return plan.result[0] / grid.size
+def clear_padding(real, shape):
+    """Set to zero what a buffer (count, *circle) holds beyond a box of the given shape."""
+    for axis, extent in enumerate(shape, start=1):
+        if extent < real.shape[axis]:
+            real[(*[slice(None)] * axis, slice(extent, None))] = 0.0
 
 
 def smooth(window, values, width):

@@ -51,18 +51,21 @@ class NothingToShow(Exception):
 def plot(path, output=None, pdf=False, points=None):
     """Draw the figures that an archive has data for.
 
-    ``RUN-shear.png``: tangential force and contact area against tangential displacement; ``RUN-area.png``: contact area
-    against tangential force; ``RUN-approach.png``: normal force against normal displacement; ``RUN-profiles.png``: gap and
-    tractions in and around the contact at chosen points (along y = 0 in two dimensions); ``RUN-maps.png``: the same over
-    a two-dimensional interface. Shear figures begin where the tangential load begins.
+    - ``RUN-shear.png``: tangential force and contact area against tangential displacement
+    - ``RUN-area.png``: contact area against tangential force
+    - ``RUN-approach.png``: normal force against normal displacement, unsheared if it stays put under shear
+    - ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions along y = 0)
+    - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up to three points
+
+    The shear's figures begin where the tangential load begins.
 
     Parameters
     ----------
     path : path of the archive
     output : folder of the figures; by default that of the archive
     pdf : bool, whether to write each figure as PDF, too
-    points : list of int, points of profiles and maps, counted from 0 or, if negative, from the end; by default events, the
-        first and the last of the shear, and some between them
+    points : list of int, points of profiles and maps, counted from 0 or, if negative, from the end; by default the
+        first and the last of the shear, events, and some between them
 
     Returns
     -------
@@ -220,7 +223,7 @@ def draw_maps(record, chosen):
 
 
 def draw_branch(axes, record, x, y, part, shown=EVENTS):
-    """Draw column `y` against column `x` for a part (slice) of the points: jumps dashed, events and the start marked."""
+    """Draw column `y` against column `x` at `part` (slice) of the points: jumps dashed, events and start marked."""
     horizontal, vertical, events = record[x][part], record[y][part], record["event"][part]
     dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
     for piece in pieces(events):
@@ -457,7 +460,7 @@ def tangential(symbol, axis):
 
 
 def label(words, symbol, unit, between=" "):
-    """Label in a figure: a symbol over its scale (contact length $2a/\\beta$), or before its SI unit in brackets."""
+    """Label in a figure: words, and a symbol over its scale ($2a/\\beta$) or before its SI unit in brackets."""
     scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
     scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
     scale = re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)

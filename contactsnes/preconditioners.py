@@ -7,7 +7,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from .contact import ArcLength
-from .fourier import Transform, smooth
+from .fourier import Transform, clear_padding, smooth
 from .options import read
 from .scene import Options, option
 
@@ -50,22 +50,20 @@ class CoreBlock:
         self.symbol = 1.0 / (1.0 + compliance * mean_tangent) / np.prod(circle)
         self.transform = Transform(grid, circle, 1)
         self.inside = (0, *(slice(0, extent) for extent in extents))
-        self.weight = box[self.core].copy()
-        self.root = np.sqrt(self.weight)
+        self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
 
     def apply(self, field):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
         core, plan = self.window.box(field)[self.core], self.transform
-        np.multiply(self.root, core, out=plan.real[self.inside])
+        inner = plan.real[self.inside]
+        np.multiply(self.root, core, out=inner)
         plan.forward()
         plan.spectrum[0] *= self.symbol
         plan.backward()
-        inner = plan.result[self.inside]
         inner *= self.root
-        # The real buffer holds a r until the next application.
-        plan.real[self.inside] *= self.root
-        core -= plan.real[self.inside]
+        core *= self.outside
         core += inner
+        clear_padding(plan.real, inner.shape)
 
 
 def _extent(mask, axis):
@@ -87,7 +85,6 @@ class CoreZone:
         self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
         self.forced = np.isin(np.arange(form.components), form.forced)
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
-        self._work = np.empty(form.shape)
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
         self.columns = np.zeros((len(self.means), *form.shape))
         self.matrix = np.zeros((len(self.means), len(self.means)))
@@ -103,7 +100,7 @@ class CoreZone:
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
-        return self.grid.sum(self.form.stiffen(field, self._work))[self.means]
+        return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
 
     def apply(self, vector, out):
         """out = M^-1 vector, arrays of the form's size."""
@@ -120,8 +117,8 @@ class CoreZone:
         right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced] * form.root)
         means = np.linalg.solve(self._regular(), right)
         for mean, column in zip(means, self.columns):
-            np.multiply(column, mean, out=self._work)
-            field += self._work
+            np.multiply(column, mean, out=form.work)
+            field += form.work
         out[form.count:] = means[self.forced[self.means]] * form.root
         return out
 
@@ -148,7 +145,7 @@ class ZonedStiffness:
     def _zones(self, i, zone):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
-        stiffness = form.contact.symbols(form.components, "stiffness")[i, i].copy()
+        stiffness = form.contact.operator(form.components, "stiffness").blocks[i, i] * form.grid.size
         smallest = np.min(stiffness[stiffness > 0.0])
         stiffness.flat[0] = form.mean_stiffness[i]
         weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
@@ -168,7 +165,7 @@ class ZonedStiffness:
                 plan.forward()
                 plan.spectrum[0] *= symbol
                 plan.backward()
-                np.multiply(plan.result[0].reshape(-1), root, out=self._work)
+                np.multiply(plan.real[0].reshape(-1), root, out=self._work)
                 target[i] += self._work
             if i in self.rigid:
                 target[i] += mean - self.grid.mean(target[i])

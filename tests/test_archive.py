@@ -3,6 +3,7 @@
 import io
 import multiprocessing
 import os
+import resource
 import signal
 import time
 
@@ -312,7 +313,26 @@ def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
     assert check(archive.path, "all").points == 4
 
 
-# Kills
+# Full disks and kills
+
+
+def run_into_a_limit(path):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + 1000,) * 2)
+    with pytest.raises(ArchiveError, match="cannot be written"):
+        run_until_killed(path, "all")
+    os._exit(0)
+
+
+def test_a_full_disk_ends_the_run_and_leaves_the_archive(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **fields_content("all")), 3)
+    run = multiprocessing.get_context("fork").Process(target=run_into_a_limit, args=(tmp_path / "run.h5",))
+    run.start()
+    run.join()
+    assert run.exitcode == 0
+    points = check(tmp_path / "run.h5", "all").points
+    append(Archive.resume(tmp_path / "run.h5", **fields_content("all")), 1)
+    assert check(tmp_path / "run.h5", "all").points == points + 1
+    assert os.listdir(tmp_path) == ["run.h5"]
 
 
 class Recorder(io.BytesIO):

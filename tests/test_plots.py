@@ -48,12 +48,13 @@ def jkr(half_width, compliance=0.0):
 
 def loading(compliance=0.0, contact=(0.86, 6.3), count=30):
     """Loading from the jump into contact on, out to pull-off and away."""
-    rows = [{**jkr(1.35, compliance), "contact_area": 0, "normal_force": -0.05, "event": "fold", "fold_kind": "jump_in"}]
+    apart = {"contact_area": 0, "normal_force": -0.05}
+    rows = [{**jkr(1.35, compliance), **apart, "event": "fold", "fold_kind": "jump_in"}]
     rows.append({**jkr(1.35, compliance), "event": "jump"})
     rows += [jkr(half_width, compliance) for half_width in np.linspace(1.5, contact[1], count)]
     rows += [jkr(half_width, compliance) for half_width in np.linspace(contact[1], contact[0], count)[1:]]
     rows[-1] |= dict(event="fold", fold_kind="pull_off")
-    rows.append({**rows[-1], "event": "jump", "normal_force": -0.01, "contact_area": 0, "fold_kind": ""})
+    rows.append({**rows[-1], **apart, "event": "jump", "fold_kind": ""})
     return rows + [{**rows[-1], "event": "pull_off"}]
 
 
@@ -71,7 +72,7 @@ def shear(half_width=6.3, count=40, axis=""):
 
 
 def line_fields(x, row):
-    """Displacement and traction like those of a cylinder with a cohesive zone; they obey the law outside the contact."""
+    """Displacement and traction like those of a cylinder with a cohesive zone."""
     half = max(row["contact_area"] / 2, 0.1)
     outside = np.maximum(np.abs(x) - half, 0)
     singular = np.sqrt(np.maximum(half**2 - x**2, 0) + 0.02)
