@@ -62,6 +62,7 @@ class Archive:
     components : int, components of displacement and traction
     initial_gap : array of the grid's shape, optional; kept beside the coordinates
     units : mapping, optional, units of fields other than `UNITS`
+    warnings : sequence of str, optional, sentences to beware of; kept as the root attribute ``warnings``
 
     Attributes
     ----------
@@ -70,11 +71,14 @@ class Archive:
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None, components=1,
-                 initial_gap=None, units=UNITS):
+                 initial_gap=None, units=UNITS, warnings=()):
         if fields not in ("none", "last", "all"):
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
+        if fields != "none" and not coordinates:
+            raise ArchiveError(f"Fields ({fields}) need coordinates.")
         self.path = Path(path).resolve()  # a rename would replace a symbolic link instead of its file
         self.points, self.complete = 0, False
+        self._warnings = "\n".join(warnings)
         self._options, self._versions = options, "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
         self._columns = {name: Column(*column) for name, column in columns.items()}
@@ -203,10 +207,12 @@ class Archive:
     def _reserve(self, chunk):
         """Lengthen the file by what the next point needs: a full disk must show before HDF5 counts on the space."""
         if self._fields == "all" and self.points % chunk == 0:
-            with open(self.path, "ab") as file:
+            with open(self.path, "rb+") as file:
+                file.seek(0, os.SEEK_END)
                 file.write(bytes(2 * 8 * chunk * math.prod(self._shape)))
 
     def _write_anew(self, write, slot):
+        """Copy the archive beside itself, with room for twice its points; let `write` act on it; put it in place."""
         partial = self.path.with_name(self.path.name + ".partial")
         try:
             with h5py.File(partial, "w", libver="earliest") as new:
@@ -228,13 +234,15 @@ class Archive:
         self._room, self._slot = chunk * _CHUNKS, slot
 
     def _check_alone(self, file):
+        """Raise if the file does not hold the points that this run wrote."""
         if file.attrs["points"] != self.points:
             raise ArchiveError(f"{self.path} has been changed by another program, which may still be running.")
 
     def _write_frame(self, file, slot, chunk):
         """Everything but the points."""
         file.attrs.update({"format": FORMAT, "points": 0, "complete": False, "options": self._options,
-                           "versions": self._versions, "fields": self._fields, "shape": self._shape})
+                           "versions": self._versions, "warnings": self._warnings, "fields": self._fields,
+                           "shape": self._shape})
         file.create_group("scene").attrs.update(self._scene)
         branch = file.create_group("branch")
         for name, (unit, kind, names) in self._columns.items():
@@ -324,6 +332,7 @@ class Record(Mapping):
     complete : bool
     scene, versions : dict
     options : str
+    warnings : list of str
     units : dict, of columns, coordinates (``x``, ``y``), ``initial_gap``, ``displacement`` and ``traction``
     names : dict, names of the values of each enumeration
     coordinates : tuple of arrays, empty if there are none
@@ -337,6 +346,7 @@ class Record(Mapping):
         self.complete = bool(attributes["complete"])
         self.scene, self.options = dict(file["scene"].attrs), attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
+        self.warnings = attributes.get("warnings", "").splitlines()
         branch, fields = file["branch"], file.get("fields", {})
         self.units = {name: dataset.attrs["unit"] for name, dataset in [*branch.items(), *fields.items()]}
         self.names = {name: tuple(branch[name].attrs["names"]) for name in branch if "names" in branch[name].attrs}
@@ -417,6 +427,7 @@ def _open_archive(path):
 
 
 def _check_folder(path):
+    """Raise if no file can be made beside `path`."""
     if not path.parent.is_dir():
         raise ArchiveError(f"The folder of the archive {path} does not exist: create it or name another -archive_file.")
     if not os.access(path.parent, os.W_OK):
@@ -444,5 +455,6 @@ def _pack(point, state):
 
 
 def _unpack(packed):
+    """The state that `_pack` made bytes of."""
     with np.load(io.BytesIO(packed[16:].tobytes()), allow_pickle=False) as arrays:
         return {name: array if array.ndim else array.item() for name, array in arrays.items()}

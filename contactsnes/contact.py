@@ -7,10 +7,12 @@ displacement form, window:  v + C t(a + v) - vbar = 0,   vbar = far displacement
 force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the mean displacement or force for q = 0
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from .elasticity import Body
-from .fourier import Convolution, Grid, Operator, enclosing
+from .fourier import Convolution, Grid, Operator, Transform, enclosing
 from .geometry import initial_gap
 from .laws import CUTOFF, LAWS
 
@@ -50,6 +52,7 @@ class Contact:
         self.convex = scene.geometry in ("cylinder", "sphere")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
         self._operators = {}
+        self.circle = lru_cache(maxsize=12)(self._circle)
 
     def signs(self, components):
         """-1 for the normal, +1 for tangential components: load = sign x displacement of the body."""
@@ -70,10 +73,11 @@ class Contact:
                 (i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power for (i, j), symbol in blocks.items()})
         return self._operators[key]
 
-    def diagonal_compliance(self, component, components, shape):
-        """C_ii on a circle of ``shape`` points with the cell's spacing, scaled to ranges of the law; 0 at q = 0."""
-        blocks = self.body.compliance(self.grid.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
-        return blocks[component, component] * self.ranges[component] ** 2
+    def _circle(self, component, components, shape):
+        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to ranges, 0 at q = 0."""
+        vectors = self.grid.wavevectors(shape)
+        block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component, component]
+        return Transform(self.grid, shape, 1), block * self.ranges[component] ** 2
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""

@@ -148,12 +148,20 @@ def read(cls, prefix=""):
     """
     from petsc4py import PETSc
 
-    entries, options, values = database(), PETSc.Options(prefix + cls.prefix), {}
+    options = PETSc.Options(prefix + cls.prefix)
     for field in dataclasses.fields(cls):
-        if options.hasName(field.name):
-            text = entries[(prefix + cls.prefix + field.name).lower()]
-            if not text and field.metadata["kind"] != "flag":
-                raise InputError(f"-{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
+        options.hasName(field.name)
+    return _instance(cls, database(), prefix)
+
+
+def _instance(cls, entries, prefix=""):
+    """An instance of a dataclass of options from entries of the database; nothing counts as used."""
+    values = {}
+    for field in dataclasses.fields(cls):
+        text = entries.get((prefix + cls.prefix + field.name).lower())
+        if text == "" and field.metadata["kind"] != "flag":
+            raise InputError(f"-{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
+        if text is not None:
             values[field.name] = _parsed(text, field.metadata)
     return cls(**values)
 
@@ -193,6 +201,13 @@ def check_names(classes=()):
             sentences.append(f"-{name} is no option" + (f": did you mean -{guess}?" if guess else ""))
     if sentences:
         raise InputError("; ".join(sentences))
+
+
+def check_values(classes):
+    """InputError for a value in the database that a dataclass of options refuses; none of them counts as used."""
+    entries = database()
+    for cls in classes:
+        _instance(cls, entries)
 
 
 def unused_options(classes=()):

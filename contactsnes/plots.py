@@ -413,7 +413,8 @@ def contact_region(coordinates, gaps, tractions):
 
 def names(record, chosen):
     """What tells the chosen points apart: symbol of the first load that differs, and its values with the events."""
-    columns = [f"tangential_displacement{axis}" for axis in directions(record)] + ["normal_force", "normal_displacement"]
+    columns = [f"tangential_displacement{axis}" for axis in directions(record)]
+    columns += ["normal_force", "normal_displacement"]
     differing = [name for name in columns if varies(record[name][chosen])]
     name = differing[0] if differing else "normal_force"
     values = [number(record[name][point], 4) for point in chosen]

@@ -42,13 +42,15 @@ class CoreBlock:
         box = window.box(weight)
         self.window, self.core = window, tuple(_extent(box > 0.0, axis) for axis in range(box.ndim))
         extents = [part.stop - part.start for part in self.core]
-        circle = tuple(min(total, next_fast_len(int(np.ceil(pad * extent)), real=True))
+        # Few sizes, so that transforms and symbols are made once and found again.
+        circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
                        for extent, total in zip(extents, grid.shape))
-        compliance = form.contact.diagonal_compliance(component, form.components, circle)
+        self.transform, compliance = form.contact.circle(component, form.components, circle)
+        self.symbol = compliance * mean_tangent
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled, stands for the rest.
-        compliance.flat[0] = 2.0 * np.max(compliance)
-        self.symbol = 1.0 / (1.0 + compliance * mean_tangent) / np.prod(circle)
-        self.transform = Transform(grid, circle, 1)
+        self.symbol.flat[0] = 2.0 * np.max(self.symbol)
+        self.symbol += 1.0
+        np.divide(1.0 / np.prod(circle), self.symbol, out=self.symbol)
         self.inside = (0, *(slice(0, extent) for extent in extents))
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
 
@@ -64,6 +66,12 @@ class CoreBlock:
         core *= self.outside
         core += inner
         clear_padding(plan.real, inner.shape)
+
+
+def _rounded(extent):
+    """The extent rounded up to a sixteenth of its power of two."""
+    unit = 2 ** max(int(np.log2(extent)) - 4, 0)
+    return int(np.ceil(extent / unit)) * unit
 
 
 def _extent(mask, axis):

@@ -270,6 +270,17 @@ def test_wrong_points_are_refused_and_leave_no_trace(tmp_path):
     assert check(archive.path, "all").points == 2
     with pytest.raises(ArchiveError, match="none, last or all"):
         Archive.create(tmp_path / "other.h5", **content(fields="some"))
+    with pytest.raises(ArchiveError, match="need coordinates"):
+        Archive.create(tmp_path / "other.h5", **content(fields="all"))
+
+
+def test_a_file_that_is_taken_away_stops_the_run(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 3)
+    archive.path.unlink()
+    with pytest.raises(ArchiveError, match="cannot be written|no such file"):
+        append(archive, 1)
+    assert os.listdir(tmp_path) == []
 
 
 # Other programs

@@ -31,7 +31,8 @@ def columns(dimension=1):
 def archive_of(path, rows, fields="none", **grid):
     scene = {"normal_maugis": 1 / RANGE, "contact_threshold": np.e}
     dimension = len(grid.get("coordinates", (0,)))
-    archive = Archive.create(path, scene=scene, options="", versions={}, columns=columns(dimension), fields=fields, **grid)
+    content = dict(scene=scene, options="", versions={}, columns=columns(dimension), fields=fields, **grid)
+    archive = Archive.create(path, **content)
     for row, arrays in rows:
         blank = {name: 0 for name in columns(dimension)}
         archive.append({**blank, "event": "none", "fold_kind": "", **row}, {}, *arrays)
