@@ -7,12 +7,14 @@ Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve fa
 import argparse
 import dataclasses
 import gc
+import importlib.util
 import math
 import os
 import platform
 import signal
 import sys
 import time
+import traceback
 from typing import NamedTuple
 
 from . import __version__, observables, scene as scenes, states
@@ -55,9 +57,14 @@ def main(argv=None):
         _complain("error", error)
     except MemoryError as error:
         _complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
+    except KeyboardInterrupt as interrupt:
+        return 128 + _signal_of(interrupt)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads on: not even the last flush
         return 128 + signal.SIGPIPE
+    except Exception:  # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
+        traceback.print_exc()
+        return 1
     finally:
         gc.collect()  # PETSc objects with Python contexts must not outlive PETSc
     return 2
@@ -98,15 +105,29 @@ def solver_options():
 
 def start_petsc(arguments):
     """Initialise PETSc with the arguments of a command and read the settings from its database."""
-    arguments = petsc_arguments(arguments)
     import petsc4py
 
-    petsc4py.init(arguments)
+    name, *words = petsc_arguments(arguments)
+    try:
+        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread.
+        petsc4py.init([name, "-options_left", "no", *words])
+    except RuntimeError as error:
+        raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
     check_names(solver_options())
     check_values(solver_options())
+    check_classes()
     settings = Settings(*map(read, OPTION_CLASSES))
     scenes.check(settings.scene, settings.load, settings.steps)
     return settings
+
+
+def check_classes():
+    """InputError for a class of this package that an option names and that does not exist."""
+    for name, path in database().items():
+        module, _, cls = path.rpartition(".")
+        if name.endswith("python_type") and module.startswith("contactsnes."):
+            if importlib.util.find_spec(module) is None or not hasattr(importlib.import_module(module), cls):
+                raise InputError(f"-{name} is '{path}': there is no such class")
 
 
 def create_branch(settings, log=lambda sentence: None):
@@ -147,6 +168,11 @@ def _help_on_options():
 
 def _terminate(number, frame):
     raise KeyboardInterrupt(number)
+
+
+def _signal_of(interrupt):
+    """Number of the signal behind a KeyboardInterrupt."""
+    return interrupt.args[0] if interrupt.args else signal.SIGINT
 
 
 class Run:
@@ -207,23 +233,30 @@ class Run:
 
     def _points(self):
         """Take all points; exit status and, if it is not 0, the reason in words."""
-        from petsc4py import PETSc
-
         try:
             for point in new_points(self.branch, self.waiting):
                 self._accept(point)
-        except (NotConverged, NoEquilibrium) as error:
-            return 1, f"{error}"
-        except KeyboardInterrupt as interrupt:
-            number = interrupt.args[0] if interrupt.args else signal.SIGINT
-            return 128 + number, f"interrupted by {signal.Signals(number).name}"
-        except PETSc.Error as error:
-            sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
-            bad = error.ierr in BAD_OPTIONS and not self.progress.points
-            return 2 if bad else 1, f"PETSc: {sentence} (error {error.ierr})"
-        finally:
-            self.progress.close()
+        except (Exception, KeyboardInterrupt) as error:
+            return self._verdict(error)
         return 0, ""
+
+    def _verdict(self, error):
+        """Exit status and reason of what ended the path early; what is neither solver nor user is raised again."""
+        from petsc4py import PETSc
+
+        if isinstance(error, PETSc.Error) and error.__cause__ is not None:
+            error = error.__cause__  # newer petsc4py wraps what our callbacks raise
+        early = self.progress.points == 0
+        if isinstance(error, (NotConverged, NoEquilibrium)):
+            return 1, str(error)
+        if isinstance(error, KeyboardInterrupt):
+            return 128 + _signal_of(error), f"interrupted by {signal.Signals(_signal_of(error)).name}"
+        if isinstance(error, PETSc.Error):
+            sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
+            return 2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error {error.ierr})"
+        if isinstance(error, ImportError) and early:
+            return 2, f"a Python class that an option names cannot be imported: {error}"
+        raise error
 
     def _accept(self, point):
         """Keep and show a point."""
@@ -233,6 +266,7 @@ class Run:
             fields = measurement.fields() if self.settings.output.fields != "none" else ()
             self.archive.append(row, self.branch.packed(point), *fields)
         self.progress.point(row, point.position)
+        self.branch.corrector.account()  # what observing and keeping took is not the next point's
 
     def _say_what_is_solved(self):
         """Before the first solve: what has no effect, what is skipped, what to beware of."""
@@ -397,7 +431,7 @@ def skipped(settings, branch):
     elif not all(sheared):
         sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
     if any(sheared) and not scene.coupled:
-        sentences.append("no elastic coupling of normal and tangential displacements: at Poisson ratio 0.5 there is none")
+        sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
     window, cell = start_window(settings, branch), branch.contact.grid.shape
     if form.form == "force":
         sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
@@ -505,14 +539,16 @@ def _about_method(settings):
 
 
 def _all_options(settings):
-    """Every option with its value, as in a file of options; # marks defaults."""
-    given = database()
-    lines = []
+    """Every option with its value, as in a file of options, where # marks defaults."""
+    given, lines = database(), []
     for values in (*settings, *map(read, solver_options())):
         for field in dataclasses.fields(values):
-            name, value = values.prefix + field.name, getattr(values, field.name)
-            text = as_text(value) if value not in (None, "") else f"({field.metadata['default_text'] or 'none'})"
-            lines.append(f"-{name} {text}" + ("" if name in given else "  # default"))
+            name, text = f"-{values.prefix}{field.name}", as_text(getattr(values, field.name))
+            if not text:
+                lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
+                continue
+            text = f'"{text}"' if " " in text else text
+            lines.append(f"{name} {text}" + ("" if name[1:] in given else "  # default"))
     return lines
 
 

@@ -507,7 +507,7 @@ def mcgarry_proportional_work(mixity):
     et al. (2014), c = `mixity` > 0: W_t = 1 - (sqrt(pi)/2c) exp(1/4c^2) erfc(1/2c), W_n = W_t/(2 c^2)."""
     _positive(mixity=mixity)
     c = np.asarray(mixity, float)
-    series = 2 * c**2 * (1 - 6 * c**2 + 60 * c**4)  # the difference from 1 cancels for small c
+    series = 2 * c**2 * (1 - 6 * c**2)  # the difference from 1 cancels for small c
     tangential = np.where(c < 1e-3, series, 1 - np.sqrt(np.pi) / (2 * c) * erfcx(1 / (2 * c)))
     return tangential / (2 * c**2), tangential
 

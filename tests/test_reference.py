@@ -60,7 +60,8 @@ def test_a_wide_cell_recovers_the_isolated_contact_with_order_two():
     a, periods = 2.0, np.array([40.0, 80.0, 160.0])
     x = 0.7 * a
     for function in (lambda L: reference.hertz_line_load(a, L), lambda L: reference.ligament_force(a, L),
-                     lambda L: float(reference.jkr_line_pressure(x, a, L)), lambda L: reference.jkr_line_half_width(5.0, L)):
+                     lambda L: float(reference.jkr_line_pressure(x, a, L)),
+                     lambda L: reference.jkr_line_half_width(5.0, L)):
         assert slope(periods, [function(L) - function(np.inf) for L in periods]) == pytest.approx(-2, abs=0.1)
     # leading terms for a << L; the next are of the order (a/L)^2 ln(L/a)
     asymptotic = 2 / np.pi * (np.pi * a**2 / 4 * np.log(periods / (np.pi * a)) + np.pi * a**2 / 8)
@@ -68,14 +69,13 @@ def test_a_wide_cell_recovers_the_isolated_contact_with_order_two():
     assert -2.2 < slope(periods, errors) < -1.6
 
 
-@pytest.mark.parametrize("approach", [1e-6, 1e-2, 0.25, 24.9])
-def test_hertz_approach_holds_its_digits_down_to_narrow_contacts(approach):
+@pytest.mark.parametrize("half_width", [2e-6, 0.02, 1.0, 1.1, 12.0, 49.8])
+def test_hertz_approach_holds_its_digits_down_to_narrow_contacts(half_width):
     """dd/da = (2/pi) ln(1/sin(pi a/L)) dW/da: each new punch lifts the whole contact."""
     period = 100.0
-    a = period * approach / 50  # half widths from 2e-6 to 49.8
-    integral, _ = quad(lambda b: -period / np.pi * np.tan(np.pi * b / period) * np.log(np.sin(np.pi * b / period)), 0, a,
-                       epsabs=0, epsrel=1e-12)
-    assert reference.hertz_line_approach(a, period) == pytest.approx(integral, rel=1e-10)
+    slope = lambda b: -period / np.pi * np.tan(np.pi * b / period) * np.log(np.sin(np.pi * b / period))
+    integral, _ = quad(slope, 0, half_width, epsabs=0, epsrel=1e-13, limit=200)
+    assert reference.hertz_line_approach(half_width, period) == pytest.approx(integral, rel=2e-13)
 
 
 @pytest.mark.parametrize("period", PERIODS)
@@ -334,7 +334,7 @@ def test_uniform_slip_is_the_limit_of_small_tangential_parameters(residual):
     distance = np.abs(x[:, None] - x) + np.diag(np.full(panels, np.nan))
     kernel = np.log(2 * np.sin(np.pi * distance / period)) * width
     np.fill_diagonal(kernel, width * (np.log(np.pi * width / period) - 1))  # int ln|2 pi y/L| over a panel
-    maugis, errors = np.array([0.02, 0.04, 0.08]), {0.3: [], 1.6: []}
+    maugis, errors = np.array([0.01, 0.02, 0.04]), {0.3: [], 1.6: []}
     for parameter in maugis:
         for b in errors:
             traction = np.zeros(panels)
@@ -343,9 +343,10 @@ def test_uniform_slip_is_the_limit_of_small_tangential_parameters(residual):
                 traction = modified_law(parameter * slip, parameter, residual)
             force = reference.uniform_slip_force(a, b / parameter, parameter, residual)
             errors[b].append(traction.sum() * width / force - 1)
-    assert slope(maugis, errors[0.3]) == pytest.approx(2, abs=0.1)
-    if residual < 1:
-        assert slope(maugis, errors[1.6]) == pytest.approx(2, abs=0.1)
+    for b, error in errors.items():
+        assert 4 * error[0] - error[1] == pytest.approx(0, abs=1e-5)  # the limit, by extrapolation
+        if b < 1 or residual < 1:
+            assert slope(maugis, error) == pytest.approx(2, abs=0.1)
     assert reference.uniform_slip_force(a, -1.0, 0.1, residual) == -reference.uniform_slip_force(a, 1.0, 0.1, residual)
     slips = np.linspace(0, 40, 4001)
     assert reference.uniform_slip_force(a, slips, 0.1, residual).max() == pytest.approx(2 * a * 0.1 * np.sqrt(2 / np.e))
@@ -436,11 +437,11 @@ def mcgarry_tangential(a, b):
 def test_works_of_separation_integrate_the_laws():
     for end in (0.7, np.e, 30.0):
         assert reference.normal_work(end) == pytest.approx(quad(lambda a: mcgarry_normal(a, 0), 0, end)[0])
-    for c in (1e-4, 0.5, 1.0, 2.0, 40.0):
+    for c in (1e-4, 9e-4, 0.5, 1.0, 2.0, 40.0):
         end = min(40, 7 / c)
         normal = quad(lambda a: mcgarry_normal(a, c * a), 0, end, epsrel=1e-12)[0]
         tangential = quad(lambda a: c * mcgarry_tangential(a, c * a), 0, end, epsrel=1e-12)[0]
-        assert reference.mcgarry_proportional_work(c) == pytest.approx((normal, tangential), rel=1e-7)
+        assert reference.mcgarry_proportional_work(c) == pytest.approx((normal, tangential), rel=1e-9)
     opened = (quad(lambda a: mcgarry_normal(a, 0), 0, 1.3)[0], quad(lambda b: mcgarry_tangential(1.3, b), 0, 8)[0])
     assert reference.mcgarry_sequential_work(normal_ranges=1.3) == pytest.approx(opened)
     slid = (quad(lambda a: mcgarry_normal(a, 0.6), 0, 40)[0], quad(lambda b: mcgarry_tangential(0, b), 0, 0.6)[0])
