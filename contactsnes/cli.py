@@ -58,7 +58,7 @@ def main(argv=None):
     except MemoryError as error:
         _complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
     except KeyboardInterrupt as interrupt:
-        return 128 + _signal_of(interrupt)
+        return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads on: not even the last flush
         return 128 + signal.SIGPIPE
@@ -149,12 +149,15 @@ def run(arguments):
     """``contactsnes run``: follow the load path, show and keep its points."""
     if _asks_for_help(arguments):
         return _help_on_options()
-    settings = start_petsc(arguments)
-    before = signal.signal(signal.SIGTERM, _terminate)
+    task = Run(start_petsc(arguments))
+    # A shell's background job ignores SIGINT, and is to go on doing so.
+    signals = [number for number in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, task.interrupt) for number in signals}
     try:
-        return Run(settings).follow()
+        return task.follow()
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _asks_for_help(arguments):
@@ -166,15 +169,6 @@ def _help_on_options():
     return 0
 
 
-def _terminate(number, frame):
-    raise KeyboardInterrupt(number)
-
-
-def _signal_of(interrupt):
-    """Number of the signal behind a KeyboardInterrupt."""
-    return interrupt.args[0] if interrupt.args else signal.SIGINT
-
-
 class Run:
     """One run: branch, archive and progress, and what to say when it is over."""
 
@@ -184,7 +178,7 @@ class Run:
         self.warnings = resolution_warnings(settings)
         self.progress = Progress(settings)
         self.branch = create_branch(settings, self.progress.log)
-        self.archive, self.waiting, self.known = None, 0, 0
+        self.archive, self.waiting, self.known, self.signal = None, 0, 0, 0
         if settings.output.file:
             self.archive = self._open_archive()
             self.known = self.archive.points
@@ -231,11 +225,18 @@ class Run:
             _complain("error", reason + self._way_on())
         return status
 
+    def interrupt(self, number, frame):
+        """Handler of signals: end the run with the points it has."""
+        self.signal = number
+        raise KeyboardInterrupt(number)
+
     def _points(self):
         """Take all points; exit status and, if it is not 0, the reason in words."""
         try:
             for point in new_points(self.branch, self.waiting):
                 self._accept(point)
+                if self.signal:  # PETSc may swallow what is raised in some of its callbacks
+                    raise KeyboardInterrupt(self.signal)
         except (Exception, KeyboardInterrupt) as error:
             return self._verdict(error)
         return 0, ""
@@ -250,7 +251,7 @@ class Run:
         if isinstance(error, (NotConverged, NoEquilibrium)):
             return 1, str(error)
         if isinstance(error, KeyboardInterrupt):
-            return 128 + _signal_of(error), f"interrupted by {signal.Signals(_signal_of(error)).name}"
+            return 128 + self.signal, f"interrupted by {signal.Signals(self.signal).name}"
         if isinstance(error, PETSc.Error):
             sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
             return 2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error {error.ierr})"

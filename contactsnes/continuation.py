@@ -273,30 +273,29 @@ class Turn:
         return replace(point, leg=self.leg.number, position=target, step=self.leg.initial)
 
     def _locate(self, trail):
-        """The point of largest load among three on the arc, refined by parabolas, and the state beyond it."""
-        beyond = trail[-1][1]
-        for _ in range(10):
+        """The point of largest load near three on the arc, refined by parabolas, and the state beyond it."""
+        beyond = trail[2][1]
+        for _ in range(16):
             arc, slopes = self._slopes(trail)
-            curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
-            top = -0.5 * slopes[1] / curvature if curvature < 0.0 else 0.5 * arc[2]
-            shift = float(np.clip(top, 0.9 * arc[0], 0.9 * arc[2]))
-            if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
-                break
-            toward = 0 if shift < 0.0 else 2
             try:
+                if trail[2][0] >= trail[1][0]:
+                    beyond = self._ahead(trail, 0.5 * arc[2])
+                    trail = [*trail[1:], (beyond.position, beyond)]
+                    continue
+                curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
+                shift = -0.5 * slopes[1] / curvature
+                if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
+                    break
+                toward = 0 if shift < 0.0 else 2
                 found = self._at(trail[1][1], trail[1][0], trail[toward][1], trail[toward][0], -abs(shift))
             except NotConverged:
                 break
-            trail = sorted([*trail, (found.position, found)], key=lambda item: self._order(item, beyond))
-            best = int(np.argmax([place for place, _ in trail]))
-            best = min(max(best, 1), len(trail) - 2)
-            trail = trail[best - 1:best + 2]
+            between = [trail[0], (found.position, found), *trail[1:]] if shift < 0.0 else \
+                [*trail[:2], (found.position, found), trail[2]]
+            best = 1 if between[1][0] > between[2][0] else 2
+            trail = between[best - 1:best + 2]
         fold = max(trail, key=lambda item: item[0])[1]
         return replace(fold, step=self.leg.initial), beyond.state
-
-    def _order(self, item, beyond):
-        """Place of a point along the arc: minus its distance from the point beyond the fold."""
-        return -self.system.distance(item[1].state, beyond.state)
 
     def _scale(self):
         """Relative change of the moving load per change of position."""
