@@ -9,7 +9,7 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Scene": "scene", "Load": "scene", "Steps": "scene", "Form": "scene", "InputError": "scene",
+    "Scene": "scene", "Load": "load", "Steps": "scene", "Form": "scene", "InputError": "settings",
     "Contact": "contact", "Branch": "run", "NotConverged": "continuation", "NoEquilibrium": "continuation",
     "observe": "observables", "table": "observables", "Archive": "archive", "read": "archive", "plot": "plots",
 }

@@ -21,7 +21,9 @@ from . import __version__, observables, scene as scenes, states
 from .archive import Archive, ArchiveError, Column
 from .continuation import NoEquilibrium, NotConverged
 from .options import check_names, check_values, database, database_text, help_text, petsc_arguments, read, unused_options
-from .scene import OPTION_CLASSES, InputError, as_text, nearest
+from .scene import OPTION_CLASSES
+from .load import Load, quantities
+from .settings import as_text, InputError, nearest
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -91,7 +93,7 @@ class Settings(NamedTuple):
 
     scene: scenes.Scene
     form: scenes.Form
-    load: scenes.Load
+    load: Load
     steps: scenes.Steps
     output: scenes.Output
 
@@ -490,7 +492,7 @@ def _about_path(settings, legs):
     """Start and legs in words."""
     dimension = settings.scene.dimension
     names = {(quantity.component, quantity.control): (name, quantity.unit)
-             for name, quantity in scenes.quantities(dimension).items()}
+             for name, quantity in quantities(dimension).items()}
 
     def words(controls, verb):
         for component, (control, value) in controls.items():

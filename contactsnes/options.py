@@ -12,7 +12,8 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-from .scene import OPTION_CLASSES, InputError, allowed, nearest
+from .scene import OPTION_CLASSES
+from .settings import allowed, InputError, nearest
 
 BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromkeys(("false", "no", "off", "0"), False)}
 

@@ -9,7 +9,7 @@ from scipy.fft import next_fast_len
 from .contact import ArcLength
 from .fourier import Transform, clear_padding, smooth
 from .options import read
-from .scene import Options, option
+from .settings import option, Options
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class ZonedStiffness:
     def apply(self, vector, out):
         """out = M^-1 vector: four transforms of the cell a component."""
         source, target = vector.reshape(self.form.shape), out.reshape(self.form.shape)
-        plan, shape = self.transform, self.form.grid.shape
+        plan = self.transform
         for i, zones in enumerate(self.zones):
             mean = self.grid.mean(source[i]) if i in self.rigid else 0.0
             target[i] = 0.0

@@ -1,6 +1,6 @@
-"""What is solved: scene, load path and steps, as frozen dataclasses of checked options.
+"""What is solved, and with which steps, as frozen dataclasses of checked options, and what holds for them together.
 
-Each field is one option: ``-`` + the class's ``prefix`` + the field's name. Its metadata, made by `option`, say all the
+Each field is one option: ``-`` + the class's ``prefix`` + the field's name. Its metadata, made by `settings.option`, say all the
 rest (meaning, unit, what is allowed), so that reading, checking and help need no second list.
 
 Units: lengths along the interface in beta = (R^2 phi_n / E*)^(1/3), normal displacements in u_n,r = beta^2 / R,
@@ -11,128 +11,12 @@ delta_t = u_t,r / tangential_maugis.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
-import operator
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
-
-class InputError(ValueError):
-    """Bad input: one sentence with the option, its value, what is allowed and what to try."""
-
-
-def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
-           many=None, infinite=False, even=False, default_text=None):
-    """A dataclass field that is an option of the database.
-
-    Parameters
-    ----------
-    default : value of the field; None where it depends on others (`default_text` then says how)
-    meaning, unit : str, for the help; an empty unit is dimensionless
-    kind : 'flag', 'integer', 'number' or 'text'; by default the type of `default`
-    minimum, maximum : bounds that are allowed themselves; above, below : bounds that are not
-    choices : tuple of the allowed values
-    many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
-    infinite : whether inf is allowed
-    even : whether an integer has to be even
-    """
-    if kind is None:
-        kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
-    rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
-                choices=choices, many=many, infinite=infinite, even=even,
-                default_text=as_text(default) if default_text is None else default_text)
-    return dataclasses.field(default=default, metadata=rule)
-
-
-def as_text(value):
-    """A value as it is typed on the command line; None is an empty text."""
-    if isinstance(value, (tuple, list)):
-        return ",".join(map(as_text, value))
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return repr(float(value)).removesuffix(".0")
-    return "" if value is None else str(value)
-
-
-def allowed(rule):
-    """What the metadata `rule` of a field allow, in words."""
-    if rule["choices"]:
-        text = ("one of " if len(rule["choices"]) > 1 else "only ") + ", ".join(map(as_text, rule["choices"]))
-    else:
-        text = {"flag": "true or false", "text": "text", "number": "a number",
-                "integer": "an even number" if rule["even"] else "a whole number"}[rule["kind"]]
-        words = (("above", "above"), ("minimum", "at least"), ("below", "below"), ("maximum", "at most"))
-        bounds = [f"{word} {as_text(rule[key])}" for key, word in words if rule[key] is not None]
-        text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
-    several = {None: "", "directions": "; one, or one per direction with a comma",
-               "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
-    return text + several[rule["many"]]
-
-
-def nearest(name, names, cutoff=0.4):
-    """The one of `names` that looks most like `name`, or an empty text where none is as alike as `cutoff` (0 to 1)."""
-    return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
-
-
-def _single(value, rule):
-    """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
-    kind = rule["kind"]
-    own_type = {"flag": bool, "text": str}.get(kind)
-    if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
-        raise TypeError
-    value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
-    outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt), ("maximum", operator.gt),
-               ("above", operator.le), ("below", operator.ge))
-    if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
-        raise ValueError
-    if kind == "number" and (math.isnan(value) or (math.isinf(value) and not rule["infinite"])):
-        raise ValueError
-    if rule["even"] and value % 2:
-        raise ValueError
-    return value
-
-
-def _checked(name, value, rule):
-    """The value of option `name`, or InputError."""
-    several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
-    if rule["many"] == "list" and isinstance(value, str):
-        value, several = tuple(part.strip() for part in value.split(",")), True
-    try:
-        values = tuple(_single(item, rule) for item in (value if several else (value,)))
-        if not values or (rule["many"] == "directions" and len(values) > 2):
-            raise ValueError
-    except (ValueError, TypeError):
-        known = map(as_text, rule["choices"] or ())
-        guess = nearest(as_text(value), known) or rule["default_text"]
-        raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
-                         + (f"; try {guess}" if guess else "")) from None
-    if rule["many"] == "list":
-        return ",".join(values)
-    return values if len(values) > 1 else values[0]
-
-
-class Options:
-    """Base of the frozen dataclasses of options: checks every field by its metadata (InputError).
-
-    A subclass has a `prefix`, with which all its options begin, and a `title` for the help; its fields are made by `option`.
-    """
-
-    prefix: ClassVar[str]
-    title: ClassVar[str]
-
-    def __post_init__(self):
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, _checked(self.option_name(field.name), value, field.metadata))
-
-    @classmethod
-    def option_name(cls, field):
-        """The option of a field as it is typed, for instance -scene_poisson."""
-        return f"-{cls.prefix}{field}"
+from .load import Load
+from .settings import InputError, Options, as_text, option
 
 
 @dataclass(frozen=True)
@@ -250,123 +134,6 @@ class Form(Options):
                        choices=("displacement", "force"))
     window: str = option("auto", "auto: nodes within the range of the law, enlarged on demand; off: the whole cell",
                          choices=("auto", "off"))
-
-
-class Quantity(NamedTuple):
-    """What a controllable quantity is: component (0 normal), 'displacement' or 'force', unit of its values."""
-
-    component: int
-    control: str
-    unit: str
-
-
-class Control(NamedTuple):
-    """How a component is controlled, 'displacement' or 'force', and its value; None holds the value reached."""
-
-    control: str
-    value: float | None
-
-
-@dataclass(frozen=True)
-class Leg:
-    """One leg of a load path: its text, and component -> Control for what it names, in the order named."""
-
-    text: str
-    controls: Mapping[int, Control]
-
-
-def quantities(dimension):
-    """Name -> Quantity of the controllable quantities: normal before tangential, displacement before force."""
-    forces = {1: ("w_n,r", "w_t,r"), 2: ("R phi_n", "R sqrt(phi_n phi_t)")}[dimension]
-    table = {"normal_displacement": Quantity(0, "displacement", "u_n,r"), "normal_force": Quantity(0, "force", forces[0])}
-    for component, suffix in enumerate({1: ("",), 2: ("_x", "_y")}[dimension], start=1):
-        table["tangential_displacement" + suffix] = Quantity(component, "displacement", "u_t,r")
-        table["tangential_force" + suffix] = Quantity(component, "force", forces[1])
-    return table
-
-
-def _quantity(name, piece, source, dimension):
-    """The Quantity of a name in `piece` of option `source`."""
-    table = quantities(dimension)
-    if name in table:
-        return table[name]
-    base = name.removesuffix("_x").removesuffix("_y")
-    if base in ("tangential_displacement", "tangential_force"):
-        hint = f"in two dimensions write {base}_x or {base}_y" if dimension == 2 else f"in one dimension write {base}"
-    else:
-        hint = f"did you mean {nearest(name, table)}?" if nearest(name, table) else f"allowed are {', '.join(table)}"
-    raise InputError(f"{source} has an unknown quantity in '{piece}': {hint}")
-
-
-def _value(text, piece, source, hold):
-    """A number of `piece`, or None for hold."""
-    if text == "hold" and hold:
-        return None
-    try:
-        value = float(text)
-        if not math.isfinite(value):
-            raise ValueError
-    except ValueError:
-        kinds = "a finite number, or hold" if hold else "a finite number"
-        raise InputError(f"{source} has no number after '=' in '{piece}': allowed is {kinds}") from None
-    return value
-
-
-def _controls(text, source, dimension, hold):
-    """Component -> Control of one leg, 'name=value, name=value'."""
-    controls = {}
-    for piece in map(str.strip, text.split(",")):
-        name, equals, value = (part.strip() for part in piece.partition("="))
-        if not equals:
-            where = f"'{piece}' without '='" if piece else f"an empty piece in '{text.strip()}'"
-            raise InputError(f"{source} has {where}: write quantity=value, for instance normal_force=25")
-        quantity = _quantity(name, piece, source, dimension)
-        control = Control(quantity.control, _value(value, piece, source, hold))
-        if quantity.component in controls:
-            raise InputError(f"{source} controls one component twice in '{text.strip()}', the second time by '{piece}': "
-                             "a leg names the displacement or the force of a component, once")
-        controls[quantity.component] = control
-    return controls
-
-
-@dataclass(frozen=True)
-class Load(Options):
-    """Load path: the ``-load_*`` options. An empty path is an error of `legs` only, since not every use needs one."""
-
-    prefix: ClassVar[str] = "load_"
-    title: ClassVar[str] = "Load path"
-    start: str = option("normal_displacement=0", "controlled values where the path begins, the others zero: "
-                        "quantity=value, with commas")
-    path: str = option("", "legs separated by ;, their quantities by commas: normal_displacement, normal_force, "
-                       "tangential_displacement, tangential_force (two dimensions: tangential ones with _x or _y) = end value "
-                       "or hold", default_text="none: run needs one")
-    stop: str = option("none", "end the path at the first such event", many="list",
-                       choices=("none", "gross_sliding", "pull_off"))
-
-    def __post_init__(self):
-        super().__post_init__()
-        if "none" in self.stop and self.stop != "none":
-            raise InputError(f"-load_stop is '{self.stop}': none stands alone; allowed is none, gross_sliding, pull_off, or "
-                             "the last two with a comma")
-
-    @property
-    def stops(self):
-        """Events that end the path, a tuple of names; empty for none."""
-        return tuple(name for name in self.stop.split(",") if name != "none")
-
-    def initial(self, dimension):
-        """Component -> Control where the path begins, for every component; what is not named: displacement 0."""
-        unloaded = {component: Control("displacement", 0.0) for component in range(1 + dimension)}
-        return unloaded | _controls(self.start, "-load_start", dimension, hold=False)
-
-    def legs(self, dimension):
-        """The legs of the path, a tuple of Leg. InputError for an empty path and for pieces that cannot be read."""
-        if not self.path.strip():
-            raise InputError("-load_path is empty: name the legs, for instance -load_path \"normal_force=25\"")
-        texts = [text.strip() for text in self.path.split(";")]
-        if "" in texts:
-            raise InputError(f"-load_path has an empty leg in '{self.path}': ';' stands between two legs only")
-        return tuple(Leg(text, _controls(text, "-load_path", dimension, hold=True)) for text in texts)
 
 
 @dataclass(frozen=True)

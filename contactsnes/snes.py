@@ -12,7 +12,7 @@ from .contact import FORCE, ArcLength, DisplacementForm, ForceForm
 from .continuation import NoEquilibrium, NotConverged, Point
 from .laws import DEEPEST, SLIP, SOFTENING
 from .options import read
-from .scene import Options, option
+from .settings import option, Options
 
 COLD, WARM = 200, 16
 """Most Newton iterations of a first point, and of a step: a step that needs more is better made shorter."""

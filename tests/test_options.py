@@ -9,7 +9,9 @@ import sys
 import pytest
 
 from contactsnes import options
-from contactsnes.scene import OPTION_CLASSES, Form, InputError, Load, Options, Output, Scene, Steps, as_text, option
+from contactsnes.load import Load
+from contactsnes.scene import Form, OPTION_CLASSES, Output, Scene, Steps
+from contactsnes.settings import as_text, InputError, option, Options
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from contactsnes.scene import (
-    OPTION_CLASSES, Control, Form, InputError, Load, Output, Scene, Steps, allowed, as_text, attributes, check, ineffective,
-    nearest, quantities, resolution, resolution_warning, tangential_legs)
+from contactsnes.load import Control, Load, quantities
+from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASSES, Output, resolution, resolution_warning, Scene, Steps, tangential_legs
+from contactsnes.settings import allowed, as_text, InputError, nearest
 
 DEFAULTS = {
     "scene_dimension": "1", "scene_points": "", "scene_period": "100", "scene_geometry": "cylinder", "scene_amplitude": "",
