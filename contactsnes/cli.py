@@ -100,9 +100,9 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import preconditioners, snes
+    from . import preconditioners, relaxation, snes
 
-    return (snes.NewtonOptions, preconditioners.CoreOptions)
+    return (snes.NewtonOptions, preconditioners.CoreOptions, relaxation.VerletOptions, relaxation.FireOptions)
 
 
 def start_petsc(arguments):

@@ -12,6 +12,8 @@ FOLD_TOLERANCE = 1e-6
 """Relative accuracy in the load to which a fold is located; a step of the search promises less than this."""
 SHORT = 0.1
 """Steps that had to be cut below this part of the leg's initial one look like a fold: arc length finds out."""
+KICKS = (0.3, 1.0, 3.0)
+"""How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back."""
 
 
 class NotConverged(RuntimeError):
@@ -125,7 +127,7 @@ class Walk:
 
     def __init__(self, system, leg, history, predictor, at_fold):
         self.system, self.leg = system, leg
-        self.history = [(place, system.adapted(point, leg.controls)) for place, point in history]
+        self.history = [(place, system.adapted(point, leg.controls, leg.load(place))) for place, point in history]
         self.predictor, self.at_fold = predictor, at_fold
         self.stopped = False
 
@@ -178,10 +180,12 @@ class Walk:
         """Find out what stops the walk; yield the fold and, by default, the point after the jump."""
         try:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
+            starts = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
         except NotConverged:
-            fold, beyond, passed = self.history[-1][1], self.system.lowered(self.history[-1][1]), None
-            if beyond is None:
+            fold, lowered, passed = self.history[-1][1], self.system.lowered(self.history[-1][1]), None
+            if lowered is None:
                 raise
+            starts = [lambda: lowered]
         if fold is None:
             yield self._accept(passed)
             return
@@ -191,11 +195,20 @@ class Walk:
         if self.at_fold == "stop":
             self.stopped = True
             return
-        point = self.system.jump(beyond, self.leg.controls, fold.load, f"beyond the fold ({kind}) at "
-                                 f"{self._place(fold.position)}")
+        point = self._jump(fold, starts, f"beyond the fold ({kind}) at {self._place(fold.position)}")
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial, event="jump")
         self.history = []
         yield self._accept(point)
+
+    def _jump(self, fold, starts, where):
+        """The equilibrium at the fold's load to which motion leads from the first of some starts that does not lead back."""
+        for start in starts:
+            state = start()
+            point = self.system.settle(state, self.leg.controls, fold.load, where)
+            if self.system.missed(fold.state, point.state) > 2.0 * self.system.missed(fold.state, state):
+                return point
+            self.system.log(f"the motion {where} led back to it; trying again from farther away")
+        raise NotConverged(f"no other equilibrium was reached {where}: the motion led back")
 
 
 def fold_kind(leg):

@@ -14,7 +14,7 @@ Common arguments
 x, r : float or array, distance from the centre of the contact
 half_width, contact_radius : float or array >= 0, a; below half the period
 period : float, length L of the periodic cell; `inf` (default) is the isolated contact
-work_of_adhesion : float >= 0, w; line contacts in units of phi_n, and 0 gives Hertz's solutions
+work_of_adhesion : float, w; lines: in units of phi_n, 0 gives Hertz's solutions; spheres: > 0
 load, tangential_force : float; for line contacts per cell
 Results have the shape of the arguments. Functions that find a state from a load or an approach take and return floats,
 of the state that is stable when that quantity is prescribed. All raise ValueError for arguments out of range and where

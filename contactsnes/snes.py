@@ -170,9 +170,9 @@ class Corrector:
         return [f"{axis}_{control}{end}" for axis, control, end in zip(axes, controls, ends)]
 
     # What continuation asks of states.
-    def adapted(self, point, controls):
-        """The point with as many components as there are controls."""
-        return replace(point, state=states.with_components(point.state, len(controls)))
+    def adapted(self, point, controls, load):
+        """The point as one of a leg: with as many components as there are controls, under its controls and load."""
+        return replace(point, state=states.with_components(point.state, len(controls)), controls=controls, load=load)
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""
@@ -207,7 +207,7 @@ class Corrector:
                 return self.solve(state, controls, load, COLD)
             except NotConverged as error:
                 self.log(f"the first solve failed ({error}): relaxing the body dynamically")
-        return self.jump(state, controls, load, "from the undeformed body")
+        return self.settle(state, controls, load, "from the undeformed body")
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
@@ -267,36 +267,48 @@ class Corrector:
         means[form.forced] = scalars
         return states.State(form.window, form.displacement(moved), means)
 
-    def jump(self, state, controls, load, where):
-        """The equilibrium that overdamped motion from a state reaches at fixed load, polished by Newton.
+    def kicked(self, fold, beyond, kick):
+        """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
+        part = kick / max(states.missed(self.contact, fold, beyond), 1e-12)
+        return states.combined(self.contact, [beyond, fold], [part, 1.0 - part])
+
+    def settle(self, state, controls, load, where):
+        """The equilibrium that damped motion from a state reaches at fixed load, polished by Newton.
 
         Raises NoEquilibrium where the body leaves or slides without end, NotConverged where the motion does not settle.
         """
         form = ForceForm(self.contact, controls)
         form.set_load(load)
-        cell = self.contact.extended(states.with_components(state, form.components)).reshape(form.shape)
-        unknown = form.pack(cell)
-        for tolerance in (1e-3, 1e-5, 1e-8):
-            snes = create_snes(form, prefix="jump_")
-            snes.setType("python")
-            snes.setPythonType("contactsnes.relaxation.Fire")
-            snes.setTolerances(atol=tolerance, max_it=200000)
-            snes.setFromOptions()
-            try:
-                unknown, _ = self._newton(form, unknown, None, snes)
-            except NotConverged as error:
-                if snes.getPythonContext().escaped:
-                    loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
-                    raise NoEquilibrium(f"no equilibrium at {loads} {where}: the body leaves or slides without end") from None
-                raise NotConverged(f"the motion {where} did not settle: {error}") from None
+        unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
+        imbalance = form.residual(unknown, np.empty(form.size))
+        first = min(1e-3, 0.03 * form.displacement_norm(unknown, imbalance))
+        for tolerance in (first, 1e-2 * first, 1e-8):
+            unknown = self._relaxed(form, unknown, tolerance, where)
             relaxed = self._state(form, unknown)
             try:
                 point = self.solve(relaxed, controls, load, COLD)
-            except NotConverged:
+            except NotConverged as error:
+                reason = error
                 continue
-            if self.distance(relaxed, point.state) < 0.1:
+            if states.missed(self.contact, relaxed, point.state) < 0.1:
                 return point
-        return point
+            reason = "Newton's solution is not where the motion led"
+        raise NotConverged(f"the motion {where} settled, but {reason}")
+
+    def _relaxed(self, form, unknown, tolerance, where):
+        """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``."""
+        snes = create_snes(form, prefix="jump_")
+        snes.setType("python")
+        snes.setPythonType("contactsnes.relaxation.Fire")
+        snes.setTolerances(atol=tolerance, max_it=200000)
+        snes.setFromOptions()
+        try:
+            return self._newton(form, unknown, None, snes)[0]
+        except NotConverged as error:
+            if snes.getPythonContext().escaped:
+                loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(form.controls), form.load))
+                raise NoEquilibrium(f"no equilibrium at {loads} {where}: the body leaves or slides without end") from None
+            raise NotConverged(f"the motion {where} did not settle: {error}") from None
 
     def _fitted(self, state):
         """The state on the window that the settings and the law ask for."""

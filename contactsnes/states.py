@@ -142,9 +142,11 @@ def distance(contact, first, second):
 
 
 def missed(contact, guess, found):
-    """Root mean square distance of a guess from what was found, over the nodes where the law acts (gap below 10 ranges)."""
-    change = onto(guess, found.window) - found.displacement
-    change = change[:, normal_gap(contact, found) < 10.0]
+    """Root mean square distance of a guess from what was found, over the nodes where the law acts on either (gap below 10)."""
+    window = max(guess.window, found.window, key=lambda window: window.size)
+    first, second = onto(guess, window), onto(found, window)
+    lower = np.minimum(first[0], second[0]) + window.take(contact.initial_gap)
+    change = (first - second)[:, lower < 10.0]
     return float(np.sqrt(contact.grid.inner(change, change) / max(change.size, 1)))
 
 

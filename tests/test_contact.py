@@ -273,6 +273,16 @@ def test_newton_in_force_form_reaches_the_same_point(options, load, tight):
     np.testing.assert_allclose(points[-1].displacements, others[-1].displacements, atol=1e-8)
 
 
+@pytest.mark.parametrize("load", [Load(start="normal_displacement=0", path="normal_displacement=-8"),
+                                  Load(start="normal_displacement=6", path="tangential_displacement=30")],
+                         ids=["pull_off", "sliding"])
+def test_newton_in_force_form_reaches_the_same_fold(load):
+    scene, steps = Scene(**SMALL, height=20.0), Steps(at_fold="stop")
+    ends = [points_of(scene, load, form, steps)[1][-1] for form in (Form(), Form(form="force"))]
+    assert [end.event for end in ends] == ["fold", "fold"]
+    np.testing.assert_allclose(ends[0].load, ends[1].load, rtol=2e-3)
+
+
 def test_one_component_is_two_without_tangential_load(tight):
     path = Load(start="normal_displacement=4", path="normal_displacement=6; normal_force=2")
     contact, points = points_of(Scene(**SMALL, tangential="off"), path)
@@ -429,8 +439,13 @@ def counter(monkeypatch):
     return count
 
 
-@pytest.mark.parametrize("form", [Form(), Form(window="off"), Form(form="force")], ids=["window", "cell", "force"])
-@pytest.mark.parametrize("predictor", ["none", "secant", "tangent", "edge"])
+WINDOW, CELL, STIFF = Form(), Form(window="off"), Form(form="force")
+
+
+@pytest.mark.parametrize("form, predictor", [(WINDOW, "none"), (WINDOW, "secant"), (WINDOW, "tangent"), (WINDOW, "edge"),
+                                             (CELL, "edge"), (STIFF, "tangent"), (STIFF, "edge")],
+                         ids=["window-none", "window-secant", "window-tangent", "window-edge", "cell-edge", "force-tangent",
+                              "force-edge"])
 def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
     branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=1", path="normal_displacement=20; "
                     "tangential_displacement=3, normal_force=12"), Steps(predictor=predictor), form)
@@ -444,3 +459,65 @@ def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
     spent += branch.corrector.account()["transforms"]
     assert spent > 20
     assert spent == pytest.approx(counter.cost, rel=1e-12)
+
+
+PLANAR = {"dimension": 2, "points": 64, "period": 12.0, "geometry": "sphere", "normal_maugis": 2.0}
+
+
+def held_arrays(root, depth=8):
+    """Name -> array for every array reachable from an object, each block of memory once."""
+    found, seen = {}, set()
+
+    def visit(thing, name, depth):
+        while isinstance(thing, np.ndarray) and isinstance(thing.base, np.ndarray):
+            thing = thing.base
+        if id(thing) in seen or depth < 0:
+            return
+        seen.add(id(thing))
+        if isinstance(thing, np.ndarray):
+            found[name] = thing
+            return
+        parts = thing.items() if isinstance(thing, dict) else enumerate(thing) if isinstance(thing, (list, tuple)) \
+            else vars(thing).items() if hasattr(thing, "__dict__") else ()
+        for key, part in parts:
+            visit(part, f"{name}.{key}", depth - 1)
+
+    visit(root, "", depth)
+    return found
+
+
+@pytest.mark.parametrize("count, most", [(1, 8.0), (3, 13.0)])
+def test_memory_of_form_and_preconditioner(count, most):
+    """Vectors of components x nodes held beside the SNES: unknown, gap, traction, tangent, spectra, symbols, core zones."""
+    contact = Contact(Scene(**PLANAR))
+    form = DisplacementForm(contact, contact.grid.whole, (DISPLACEMENT,) * count)
+    form.set_load(np.full(count, 0.5))
+    unknown = form.pack(np.zeros(form.shape), [])
+    form.residual(unknown, np.empty(form.size))
+    form.linearise(unknown)
+    zone = CoreZone(form)
+    held = {name: array.nbytes / unknown.nbytes for name, array in held_arrays([form, zone]).items()}
+    assert sum(held.values()) < most, held
+
+
+@pytest.mark.parametrize("kind", ["window", "displacement", "force"])
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("body", ["thick", "soft"])
+def test_product_allocates_less_than_a_vector(kind, count, body):
+    contact = Contact(Scene(**{**PLANAR, "points": 256}, **BODIES[body]))
+    controls = (DISPLACEMENT,) * count
+    box = Window(contact.grid, (200, 40), (120, 112)) if kind == "window" else contact.grid.whole
+    form = ForceForm(contact, controls) if kind == "force" else DisplacementForm(contact, box, controls)
+    form.set_load(np.full(count, 0.5))
+    vector, out = np.random.default_rng(7).normal(size=(2, form.size))
+    form.linearise(vector)
+    form.apply_jacobian(vector, out)
+    gc.collect()
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    for _ in range(20):
+        form.apply_jacobian(vector, out)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # numpy's casting buffer of 8192 complex numbers is not counted.
+    assert peak - before - 8192 * 16 < 8 * count * math.prod(box.circle())

@@ -1,0 +1,401 @@
+"""Dynamic relaxation of the force form: damped motion in Fourier space, and the thin SNES types around it.
+
+The balance F(v) = 0 is reached as the rest of m v'' + m c v' = -F(v), with a mass m for each wave. The masses are stiffnesses:
+the body's, plus the law's reference tangent, so that the fastest motion has about the frequency 1, which is the unit of time.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from petsc4py import PETSc
+
+from .laws import CUTOFF, DEEPEST, SLIP
+from .options import read
+from .settings import InputError, Options, option
+
+RESTING = {1: 0.15, 2: 0.08}
+"""Stiffness of the mean displacement of a body in contact over that of the longest wave, for an interface of one and of two
+dimensions: 0.24 where a tenth of a line cell is in contact, less for smaller contacts."""
+
+LEVELLED = 6.0
+"""Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12 (dimensionless)."""
+
+UNBOUNDED = 1e8
+"""Residual norm, in ranges and over the first one, that no motion towards a balance has (dimensionless)."""
+
+
+@dataclass(frozen=True)
+class MassOptions(Options):
+    """What the masses are made of: options of every method."""
+
+    masses: str = option("fourier", "fourier: stiffness of the wave + tangent; equal: the largest of these for every wave",
+                         choices=("equal", "fourier"))
+    tangent: float = option(2.0, "reference tangent of the law that the masses allow for; beyond it they grow",
+                            "phi/delta^2", above=0)
+
+
+@dataclass(frozen=True)
+class VerletOptions(MassOptions):
+    """Options of damped Verlet."""
+
+    prefix: ClassVar[str] = "snes_verlet_"
+    title: ClassVar[str] = "Dynamic relaxation: damped Verlet"
+    time_step: float = option(1.6, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
+    damping: float = option(None, "rate c of the damping m c v'", kind="number", minimum=0,
+                            default_text="critical for the slowest motion")
+
+
+@dataclass(frozen=True)
+class FireOptions(MassOptions):
+    """Options of FIRE; Bitzek's own: growth 1.1, reduction 0.5, delay 5, mixing 0.1, mixing_decay 0.99."""
+
+    prefix: ClassVar[str] = "snes_fire_"
+    title: ClassVar[str] = "Dynamic relaxation: FIRE"
+    time_step: float = option(0.4, "first time step; the fastest motion has about the frequency 1", above=0)
+    largest_time_step: float = option(1.4, "largest time step; stable below about 1.6", above=0)
+    growth: float = option(1.2, "factor of the time step after a step downhill", minimum=1)
+    reduction: float = option(0.7, "factor of the time step after a step uphill", above=0, below=1)
+    delay: int = option(0, "steps downhill before the time step grows", minimum=0)
+    mixing: float = option(0.13, "part of the velocity that is turned towards the force, after a stop", minimum=0, below=1)
+    mixing_decay: float = option(0.99, "factor of the mixing where the time step grows", above=0, maximum=1)
+
+
+class Motion:
+    """m mu v'' = -F(v) for the force form, all in Fourier space: two transforms a component for each force.
+
+    m(q) = K(q) + tangent, and half the tangent for the mean (0 where it cannot move); K in ranges of the law. mu >= 1 is what
+    keeps deep overlap stable: where the law's steepest tangent now exceeds the reference, all masses grow so that the fastest
+    frequency stays. When mu grows kinetic energy is kept, when it falls the velocity (no repulsion can then accelerate the body
+    without bound).
+
+    Parameters
+    ----------
+    form : ForceForm with its load set
+    masses : 'fourier' or 'equal' (then the largest m of the component for every wave)
+    tangent : reference tangent, dimensionless
+
+    Attributes
+    ----------
+    displacement, velocity, force, acceleration : half spectra (components, ...) of v, v', F and -F/(m mu), not normalised
+    gap : array (components, nodes), ranges of the law, at the last evaluation
+    stiffening : mu
+    """
+
+    def __init__(self, form, masses="fourier", tangent=2.0):
+        self.form, self.grid, self.transform = form, form.grid, form.convolution.transform
+        self._target, spectrum = form._target(), self.transform.spectrum
+        self.displacement, self.velocity, self.force, self.acceleration = (np.zeros_like(spectrum) for _ in range(4))
+        self._work, self.gap = np.zeros_like(spectrum), np.empty(form.shape)
+        self._mean = (slice(None), *[0] * len(self.grid.shape))
+        self.stiffness = {key: self.grid.size * block for key, block in form.convolution.blocks.items()}
+        self.mobile = np.array([form.rigid_compliance[i] > 0.0 or i in form.forced for i in range(form.components)])
+        self.mass = self._masses(masses, tangent)
+        self.mobility = 1.0 / np.where(self.mass > 0.0, self.mass, np.inf)
+        self._tangent, self._lightest = tangent, self.mass.reshape(form.components, -1)[:, 1:].min()
+        self._steepest = self._steepest_tangents()
+        self.steps, self.stiffening = 0, 1.0
+
+    def _masses(self, kind, tangent):
+        """m(q) for each component, an array (components, *half spectrum)."""
+        mass = np.stack([np.broadcast_to(self.stiffness[i, i].real, self.force.shape[1:])
+                         for i in range(self.form.components)]) + tangent
+        if kind == "equal":
+            mass[...] = mass.reshape(len(mass), -1).max(axis=1).reshape(-1, *[1] * len(self.grid.shape))
+        else:
+            mass[self._mean] = self.form.mean_stiffness + 0.5 * tangent
+        mass[self._mean] *= self.mobile
+        return mass
+
+    def _steepest_tangents(self):
+        """Normal gaps from the deepest up to 0, and for each a bound of the law's tangent at any slip."""
+        depths, slips = np.linspace(DEEPEST, 0.0, 601), np.array([0.0, 0.5 * SLIP, SLIP, 2.0 * SLIP])
+        probe = np.zeros((self.form.components, depths.size, slips.size))
+        probe[0], probe[1:2] = depths[:, None], slips
+        tangent = self.form.contact.law.tangent(probe.reshape(len(probe), -1))
+        return depths, np.abs(tangent).sum(axis=1).max(axis=0).reshape(probe.shape[1:]).max(axis=1)
+
+    def slowest_frequency(self):
+        """Estimate of the slowest motion's frequency in contact: that of the softest wave, or of a mean that can move."""
+        squares = []
+        for i in range(self.form.components):
+            stiffness = self.stiffness[i, i].real.reshape(-1)[1:]
+            softest = np.argmin(stiffness)
+            squares.append(stiffness[softest] / self.mass[i].reshape(-1)[1:][softest])
+            if self.mobile[i]:
+                resting = self.form.mean_stiffness[i] + RESTING[len(self.grid.shape)] * stiffness[softest]
+                squares.append(resting / self.mass[self._mean][i])
+        return np.sqrt(min(squares))
+
+    def start(self, displacement):
+        """Rest at displacements (components, nodes), ranges of the law; a mean that cannot move is set from the load."""
+        self.transform.real.reshape(self.form.shape)[...] = displacement
+        self.transform.forward()
+        np.copyto(self.displacement, self.transform.spectrum)
+        far = self.form.contact.far_displacement(self.form.components, self.form.load)
+        self.displacement[self._mean] = np.where(self.mobile, self.displacement[self._mean], self.grid.size * far)
+        self.velocity[...] = 0.0
+        self.stiffening = 1.0
+        self._evaluate()
+
+    def advance(self, time_step, kept, impulse):
+        """v' = kept v' - impulse F/(m mu), v += time_step v', and the force there: every method's step."""
+        self.velocity *= kept
+        np.multiply(self.acceleration, impulse, out=self._work)
+        self.velocity += self._work
+        self.move(time_step)
+        self.steps += 1
+        self._evaluate()
+
+    def move(self, time):
+        """v += time v', without the force there."""
+        np.multiply(self.velocity, time, out=self._work)
+        self.displacement += self._work
+
+    def _evaluate(self):
+        """Gap, force and acceleration at the displacement."""
+        form, plan, size = self.form, self.transform, self.grid.size
+        np.multiply(self.displacement, 1.0 / size, out=plan.spectrum)
+        plan.backward()
+        field = plan.real.reshape(form.shape)
+        np.copyto(self.gap, field)
+        self.gap[0] += form.initial_gap
+        form.contact.law.evaluate(self.gap, field)
+        form.evaluations += 1
+        plan.forward()
+        self._balance()
+        self._stiffen()
+        np.multiply(self.force, self.mobility, out=self.acceleration)
+        self.acceleration *= -1.0 / self.stiffening
+
+    def _balance(self):
+        """Force from the tractions' spectrum in the transform: K v + t, and the form's own balance of the mean."""
+        form, size = self.form, self.grid.size
+        np.copyto(self.force, self.transform.spectrum)
+        mean = form.mean_stiffness * self.displacement[self._mean].real - size * self._target
+        mean += np.where(self.mobile, self.force[self._mean].real, 0.0)
+        for (i, j), block in self.stiffness.items():
+            np.multiply(block, self.displacement[j], out=self._work[i])
+            self.force[i] += self._work[i]
+        self.force[self._mean] = mean
+
+    def _stiffen(self):
+        """mu from the deepest gap."""
+        steepest = np.interp(self.grid.minimum(self.gap[0]), *self._steepest)
+        stiffening = max(1.0, 1.0 + (steepest - self._tangent) / self._lightest)
+        if stiffening > self.stiffening:
+            self.velocity *= np.sqrt(self.stiffening / stiffening)
+        self.stiffening = stiffening
+
+    def energies(self):
+        """Power -F . v', and the squares of velocity v' . m mu v' and force F . F/(m mu), sums over half spectra."""
+        np.multiply(self.velocity, self.mass, out=self._work)
+        return (-_inner(self.force, self.velocity), self.stiffening * _inner(self._work, self.velocity),
+                -_inner(self.force, self.acceleration))
+
+    def norm(self):
+        """``residual_norm`` of the archive at the present state, to be sure rounded up; no transform."""
+        np.multiply(self.force, 1.0 / self.form.root, out=self._work)
+        return self.form.spectral_norm(self._work, self.grid.count(self.gap[0] < CUTOFF))
+
+    def unknown(self):
+        """The form's unknown at the present state."""
+        displacement = self.gap.copy()
+        displacement[0] -= self.form.initial_gap
+        return self.form.pack(displacement)
+
+    def leaving(self):
+        """The force-controlled component that no traction will balance from here on, or None.
+
+        Normal: pulled, every node beyond the law's range, and still separating. Tangential: all nodes within the law's range
+        have slipped so far that friction has levelled off, below the prescribed force, and the body still slides on.
+        """
+        imbalance, velocity = self.force[self._mean].real, self.velocity[self._mean].real
+        slip = np.abs(self.displacement[self._mean].real) / self.grid.size
+        for i in self.form.forced:
+            target = self._target[i]
+            if velocity[i] * target <= 0.0 or imbalance[i] * target >= 0.0:
+                continue
+            if i == 0 and target > 0.0 and self.grid.minimum(self.gap[0]) > CUTOFF:
+                return 0
+            if i > 0 and slip[i] > LEVELLED and self._slides(abs(target)):
+                return i
+        return None
+
+    def _slides(self, mean_traction):
+        """Whether friction has levelled off wherever the law acts, below a mean traction over the cell."""
+        gap = self.gap[:, self.gap[0] < CUTOFF]
+        if gap.size == 0:
+            # What is pressed down will come into contact.
+            return 0 not in self.form.forced or self._target[0] >= 0.0
+        friction = np.linalg.norm(self.form.contact.law.traction(gap)[1:], axis=0)
+        slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
+        return bool(slipped.all()) and self.grid.sum(friction) < mean_traction * self.grid.size
+
+
+def _inner(first, second):
+    """Real inner product of half spectra of an even number of points: interior columns stand for two waves."""
+    ends = [np.vdot(first[..., k], second[..., k]).real for k in (0, -1)]
+    return 2.0 * np.vdot(first, second).real - sum(ends)
+
+
+class DampedVerlet:
+    """Verlet's scheme with damping in proportion to the masses, central in time (Verlet 1967; damped: Day 1965).
+
+    Parameters
+    ----------
+    motion : Motion, started
+    options : VerletOptions
+    """
+
+    def __init__(self, motion, options):
+        self.motion, self.time_step = motion, options.time_step
+        self.damping = 2.0 * motion.slowest_frequency() if options.damping is None else options.damping
+
+    def step(self):
+        """One time step."""
+        half = 0.5 * self.time_step * self.damping
+        self.motion.advance(self.time_step, (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half))
+
+
+class FastInertial:
+    """FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201): steered motion that stops where it runs uphill.
+
+    In the metric of the masses (Zhou, Moseler and Mueser 2019, Phys. Rev. B 99, 144103), by semi-implicit Euler steps, and
+    with half a step back after a stop (Guenole et al. 2020, Comput. Mater. Sci. 175, 109584).
+
+    Parameters
+    ----------
+    motion : Motion, started
+    options : FireOptions
+    """
+
+    def __init__(self, motion, options):
+        self.motion, self.options = motion, options
+        self.time_step, self.mixing, self.downhill = options.time_step, options.mixing, 0
+
+    def step(self):
+        """One time step."""
+        motion, options = self.motion, self.options
+        power, velocity, force = motion.energies()
+        if power < 0.0:
+            self.downhill, self.mixing = 0, options.mixing
+            self.time_step *= options.reduction
+            motion.move(-0.5 * self.time_step)
+            motion.advance(self.time_step, 0.0, self.time_step)
+            return
+        self.downhill += 1
+        if self.downhill > options.delay:
+            self.time_step = min(self.time_step * options.growth, options.largest_time_step)
+            self.mixing *= options.mixing_decay
+        step, force = self.time_step, max(force, np.finfo(float).tiny)
+        turned = self.mixing * np.sqrt((velocity + 2.0 * step * power + step**2 * force) / force)
+        motion.advance(step, 1.0 - self.mixing, (1.0 - self.mixing) * step + turned)
+
+
+class Relaxation:
+    """Base of the SNES types of dynamic relaxation; a subclass names its options and its method of stepping.
+
+    The SNES's application context is a ForceForm. Every step is an iteration, at which monitors and the convergence test get
+    ``residual_norm``, an upper bound of the archive's: -snes_atol is that number. The solution Vec is filled at the end.
+    -snes_max_funcs counts only if it is given (PETSc's default is made for Newton), -snes_stol and
+    -snes_divergence_tolerance do not: steps are small, and norms grow where a body leaves an unstable state.
+    A motion costs 3 transforms a component to begin with, and 2 for each step.
+
+    Attributes
+    ----------
+    escaping : the component that leaves, for which the last solve ended with SNES_DIVERGED_FUNCTION_DOMAIN, or None
+    """
+
+    options_class: ClassVar[type]
+    method_class: ClassVar[type]
+
+    def __init__(self):
+        self.options = self.options_class()
+        self.method, self.escaping, self.most_evaluations = None, None, np.inf
+
+    @property
+    def escaped(self):
+        """Whether the last solve ended because a component leaves."""
+        return self.escaping is not None
+
+    def setFromOptions(self, snes):
+        """Read the method's options under the SNES's prefix."""
+        prefix = snes.getOptionsPrefix() or ""
+        self.options = read(self.options_class, prefix)
+        if PETSc.Options(prefix).hasName("snes_max_funcs") and snes.max_funcs >= 0:
+            self.most_evaluations = snes.max_funcs
+
+    def setUp(self, snes):
+        """Have the norm tested that is handed over, for the function's Vec is not kept."""
+        if getattr(snes.appctx, "name", "") != "force":
+            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form force")
+        snes.setConvergenceTest(self.test)
+
+    def test(self, snes, iteration, norms):
+        """Convergence test: absolute, relative, and no growth without bound."""
+        reasons, norm = PETSc.SNES.ConvergedReason, norms[2]
+        rtol, atol, _, _ = snes.getTolerances()
+        if not np.isfinite(norm):
+            return getattr(reasons, "DIVERGED_FNORM_NAN", None) or reasons.DIVERGED_FUNCTION_NANORINF
+        self._first = norm if iteration == 0 else self._first
+        if norm <= atol:
+            return reasons.CONVERGED_FNORM_ABS
+        if iteration and norm <= rtol * self._first:
+            return reasons.CONVERGED_FNORM_RELATIVE
+        return reasons.DIVERGED_DTOL if norm > UNBOUNDED * max(1.0, self._first) else reasons.ITERATING
+
+    def solve(self, snes, b, x):
+        """Move from x until a reason to stop is found."""
+        motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
+        motion.start(motion.form.displacement(x.getArray(readonly=True)))
+        self.method, self.escaping, self._since = self.method_class(motion, self.options), None, 0
+        reason = self._judge(snes, motion)
+        while not reason:
+            self.method.step()
+            reason = self._judge(snes, motion)
+        x.getArray()[...] = motion.unknown()
+        snes.setConvergedReason(reason)
+
+    def _judge(self, snes, motion):
+        """Report the present state to PETSc; the reason to stop, or 0."""
+        reasons, norm = PETSc.SNES.ConvergedReason, motion.norm()
+        snes.its, snes.norm = motion.steps, norm
+        snes.logConvergenceHistory(norm, 0)
+        snes.monitor(motion.steps, norm)
+        reason = snes.callConvergenceTest(motion.steps, 0.0, 0.0, norm)
+        if reason:
+            return reason
+        if self._escapes(motion):
+            return reasons.DIVERGED_FUNCTION_DOMAIN
+        if motion.steps >= snes.max_it:
+            return reasons.DIVERGED_MAX_IT
+        return reasons.DIVERGED_FUNCTION_COUNT if motion.steps + 1 >= self.most_evaluations else reasons.ITERATING
+
+    def _escapes(self, motion):
+        """Whether a component leaves; sliding must last a period of the slowest motion, as contact may yet grow."""
+        leaving = motion.leaving()
+        if leaving is None:
+            self._since = motion.steps
+        elif leaving == 0 or (motion.steps - self._since) * self.method.time_step * motion.slowest_frequency() > 2.0 * np.pi:
+            self.escaping = leaving
+        return self.escaped
+
+    def view(self, snes, viewer):
+        """What -snes_view prints."""
+        values = ", ".join(f"{name} {value}" for name, value in vars(self.options).items() if value is not None)
+        viewer.printfASCII(f"  {self.options.title}: {values}\n")
+        if isinstance(self.method, DampedVerlet):
+            viewer.printfASCII(f"  damping in the last solve: {self.method.damping:.6g}\n")
+
+
+class Verlet(Relaxation):
+    """SNES type of damped Verlet: ``-snes_type python -snes_python_type contactsnes.relaxation.Verlet``."""
+
+    options_class, method_class = VerletOptions, DampedVerlet
+
+
+class Fire(Relaxation):
+    """SNES type of FIRE: ``-snes_type python -snes_python_type contactsnes.relaxation.Fire``."""
+
+    options_class, method_class = FireOptions, FastInertial

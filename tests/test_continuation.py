@@ -1,0 +1,612 @@
+"""Continuation on problems of one or two unknowns whose branches, folds and bends are known in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contactsnes.continuation import (FOLD_TOLERANCE, Leg, NoEquilibrium, NotConverged, Point, Turn, Walk, branch, fold_kind,
+                                      grown, lagrange_weights, leg_history, predict, with_events)
+
+CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
+PREDICTORS = ("none", "secant", "tangent", "edge")
+
+
+class Problem:
+    """F(u, load) = 0 with its derivatives, stable where a motion du/dt = -F settles, and flags of contact and sliding."""
+
+    in_contact = staticmethod(lambda u: True)
+    sliding = staticmethod(lambda u: False)
+
+    def __init__(self, residual, jacobian, load_derivative):
+        self.residual, self.jacobian, self.load_derivative = residual, jacobian, load_derivative
+
+
+def cubic(shift=0.0):
+    """u^3 - u = load + shift: stable for |u| > 1/sqrt 3, with folds at load = -+ 2/(3 sqrt 3) - shift."""
+    return Problem(lambda u, load: u ** 3 - u - load - shift, lambda u, load: np.diag(3 * u ** 2 - 1), lambda u, load: -np.ones(1))
+
+
+def follower():
+    """The cubic with a second unknown that is twice the first: (u^3 - u - load, v - 2u)."""
+    return Problem(lambda u, load: np.array([u[0] ** 3 - u[0] - load, u[1] - 2 * u[0]]),
+                   lambda u, load: np.array([[3 * u[0] ** 2 - 1, 0.0], [-2.0, 1.0]]), lambda u, load: np.array([-1.0, 0.0]))
+
+
+def circle():
+    """u^2 + load^2 = 1: nothing beyond load 1, where a motion never ends."""
+    return Problem(lambda u, load: u ** 2 + load ** 2 - 1, lambda u, load: np.diag(2 * u), lambda u, load: 2 * load * np.ones(1))
+
+
+def explicit(value, slope):
+    """u = value(load), a branch without a fold."""
+    return Problem(lambda u, load: u - value(load), lambda u, load: np.eye(1), lambda u, load: -slope(load) * np.ones(1))
+
+
+def bend(slope, width, at=0.5):
+    """u = load, from load ``at`` on steeper by ``slope``, over about ``width``."""
+    return explicit(lambda load: load + slope * width * np.logaddexp(0.0, (load - at) / width),
+                    lambda load: 1.0 + slope / (1.0 + np.exp(-(load - at) / width)))
+
+
+def cube_root():
+    """u^3 = load, with a vertical tangent at 0 that is no fold."""
+    return Problem(lambda u, load: u ** 3 - load, lambda u, load: np.diag(3 * u ** 2), lambda u, load: -np.ones(1))
+
+
+def pitchfork():
+    """(u - load, v (v^2 + 1/2 - load)): the branch v = 0 loses stability at 1/2 and goes on."""
+    return Problem(lambda x, load: np.array([x[0] - load, x[1] * (x[1] ** 2 + 0.5 - load)]),
+                   lambda x, load: np.diag([1.0, 3 * x[1] ** 2 + 0.5 - load]), lambda x, load: np.array([-1.0, -x[1]]))
+
+
+class System:
+    """What continuation asks of a solver, by dense Newton iterations on a `Problem`; a state is an array of unknowns.
+
+    ``fails`` says at which loads a solve fails whatever it starts from, and ``arc_fails`` one by arc length; ``iterations`` is
+    how many it reports, ``most`` how many it may take. ``guesses``, ``attempts`` and ``used`` record starts and loads of
+    solves, and the points extrapolated from.
+    """
+
+    def __init__(self, problem, most=16, fails=lambda load: False, arc_fails=lambda load: False, iterations=None):
+        self.problem, self.most, self.fails, self.arc_fails, self.iterations = problem, most, fails, arc_fails, iterations
+        self.guesses, self.used, self.attempts, self.sentences = [], [], [], []
+        self.log = self.sentences.append
+        self.spent = 0
+
+    def names(self, controls):
+        return ["normal_displacement", "tangential_displacement"][:len(controls)]
+
+    def adapted(self, point, controls):
+        return point
+
+    def account(self):
+        spent, self.spent = self.spent, 0
+        return {"nonlinear_iterations": spent}
+
+    def extrapolate(self, points, weights):
+        self.used.append(points)
+        return sum(weight * point.state for weight, point in zip(weights, points))
+
+    follow_edge = extrapolate
+
+    def distance(self, first, second):
+        return float(np.sqrt(np.mean((first - second) ** 2)))
+
+    missed = distance
+
+    def lowered(self, point, *_):
+        return None
+
+    def along_tangent(self, point, leg, position, step):
+        load = leg.load(position)[leg.moving]
+        slope = -np.linalg.solve(self.problem.jacobian(point.state, load), self.problem.load_derivative(point.state, load))
+        return point.state + step * leg.direction[leg.moving] * slope
+
+    def solve(self, guess, controls, load):
+        self.guesses.append(np.array(guess))
+        self.attempts.append(load[-1])
+        if self.fails(load[-1]):
+            raise NotConverged("no solution is looked for here")
+        problem = self.problem
+        state, count = self._newton(lambda u: problem.residual(u, load[-1]), lambda u: problem.jacobian(u, load[-1]), guess)
+        return self._point(state, load, count)
+
+    def solve_arc(self, first, last, before, here, length, leg):
+        problem, span = self.problem, np.linalg.norm(last - first)
+        tangent, rate = (last - first) / span, leg.direction[leg.moving]
+
+        def residual(x):
+            return np.append(problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), tangent @ (x[:-1] - last) - length)
+
+        def jacobian(x):
+            load = leg.load(x[-1])[leg.moving]
+            return np.block([[problem.jacobian(x[:-1], load), rate * problem.load_derivative(x[:-1], load)[:, None]],
+                             [tangent[None], np.zeros((1, 1))]])
+
+        guess = np.append(last + length * tangent, here + length / span * (here - before))
+        unknown, count = self._newton(residual, jacobian, guess)
+        load = leg.load(unknown[-1])
+        if self.arc_fails(load[-1]):
+            raise NotConverged("no solution is looked for here")
+        return self._point(unknown[:-1], load, count), unknown[-1]
+
+    def jump(self, state, controls, load, where):
+        state = np.array(state)
+        for _ in range(100000):
+            force = self.problem.residual(state, load[-1])
+            if np.abs(force).max() < 1e-9:
+                return self.solve(state, controls, load)
+            if np.abs(state).max() > 1e3:
+                raise NoEquilibrium(f"no equilibrium {where}")
+            state = state - 0.01 * force
+        raise NotConverged("the motion did not settle")
+
+    def _newton(self, residual, jacobian, guess):
+        state = np.array(guess, dtype=float)
+        for count in range(self.most + 1):
+            function = residual(state)
+            self.spent += 1
+            if np.linalg.norm(function) < 1e-11:
+                return state, count
+            if not np.all(np.isfinite(function)) or np.linalg.norm(function) > 1e9:
+                break
+            try:
+                state = state - np.linalg.solve(jacobian(state), function)
+            except np.linalg.LinAlgError:
+                break
+        raise NotConverged("Newton's iteration failed")
+
+    def _point(self, state, load, count):
+        problem, load = self.problem, np.array(load)
+        return Point(state, ("displacement",) * len(load), load, load, load, problem.in_contact(state), problem.sliding(state),
+                     0.0, spent={"last_iterations": count if self.iterations is None else self.iterations})
+
+
+def path(system, values, guess, *, sizes=(1 / 40, 1 / 20, 1e-6), resumed=None, **settings):
+    """The branch of a system from values[0] along legs to the others; ``resumed``: the last points of an interrupted one."""
+    def maker(number, start, end):
+        return lambda points: None if start == end else Leg(number, ("displacement",), np.array([start]), np.array([end]), 0, *sizes)
+
+    def start():
+        return replace(system.solve(np.array(guess, dtype=float), ("displacement",), np.array([values[0]])),
+                       spent=system.account())
+
+    legs = [maker(number, *ends) for number, ends in enumerate(zip(values, values[1:]), start=1)]
+    return branch(system, start, legs, history=resumed or (), **settings)
+
+
+def followed(iterator):
+    """Points of a branch, and what ended it (None: its own end)."""
+    points = []
+    try:
+        for point in iterator:
+            points.append(point)
+            assert len(points) < 2000, "the walk does not come to an end"
+    except (NotConverged, NoEquilibrium) as error:
+        return points, error
+    return points, None
+
+
+def events(points):
+    return [point.event for point in points if point.event != "none"]
+
+
+def assert_solutions(system, points):
+    for point in points:
+        assert np.abs(system.problem.residual(point.state, point.load[-1])).max() < 1e-10
+
+
+def assert_steps(points, largest=1 / 20, legs=1):
+    """Every leg is walked in order from its beginning to its exact end, in steps no longer than the largest."""
+    for number in range(1, legs + 1):
+        places = [0.0, *(point.position for point in points if point.leg == number)]
+        assert places[-1] == 1.0
+        assert np.all(np.diff(places) >= 0.0) and np.max(np.diff(places)) <= largest * (1 + 1e-9)
+
+
+# Legs and steps
+
+
+def test_weights_reproduce_polynomials():
+    rng = np.random.default_rng(3)
+    for count in (1, 2, 3, 4):
+        nodes, polynomial = np.cumsum(rng.uniform(0.1, 1.0, count)), np.polynomial.Polynomial(rng.normal(size=count))
+        for target in (nodes[-1] + 0.7, nodes[0], nodes.mean()):
+            np.testing.assert_allclose(lagrange_weights(nodes, target) @ polynomial(nodes), polynomial(target), rtol=1e-12)
+
+
+@pytest.mark.parametrize("predictor", PREDICTORS)
+def test_legs_end_exactly_and_every_point_is_a_solution(predictor):
+    system, values = System(explicit(np.sin, np.cos)), [0.1, 1.7, -0.3, 1 / 3]
+    points, error = followed(path(system, values, [0.0], predictor=predictor))
+    assert error is None and events(points) == []
+    assert points[0].leg == 0 and points[0].load[0] == 0.1
+    assert [point.load[0] for point in points if point.position == 1.0] == values[1:]
+    assert_solutions(system, points)
+    assert_steps(points, legs=3)
+
+
+def test_a_leg_to_where_it_is_adds_no_point():
+    points, error = followed(path(System(explicit(np.sin, np.cos)), [0.5, 0.5, 1.0, 1.0], [0.0]))
+    assert error is None
+    assert sum(point.load[0] == 0.5 for point in points) == 1 and sum(point.load[0] == 1.0 for point in points) == 1
+
+
+def test_predictors_have_their_orders():
+    """Halving the step divides the error by 2 (none), 4 (secant, tangent) or 8 (edge: a parabola)."""
+    system = System(explicit(np.exp, np.exp))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    for predictor, order in zip(PREDICTORS, (1, 2, 2, 3)):
+        wrong = []
+        for step in (0.02, 0.01):
+            history = [(place, system.solve(np.ones(1), ("displacement",), leg.load(place)))
+                       for place in 0.5 + step * np.arange(-2.0, 1.0)]
+            wrong.append(abs(predict(system, history, leg, 0.5 + step, predictor)[0] - np.exp(0.5 + step)))
+        assert np.log2(wrong[0] / wrong[1]) == pytest.approx(order, abs=0.1)
+
+
+def test_step_rule():
+    """Twice the step after a solve for nothing, the same at the target, never half or less, never above the largest."""
+    assert grown(0.1, 0, 1.0) == pytest.approx(0.2)
+    assert grown(0.1, 8, 1.0) == pytest.approx(0.1)
+    assert grown(0.1, 0, 0.15) == 0.15
+    assert 0.05 <= grown(0.1, 1000, 1.0) < 0.1
+    sizes = [grown(0.1, count, 1.0) for count in range(20)]
+    assert np.all(np.diff(sizes) <= 0.0)
+
+
+def test_steps_grow_with_few_iterations_and_shrink_with_many():
+    for iterations, factors in ((4, (1.2, 1.3)), (12, (0.6, 0.7))):
+        system = System(explicit(np.sin, np.cos), iterations=iterations)
+        points, _ = followed(path(system, [0.0, 1.0], [0.0], sizes=(0.02, 0.5, 1e-3)))
+        places = [point.position for point in points]
+        assert places[1] == pytest.approx(0.02)
+        assert factors[0] < (places[2] - places[1]) / (places[1] - places[0]) < factors[1]
+
+
+@pytest.mark.parametrize("iterations", [20, 5000])
+def test_slow_solvers_finish_their_legs(iterations):
+    """A method that needs many iterations at any step, as relaxation does, must not shrink its steps without end."""
+    points, error = followed(path(System(explicit(np.sin, np.cos), iterations=iterations), [0.0, 1.0], [0.0]))
+    assert error is None and points[-1].position == 1.0
+
+
+def test_legs_have_their_own_steps():
+    system = System(explicit(np.sin, np.cos))
+    legs = [lambda points: Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6),
+            lambda points: Leg(2, ("displacement",), np.ones(1), np.zeros(1), 0, 0.01, 0.02, 1e-6)]
+    points, _ = followed(branch(system, lambda: replace(system.solve(np.zeros(1), ("displacement",), np.zeros(1)), spent={}), legs))
+    first, second = ([point.position for point in points if point.leg == number] for number in (1, 2))
+    assert first[0] == 0.1 and len(first) == 10
+    assert second[0] == 0.01 and np.max(np.diff(second)) <= 0.02 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("predictor", PREDICTORS)
+def test_large_moves_along_a_straight_branch_are_no_trouble(predictor):
+    """A state that moves far in a step is no other branch: nothing is to be refused here."""
+    system = System(explicit(lambda load: 30.0 * load, lambda load: 30.0))
+    points, error = followed(path(system, [0.0, 1.0], [0.0], predictor=predictor))
+    assert error is None and system.sentences == [] and len(points) <= 24
+
+
+# Failures
+
+
+def test_a_failed_step_returns_to_the_last_point():
+    """After a failure the next solve starts from the last good point, nearer to it, and nothing else was kept."""
+    failing = {4: True}
+    system = System(explicit(np.sin, np.cos), fails=lambda load: failing.pop(len(system.attempts), False))
+    points, error = followed(path(system, [0.0, 1.0], [0.0], predictor="none"))
+    assert error is None and len(system.sentences) == 1
+    assert_solutions(system, points)
+    good = points[2]
+    np.testing.assert_array_equal(system.guesses[3], good.state)
+    np.testing.assert_array_equal(system.guesses[4], good.state)
+    taken = [system.attempts[i] - good.load[0] for i in (3, 4)]
+    assert 0.0 < taken[1] < taken[0]
+    assert points[3].load[0] == system.attempts[4]
+
+
+@pytest.mark.parametrize("predictor", PREDICTORS)
+def test_failures_without_a_reason_are_passed(predictor):
+    """Loads at which the solver fails though nothing is wrong: arc length passes them, in steps no longer than allowed."""
+    system = System(explicit(np.sin, np.cos), fails=lambda load: 0.3 < load < 0.32)
+    points, error = followed(path(system, [0.0, 1.0], [0.0], predictor=predictor))
+    assert error is None and events(points) == []
+    assert_solutions(system, points)
+    assert_steps(points)
+
+
+def test_where_no_solve_succeeds_the_points_before_are_handed_out():
+    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42, arc_fails=lambda load: load > 0.42)
+    points, error = followed(path(system, [0.0, 1.0], [0.0]))
+    assert isinstance(error, NotConverged) and "no solution is looked for here" in str(error)
+    assert 0.35 < points[-1].load[0] <= 0.42 and len(system.attempts) < 200
+    assert_solutions(system, points)
+
+
+def test_a_first_point_that_fails_ends_the_path():
+    points, error = followed(path(System(circle(), fails=lambda load: True), [0.0, 1.0], [1.0]))
+    assert points == [] and isinstance(error, NotConverged)
+
+
+def test_no_step_is_below_the_smallest():
+    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42, arc_fails=lambda load: True)
+    points, error = followed(path(system, [0.0, 1.0], [0.0], sizes=(0.05, 0.05, 0.03)))
+    assert isinstance(error, NotConverged)
+    assert np.min(np.abs(np.diff(system.attempts))) >= 0.03 * (1 - 1e-9)
+
+
+# Folds
+
+
+@pytest.mark.parametrize("predictor", PREDICTORS)
+@pytest.mark.parametrize("problem, guess", [(cubic, [-1.5]), (follower, [-1.5, -3.0])])
+def test_folds_are_located_and_left_by_a_jump(problem, guess, predictor):
+    system = System(problem())
+    points, error = followed(path(system, [-1.875, 2.0, -1.5], guess, predictor=predictor))
+    assert error is None and events(points) == ["fold", "jump", "fold", "jump"]
+    assert_solutions(system, points)
+    assert_steps(points, legs=2)
+    for number, (load, before, after, kind) in enumerate([(CUBIC_FOLD, -1, 2, "jump_in"), (-CUBIC_FOLD, 1, -2, "pull_off")], 1):
+        fold, jump = (next(point for point in points if point.leg == number and point.event == name) for name in ("fold", "jump"))
+        assert fold.load[0] == pytest.approx(load, rel=2 * FOLD_TOLERANCE)
+        assert (fold.fold_kind, jump.fold_kind) == (kind, "")
+        assert jump.load[0] == fold.load[0] and jump.position == fold.position
+        # A load short of the fold by 1e-6 moves the state by the root of that.
+        assert fold.state[0] == pytest.approx(before / np.sqrt(3), abs=2e-3)
+        assert jump.state[0] == pytest.approx(after / np.sqrt(3), abs=2e-3)
+
+
+@pytest.mark.parametrize("sizes", [(0.003, 0.006, 1e-7), (0.025, 0.05, 1e-6), (0.11, 0.13, 1e-5), (0.5, 0.5, 1e-6)])
+@pytest.mark.parametrize("most", [3, 5, 16])
+def test_folds_do_not_depend_on_steps_or_solver(sizes, most):
+    system = System(cubic(), most=most)
+    points, error = followed(path(system, [-1.875, 2.0], [-1.5], sizes=sizes))
+    assert error is None and events(points) == ["fold", "jump"]
+    fold = next(point for point in points if point.event == "fold")
+    assert fold.load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE)
+
+
+def test_a_fold_at_load_zero():
+    points, error = followed(path(System(cubic(shift=CUBIC_FOLD)), [-2.0, 1.0], [-1.5]))
+    assert error is None and events(points) == ["fold", "jump"]
+    assert next(point.load[0] for point in points if point.event == "fold") == pytest.approx(0.0, abs=1e-7)
+
+
+def test_stop_ends_at_the_fold():
+    points, error = followed(path(System(cubic()), [-1.875, 2.0, -1.0], [-1.5], at_fold="stop"))
+    assert error is None and points[-1].event == "fold" and points[-1].leg == 1 and events(points) == ["fold"]
+    assert points[-1].load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE)
+
+
+def test_where_nothing_lies_beyond_the_fold_the_path_ends():
+    points, error = followed(path(System(circle()), [0.0, 2.0], [1.0]))
+    assert isinstance(error, NoEquilibrium) and "beyond the fold" in str(error)
+    assert points[-1].event == "fold" and points[-1].load[0] == pytest.approx(1.0, rel=2 * FOLD_TOLERANCE)
+
+
+@pytest.mark.parametrize("short", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("most", [3, 5, 16])
+def test_a_fold_beyond_the_end_of_a_leg_is_none_of_its(short, most):
+    """A leg that ends just before a fold ends exactly there, however hard the last step is."""
+    end = CUBIC_FOLD * (1.0 - short)
+    points, error = followed(path(System(cubic(), most=most), [-1.875, end], [-1.5]))
+    assert error is None and events(points) == []
+    assert points[-1].position == 1.0 and points[-1].load[0] == end
+
+
+@pytest.mark.parametrize("slope", [5.0, 20.0, 100.0, 1000.0])
+@pytest.mark.parametrize("width", [1e-4, 1e-3, 1e-2])
+def test_bends_are_no_folds(slope, width):
+    system = System(bend(slope, width))
+    points, error = followed(path(system, [0.0, 1.0], [0.0]))
+    assert error is None and events(points) == []
+    assert_solutions(system, points)
+    assert_steps(points)
+
+
+def test_a_vertical_tangent_is_no_fold():
+    system = System(cube_root())
+    points, error = followed(path(system, [-1.0, 1.1], [-1.0]))
+    assert error is None and events(points) == []
+    assert_solutions(system, points)
+    assert_steps(points)
+
+
+def test_the_primary_branch_of_a_pitchfork_is_followed():
+    system = System(pitchfork())
+    points, error = followed(path(system, [0.0, 1.1], [0.0, 0.0]))
+    assert error is None and events(points) == [] and all(point.state[1] == 0.0 for point in points)
+    assert_steps(points)
+
+
+def test_another_branch_is_not_taken_for_the_next_point():
+    """A solve that lands on the far branch is refused: the path has a fold, however well the solver converges."""
+    system = System(cubic(), most=200)
+    points, _ = followed(path(system, [-1.875, 2.0], [-1.5], sizes=(0.1, 0.1, 1e-6)))
+    assert events(points) == ["fold", "jump"]
+    before = [point.state[0] for point in points[:[point.event for point in points].index("jump")]]
+    assert max(before) <= -1 / np.sqrt(3) + 2e-3
+
+
+def test_the_walk_starts_a_leg_next_to_its_fold():
+    """With a single point to go from, the search makes its second one by a tiny step."""
+    start = CUBIC_FOLD * (1.0 - 1e-5)
+    guess = np.sort(np.roots([1.0, 0.0, -1.0, -start]).real)[0]
+    points, error = followed(path(System(cubic()), [start, 2.0], [guess]))
+    assert error is None and events(points) == ["fold", "jump"]
+    assert points[1].load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE) and points[1].leg == 1
+
+
+def test_the_search_leaves_the_fold_behind_before_it_jumps():
+    """The state to jump from lies beyond the fold at a lower load, not on it."""
+    for last in (-0.62, -0.6, -0.59, -0.578):
+        system = System(cubic())
+        leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+        history = []
+        for u in (last - 0.03, last):
+            load = np.array([u ** 3 - u])
+            history.append((0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load)))
+        fold, beyond, _ = Turn(system, leg, history).search(NotConverged("a step"))
+        assert fold.state[0] < beyond[0] and beyond[0] ** 3 - beyond[0] < fold.load[0] * (1 - 1e-6)
+
+
+def test_kinds_of_folds():
+    def kind(moving, change):
+        return fold_kind(Leg(1, ("force", "displacement"), np.zeros(2), np.array(change), moving, 0.1, 0.1, 0.1))
+
+    assert kind(0, [1.0, 0.0]) == "jump_in" and kind(0, [-1.0, 0.0]) == "pull_off"
+    assert kind(1, [0.0, 1.0]) == "sliding" and kind(1, [0.0, -1.0]) == "sliding"
+
+
+# What points a predictor may use
+
+
+def test_history_ends_with_the_leg_and_with_a_jump():
+    system = System(cubic())
+    points, _ = followed(path(system, [-1.875, 2.0, 1.0], [-1.5]))
+    order = {id(point.state): number for number, point in enumerate(points)}
+    jump = next(number for number, point in enumerate(points) if point.event == "jump")
+    turn = next(number for number, point in enumerate(points) if point.leg == 2) - 1
+    assert len(system.used) > 20
+    for used in system.used:
+        numbers = [order[id(point.state)] for point in used if id(point.state) in order]
+        for border in (jump, turn):
+            assert min(numbers) >= border or max(numbers) <= border
+        assert numbers == sorted(numbers)
+
+
+def test_history_of_a_leg_from_points():
+    system = System(cubic())
+    points, _ = followed(path(system, [-1.875, 2.0, 1.0], [-1.5]))
+    turn = next(number for number, point in enumerate(points) if point.leg == 2)
+    assert leg_history(points[:turn], 2) == [(0.0, points[turn - 1])]
+    assert leg_history(points[:turn + 2], 2) == [(0.0, points[turn - 1]), *((p.position, p) for p in points[turn:turn + 2])]
+    jump = next(number for number, point in enumerate(points) if point.event == "jump")
+    assert leg_history(points[:jump + 1], 1) == [(points[jump].position, points[jump])]
+    copy = replace(points[jump], event="pull_off")
+    assert leg_history([*points[:jump + 1], copy], 1) == [(copy.position, copy)]
+
+
+# Events
+
+
+def contacting(in_contact, sliding):
+    problem = explicit(lambda load: load, lambda load: 1.0)
+    problem.in_contact, problem.sliding = (lambda u: in_contact(u[0])), (lambda u: sliding(u[0]))
+    return problem
+
+
+def test_events_are_first_times():
+    """Sliding from 0.3 to 0.5 and again from 0.6; contact until 0.8."""
+    system = System(contacting(lambda u: u < 0.8, lambda u: 0.3 < u < 0.5 or 0.6 < u < 0.8))
+    points, _ = followed(path(system, [0.0, 1.0], [0.0]))
+    assert events(points) == ["gross_sliding", "gross_sliding", "pull_off"]
+    for event, load in zip([point for point in points if point.event != "none"], (0.3, 0.6, 0.8)):
+        assert load <= event.load[0] <= load + 0.05 + 1e-9
+    assert len({point.load[0] for point in points}) == len(points)
+
+
+def test_several_events_at_one_load_are_several_points():
+    system = System(contacting(lambda u: u < 0.5, lambda u: u > 0.5))
+    points, _ = followed(path(system, [0.0, 1.0], [0.0]))
+    first, second = (point for point in points if point.event != "none")
+    assert (first.event, second.event) == ("gross_sliding", "pull_off")
+    assert first.load[0] == second.load[0] and first.state is second.state and first.position == second.position
+    assert first.spent["nonlinear_iterations"] > 0 and set(second.spent.values()) == {0}
+    assert second.spent.keys() == first.spent.keys()
+
+
+def test_a_jump_out_of_contact_is_a_jump_and_a_pull_off():
+    problem = cubic()
+    problem.in_contact = lambda u: u[0] > 0.0
+    system = System(problem)
+    points, _ = followed(path(system, [1.0, -1.0], [1.3]))
+    assert events(points) == ["fold", "jump", "pull_off"]
+    fold, jump, off = (point for point in points if point.event != "none")
+    assert fold.load[0] == jump.load[0] == off.load[0] and off.fold_kind == jump.fold_kind == ""
+    assert points[-1].position == 1.0
+
+
+def test_with_events_keeps_the_events_own_name():
+    system = System(contacting(lambda u: u < 0.5, lambda u: False))
+    before, after = (system.solve(np.array([load]), ("displacement",), np.array([load])) for load in (0.4, 0.6))
+    assert [point.event for point in with_events(before, replace(after, event="fold", fold_kind="pull_off"))] == ["fold", "pull_off"]
+    assert [point.event for point in with_events(None, after)] == ["none"]
+
+
+@pytest.mark.parametrize("stop, last", [("gross_sliding", 0.3), ("pull_off", 0.7)])
+def test_a_stop_ends_the_path_at_the_event(stop, last):
+    system = System(contacting(lambda u: u < 0.7, lambda u: u > 0.3))
+    points, error = followed(path(system, [0.0, 1.0, 0.0], [0.0], stops=(stop,)))
+    assert error is None and points[-1].event == stop and points[-1].load[0] == pytest.approx(last, abs=0.051)
+    assert stop not in events(points[:-1])
+
+
+def test_costs_are_accounted_for_once():
+    """The spent iterations of all points are all that were made, rejected steps, fold and jump included."""
+    system = System(cubic())
+    total, account = [], system.account
+    system.account = lambda: total.append(system.spent) or account()
+    points, _ = followed(path(system, [-1.875, 2.0], [-1.5]))
+    assert system.sentences and sum(point.spent["nonlinear_iterations"] for point in points) == sum(total)
+    assert all("last_iterations" not in point.spent for point in points)
+
+
+# Interrupted paths
+
+
+def archived(points):
+    """The last four points as an archive gives them back: without what they cost."""
+    return [replace(point, spent={}) for point in points[-4:]]
+
+
+def key(point):
+    return point.leg, point.position, point.load[0], point.event, point.fold_kind, point.step, tuple(point.state)
+
+
+@pytest.mark.parametrize("fails", [lambda load: False, lambda load: np.sin(360.0 * load) > 0.85], ids=["smooth", "failures"])
+def test_a_resumed_path_is_the_same(fails):
+    """From any point but a fold, which is found again (a later jump needs the state beyond it)."""
+    values = [-1.875, 2.0, -2.0]
+    whole, error = followed(path(System(cubic(), fails=fails), values, [-1.5]))
+    assert error is None
+    for cut in range(1, len(whole) + 1):
+        if whole[cut - 1].event != "fold":
+            rest, error = followed(path(System(cubic(), fails=fails), values, [-1.5], resumed=archived(whole[:cut])))
+            assert error is None
+            assert [key(point) for point in rest] == [key(point) for point in whole[cut:]]
+
+
+def test_a_resumed_path_hands_out_the_further_events_of_a_jump():
+    def problem():
+        made = cubic()
+        made.in_contact = lambda u: u[0] > 0.0
+        return made
+
+    whole, _ = followed(path(System(problem()), [1.0, -1.0], [1.3]))
+    cut = [point.event for point in whole].index("jump") + 1
+    rest, _ = followed(path(System(problem()), [1.0, -1.0], [1.3], resumed=archived(whole[:cut])))
+    assert [key(point) for point in rest] == [key(point) for point in whole[cut:]]
+    # What it costs is nothing, but is a number for every column of an archive.
+    assert rest[0].spent == {"nonlinear_iterations": 0}
+
+
+def test_a_path_that_met_its_stop_is_over():
+    system = System(contacting(lambda u: u < 0.7, lambda u: u > 0.3))
+    whole, _ = followed(path(system, [0.0, 1.0], [0.0], stops=("pull_off",)))
+    assert followed(path(system, [0.0, 1.0], [0.0], stops=("pull_off",), resumed=archived(whole))) == ([], None)
+    whole, _ = followed(path(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop"))
+    assert followed(path(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop", resumed=archived(whole))) == ([], None)
+
+
+def test_a_walk_can_be_left_at_any_point():
+    """The iterator asks nothing of its consumer: dropping it early is no error."""
+    system = System(cubic())
+    leg = Leg(1, ("displacement",), np.array([-1.875]), np.array([2.0]), 0, 0.1, 0.1, 1e-6)
+    first = system.solve(np.array([-1.5]), ("displacement",), np.array([-1.875]))
+    walk = iter(Walk(system, leg, [(0.0, first)], "edge", "jump"))
+    assert next(walk).leg == 1
+    walk.close()
