@@ -7,7 +7,7 @@ Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve fa
 import argparse
 import dataclasses
 import gc
-import importlib.util
+import importlib
 import math
 import os
 import platform
@@ -20,10 +20,10 @@ from typing import NamedTuple
 from . import __version__, observables, scene as scenes, states
 from .archive import Archive, ArchiveError, Column
 from .continuation import NoEquilibrium, NotConverged
+from .load import Load, quantities
 from .options import check_names, check_values, database, database_text, help_text, petsc_arguments, read, unused_options
 from .scene import OPTION_CLASSES
-from .load import Load, quantities
-from .settings import as_text, InputError, nearest
+from .settings import InputError, as_text, nearest
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -128,7 +128,11 @@ def check_classes():
     for name, path in database().items():
         module, _, cls = path.rpartition(".")
         if name.endswith("python_type") and module.startswith("contactsnes."):
-            if importlib.util.find_spec(module) is None or not hasattr(importlib.import_module(module), cls):
+            try:
+                found = hasattr(importlib.import_module(module), cls)
+            except ImportError:
+                found = False
+            if not found:
                 raise InputError(f"-{name} is '{path}': there is no such class")
 
 
@@ -212,7 +216,6 @@ class Run:
         if self.known:
             self.progress.log(f"going on after point {self.known} of {self.archive.path}")
         status, reason = self._points()
-        self.progress.close()
         for name in unused_options(solver_options()):
             _complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
         if status == 0 and self.archive:
@@ -241,6 +244,8 @@ class Run:
                     raise KeyboardInterrupt(self.signal)
         except (Exception, KeyboardInterrupt) as error:
             return self._verdict(error)
+        finally:
+            self.progress.close()
         return 0, ""
 
     def _verdict(self, error):
@@ -307,6 +312,8 @@ def new_points(branch, waiting):
             yield point
         elif point.event == "fold" or left < waiting:
             left -= 1
+    if left:
+        raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")
 
 
 def versions():
@@ -335,14 +342,8 @@ class Progress:
         self.points, self.events, self.began = 0, [], time.monotonic()
         # What PETSc prints by itself would tear a bar to pieces.
         watched = any("monitor" in name or name.endswith("view") for name in database())
-        self.bar = None
-        if sys.stdout.isatty() and sys.stderr.isatty() and not watched:
-            self.bar = self._create_bar(load.path.count(";") + 1)
-
-    def _create_bar(self, legs):
-        from tqdm import tqdm
-
-        return tqdm(total=legs, bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}", leave=False)
+        self.live = sys.stdout.isatty() and sys.stderr.isatty() and not watched
+        self.bar, self.legs = None, load.path.count(";") + 1
 
     def log(self, sentence):
         """Print a sentence without tearing the bar."""
@@ -354,21 +355,29 @@ class Progress:
     def point(self, row, position):
         """Show a point that was accepted."""
         row = {**row, "event": _event(row)}
-        if self.bar is None:
+        loads = ", ".join(f"{heading} {row[name]:.6g}" for name, heading in self.loads.items())
+        if not self.live:
             if not self.points:
-                print(self._line({name: heading for name, heading in self.columns.items()}))
+                print(self._line(self.columns))
             print(self._line(row), flush=True)
         self.points += 1
         self.counts = {name: count + row[name] for name, count in self.counts.items()}
         if row["event"]:
-            loads = ", ".join(f"{heading} {row[name]:.6g}" for name, heading in self.loads.items())
             self.events.append(f"{row['event']} at {loads}")
-        if self.bar is not None:
-            if row["event"]:
-                self.bar.write(self.events[-1])
-            self.bar.n = max(row["leg"] - 1, 0) + position
-            loads = ", ".join(f"{heading} {row[name]:.4g}" for name, heading in self.loads.items())
-            self.bar.set_postfix_str(f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms")
+        if self.live:
+            self._advance(row, position, loads)
+
+    def _advance(self, row, position, loads):
+        """Move the bar, which begins with the first point."""
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=self.legs, bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}", miniters=0,
+                            leave=False)
+        if row["event"]:
+            self.bar.write(self.events[-1])
+        self.bar.set_postfix_str(f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms", refresh=False)
+        self.bar.update(max(row["leg"] - 1, 0) + position - self.bar.n)
 
     def _line(self, row):
         """Values, or headings, in columns."""
@@ -523,7 +532,7 @@ def _about_unknowns(settings, branch):
     if math.prod(window) < math.prod(scene.shape):
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = scene.components * math.prod(scene.shape)
-    return lines + [f"memory: {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
+    return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
                     "cell, besides Python and its libraries"]
 
 

@@ -285,6 +285,10 @@ class ArcLength:
         out[-1] = self.grid.inner(self.tangent, unknown[:-1] - self.anchor) - self.length
         return out
 
+    def displacement_norm(self, unknown, imbalance):
+        """That of the force form, with the row of the arc length."""
+        return float(np.hypot(self.form.displacement_norm(unknown[:-1], imbalance[:-1]), imbalance[-1]))
+
     def linearise(self, unknown):
         """Take the law's tangent and dF/ds at the unknown."""
         self.set_position(unknown[-1])

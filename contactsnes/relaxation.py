@@ -12,11 +12,11 @@ from petsc4py import PETSc
 
 from .laws import CUTOFF, DEEPEST, SLIP
 from .options import read
-from .settings import InputError, Options, option
+from .settings import InputError, Options, as_text, option
 
 RESTING = {1: 0.15, 2: 0.08}
-"""Stiffness of the mean displacement of a body in contact over that of the longest wave, for an interface of one and of two
-dimensions: 0.24 where a tenth of a line cell is in contact, less for smaller contacts."""
+"""Stiffness of the mean displacement of a body in contact over that of the softest wave, by dimension of the interface
+(measured: 0.24 where a tenth of a line cell is in contact, less for smaller contacts)."""
 
 LEVELLED = 6.0
 """Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12 (dimensionless)."""
@@ -64,10 +64,9 @@ class FireOptions(MassOptions):
 class Motion:
     """m mu v'' = -F(v) for the force form, all in Fourier space: two transforms a component for each force.
 
-    m(q) = K(q) + tangent, and half the tangent for the mean (0 where it cannot move); K in ranges of the law. mu >= 1 is what
-    keeps deep overlap stable: where the law's steepest tangent now exceeds the reference, all masses grow so that the fastest
-    frequency stays. When mu grows kinetic energy is kept, when it falls the velocity (no repulsion can then accelerate the body
-    without bound).
+    m(q) = K(q) + tangent, and k_0 + tangent/2 for the mean (0 where it cannot move); K in ranges of the law. mu >= 1 keeps deep
+    overlap stable: where the law's steepest tangent exceeds the reference, all masses grow so that the fastest frequency stays.
+    When mu grows kinetic energy is kept, when it falls the velocity: no repulsion can throw the body off.
 
     Parameters
     ----------
@@ -78,8 +77,9 @@ class Motion:
     Attributes
     ----------
     displacement, velocity, force, acceleration : half spectra (components, ...) of v, v', F and -F/(m mu), not normalised
-    gap : array (components, nodes), ranges of the law, at the last evaluation
+    gap : array (components, nodes), ranges of the law
     stiffening : mu
+    steps : number of steps since the beginning
     """
 
     def __init__(self, form, masses="fourier", tangent=2.0):
@@ -98,8 +98,8 @@ class Motion:
 
     def _masses(self, kind, tangent):
         """m(q) for each component, an array (components, *half spectrum)."""
-        mass = np.stack([np.broadcast_to(self.stiffness[i, i].real, self.force.shape[1:])
-                         for i in range(self.form.components)]) + tangent
+        blocks = [np.broadcast_to(self.stiffness[i, i].real, self.force.shape[1:]) for i in range(self.form.components)]
+        mass = np.stack(blocks) + tangent
         if kind == "equal":
             mass[...] = mass.reshape(len(mass), -1).max(axis=1).reshape(-1, *[1] * len(self.grid.shape))
         else:
@@ -135,11 +135,11 @@ class Motion:
         far = self.form.contact.far_displacement(self.form.components, self.form.load)
         self.displacement[self._mean] = np.where(self.mobile, self.displacement[self._mean], self.grid.size * far)
         self.velocity[...] = 0.0
-        self.stiffening = 1.0
+        self.steps, self.stiffening = 0, 1.0
         self._evaluate()
 
     def advance(self, time_step, kept, impulse):
-        """v' = kept v' - impulse F/(m mu), v += time_step v', and the force there: every method's step."""
+        """The step of every method: v' = kept v' - impulse F/(m mu), v += time_step v', and the force there."""
         self.velocity *= kept
         np.multiply(self.acceleration, impulse, out=self._work)
         self.velocity += self._work
@@ -154,8 +154,8 @@ class Motion:
 
     def _evaluate(self):
         """Gap, force and acceleration at the displacement."""
-        form, plan, size = self.form, self.transform, self.grid.size
-        np.multiply(self.displacement, 1.0 / size, out=plan.spectrum)
+        form, plan = self.form, self.transform
+        np.multiply(self.displacement, 1.0 / self.grid.size, out=plan.spectrum)
         plan.backward()
         field = plan.real.reshape(form.shape)
         np.copyto(self.gap, field)
@@ -163,17 +163,16 @@ class Motion:
         form.contact.law.evaluate(self.gap, field)
         form.evaluations += 1
         plan.forward()
-        self._balance()
+        self._balance(plan.spectrum)
         self._stiffen()
         np.multiply(self.force, self.mobility, out=self.acceleration)
         self.acceleration *= -1.0 / self.stiffening
 
-    def _balance(self):
-        """Force from the tractions' spectrum in the transform: K v + t, and the form's own balance of the mean."""
-        form, size = self.form, self.grid.size
-        np.copyto(self.force, self.transform.spectrum)
-        mean = form.mean_stiffness * self.displacement[self._mean].real - size * self._target
-        mean += np.where(self.mobile, self.force[self._mean].real, 0.0)
+    def _balance(self, traction):
+        """F = K v + t from the tractions' spectrum, with the form's own balance of the mean."""
+        mean = self.form.mean_stiffness * self.displacement[self._mean].real - self.grid.size * self._target
+        mean += np.where(self.mobile, traction[self._mean].real, 0.0)
+        np.copyto(self.force, traction)
         for (i, j), block in self.stiffness.items():
             np.multiply(block, self.displacement[j], out=self._work[i])
             self.force[i] += self._work[i]
@@ -197,12 +196,6 @@ class Motion:
         """``residual_norm`` of the archive at the present state, to be sure rounded up; no transform."""
         np.multiply(self.force, 1.0 / self.form.root, out=self._work)
         return self.form.spectral_norm(self._work, self.grid.count(self.gap[0] < CUTOFF))
-
-    def unknown(self):
-        """The form's unknown at the present state."""
-        displacement = self.gap.copy()
-        displacement[0] -= self.form.initial_gap
-        return self.form.pack(displacement)
 
     def leaving(self):
         """The force-controlled component that no traction will balance from here on, or None.
@@ -235,39 +228,28 @@ class Motion:
 
 def _inner(first, second):
     """Real inner product of half spectra of an even number of points: interior columns stand for two waves."""
-    ends = [np.vdot(first[..., k], second[..., k]).real for k in (0, -1)]
-    return 2.0 * np.vdot(first, second).real - sum(ends)
+    ends = sum(np.vdot(first[..., k], second[..., k]).real for k in (0, -1))
+    return 2.0 * np.vdot(first, second).real - ends
 
 
 class DampedVerlet:
-    """Verlet's scheme with damping in proportion to the masses, central in time (Verlet 1967; damped: Day 1965).
-
-    Parameters
-    ----------
-    motion : Motion, started
-    options : VerletOptions
-    """
+    """Verlet's scheme for a started Motion, damped in proportion to the masses (Verlet 1967; Day 1965 for the damping)."""
 
     def __init__(self, motion, options):
         self.motion, self.time_step = motion, options.time_step
         self.damping = 2.0 * motion.slowest_frequency() if options.damping is None else options.damping
 
     def step(self):
-        """One time step."""
+        """One time step, the damping central in time."""
         half = 0.5 * self.time_step * self.damping
         self.motion.advance(self.time_step, (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half))
 
 
 class FastInertial:
-    """FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201): steered motion that stops where it runs uphill.
+    """FIRE for a started Motion (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201): steered, and stopped where it runs uphill.
 
-    In the metric of the masses (Zhou, Moseler and Mueser 2019, Phys. Rev. B 99, 144103), by semi-implicit Euler steps, and
+    In the metric of the masses (Zhou, Moseler and Mueser 2019, Phys. Rev. B 99, 144103), by semi-implicit Euler steps and
     with half a step back after a stop (Guenole et al. 2020, Comput. Mater. Sci. 175, 109584).
-
-    Parameters
-    ----------
-    motion : Motion, started
-    options : FireOptions
     """
 
     def __init__(self, motion, options):
@@ -304,20 +286,16 @@ class Relaxation:
 
     Attributes
     ----------
-    escaping : the component that leaves, for which the last solve ended with SNES_DIVERGED_FUNCTION_DOMAIN, or None
+    escaped : whether the last solve ended, with SNES_DIVERGED_FUNCTION_DOMAIN, because a component leaves
+    escaping : that component, or None
     """
 
     options_class: ClassVar[type]
     method_class: ClassVar[type]
 
     def __init__(self):
-        self.options = self.options_class()
-        self.method, self.escaping, self.most_evaluations = None, None, np.inf
-
-    @property
-    def escaped(self):
-        """Whether the last solve ended because a component leaves."""
-        return self.escaping is not None
+        self.options, self.method, self.most_evaluations = self.options_class(), None, np.inf
+        self.escaped, self.escaping = False, None
 
     def setFromOptions(self, snes):
         """Read the method's options under the SNES's prefix."""
@@ -336,9 +314,9 @@ class Relaxation:
         """Convergence test: absolute, relative, and no growth without bound."""
         reasons, norm = PETSc.SNES.ConvergedReason, norms[2]
         rtol, atol, _, _ = snes.getTolerances()
+        self._first = norm if iteration == 0 else self._first
         if not np.isfinite(norm):
             return getattr(reasons, "DIVERGED_FNORM_NAN", None) or reasons.DIVERGED_FUNCTION_NANORINF
-        self._first = norm if iteration == 0 else self._first
         if norm <= atol:
             return reasons.CONVERGED_FNORM_ABS
         if iteration and norm <= rtol * self._first:
@@ -346,20 +324,24 @@ class Relaxation:
         return reasons.DIVERGED_DTOL if norm > UNBOUNDED * max(1.0, self._first) else reasons.ITERATING
 
     def solve(self, snes, b, x):
-        """Move from x until a reason to stop is found."""
+        """Move from x until there is a reason to stop."""
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
-        self.method, self.escaping, self._since = self.method_class(motion, self.options), None, 0
+        self.method = self.method_class(motion, self.options)
+        self.escaped, self.escaping, self._since, self._first = False, None, 0, np.inf
         reason = self._judge(snes, motion)
         while not reason:
             self.method.step()
             reason = self._judge(snes, motion)
-        x.getArray()[...] = motion.unknown()
+        motion.gap[0] -= motion.form.initial_gap
+        x.getArray()[...] = motion.form.pack(motion.gap)
         snes.setConvergedReason(reason)
 
     def _judge(self, snes, motion):
         """Report the present state to PETSc; the reason to stop, or 0."""
         reasons, norm = PETSc.SNES.ConvergedReason, motion.norm()
+        # PETSc takes no norm that is not a number.
+        norm = norm if norm < np.inf else np.inf
         snes.its, snes.norm = motion.steps, norm
         snes.logConvergenceHistory(norm, 0)
         snes.monitor(motion.steps, norm)
@@ -378,15 +360,16 @@ class Relaxation:
         if leaving is None:
             self._since = motion.steps
         elif leaving == 0 or (motion.steps - self._since) * self.method.time_step * motion.slowest_frequency() > 2.0 * np.pi:
-            self.escaping = leaving
+            self.escaped, self.escaping = True, leaving
         return self.escaped
 
     def view(self, snes, viewer):
         """What -snes_view prints."""
-        values = ", ".join(f"{name} {value}" for name, value in vars(self.options).items() if value is not None)
-        viewer.printfASCII(f"  {self.options.title}: {values}\n")
-        if isinstance(self.method, DampedVerlet):
-            viewer.printfASCII(f"  damping in the last solve: {self.method.damping:.6g}\n")
+        values = dict(vars(self.options))
+        if "damping" in values and values["damping"] is None:
+            values["damping"] = "critical" if self.method is None else float(self.method.damping)
+        text = ", ".join(f"{name} {as_text(value)}" for name, value in values.items())
+        viewer.printfASCII(f"  {self.options.title}: {text}\n")
 
 
 class Verlet(Relaxation):

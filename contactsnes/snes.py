@@ -236,7 +236,7 @@ class Corrector:
         state = self._state(form, unknown[:-1])
         if not states.covers(self.contact, state):
             raise NotConverged("the arc-length step left the window")
-        norm = np.linalg.norm(form.residual(unknown[:-1], np.empty(form.size)))
+        norm = self._norm(form, unknown[:-1], state, evaluated=False)
         return self._point(form, state, norm, iterations), float(unknown[-1])
 
     def along_tangent(self, point, leg, position, step):
@@ -357,16 +357,18 @@ class Corrector:
         means[form.forced] = form.scalars(unknown)
         return states.State(form.window, displacement, means)
 
-    def _norm(self, form, unknown, state):
-        """``residual_norm`` of a solution: always that of the displacement form, whatever method found the state."""
-        function = self.snes.getFunction()[0].getArray(readonly=True)
-        if form.name == "displacement" and self.snes.getType().startswith("newton"):
-            return np.linalg.norm(function)
+    def _norm(self, form, unknown, state, evaluated=True):
+        """``residual_norm`` of a solution: always that of the displacement form, whatever method found the state.
+
+        ``evaluated``: the kept SNES ended with F at this very state.
+        """
+        if evaluated and form.name == "displacement" and self.snes.getType().startswith("newton"):
+            return np.linalg.norm(self.snes.getFunction()[0].getArray(readonly=True))
         if form.name == "force":
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
-            form = DisplacementForm(self.contact, window, form.controls)
-            form.set_load(self.form.load)
+            load, form = form.load, DisplacementForm(self.contact, window, form.controls)
+            form.set_load(load)
             unknown = form.pack(state.displacement, state.means[form.forced])
         return np.linalg.norm(form.residual(unknown, np.empty(form.size)))
 

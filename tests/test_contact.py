@@ -278,8 +278,9 @@ def test_newton_in_force_form_reaches_the_same_point(options, load, tight):
                          ids=["pull_off", "sliding"])
 def test_newton_in_force_form_reaches_the_same_fold(load):
     scene, steps = Scene(**SMALL, height=20.0), Steps(at_fold="stop")
-    ends = [points_of(scene, load, form, steps)[1][-1] for form in (Form(), Form(form="force"))]
-    assert [end.event for end in ends] == ["fold", "fold"]
+    # Contact may be lost at the fold itself: then a further event follows it at the same load.
+    ends = [next(point for point in points_of(scene, load, form, steps)[1] if point.event == "fold")
+            for form in (Form(), Form(form="force"))]
     np.testing.assert_allclose(ends[0].load, ends[1].load, rtol=2e-3)
 
 

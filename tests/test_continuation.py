@@ -77,8 +77,8 @@ class System:
     def names(self, controls):
         return ["normal_displacement", "tangential_displacement"][:len(controls)]
 
-    def adapted(self, point, controls):
-        return point
+    def adapted(self, point, controls, load):
+        return replace(point, controls=controls, load=load)
 
     def account(self):
         spent, self.spent = self.spent, 0
@@ -131,15 +131,18 @@ class System:
             raise NotConverged("no solution is looked for here")
         return self._point(unknown[:-1], load, count), unknown[-1]
 
-    def jump(self, state, controls, load, where):
+    def kicked(self, fold, beyond, kick):
+        return fold + kick * (beyond - fold) / self.missed(fold, beyond)
+
+    def settle(self, state, controls, load, where):
         state = np.array(state)
-        for _ in range(100000):
+        for _ in range(3000):
             force = self.problem.residual(state, load[-1])
-            if np.abs(force).max() < 1e-9:
+            if np.abs(force).max() < 1e-6:
                 return self.solve(state, controls, load)
             if np.abs(state).max() > 1e3:
                 raise NoEquilibrium(f"no equilibrium {where}")
-            state = state - 0.01 * force
+            state = state - 0.1 * force / (0.1 + np.abs(self.problem.jacobian(state, load[-1])).max())
         raise NotConverged("the motion did not settle")
 
     def _newton(self, residual, jacobian, guess):
@@ -373,6 +376,16 @@ def test_a_fold_at_load_zero():
     points, error = followed(path(System(cubic(shift=CUBIC_FOLD)), [-2.0, 1.0], [-1.5]))
     assert error is None and events(points) == ["fold", "jump"]
     assert next(point.load[0] for point in points if point.event == "fold") == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("size", [0.2, 1.0, 20.0])
+def test_jumps_may_be_short_or_long(size):
+    """The cubic in u / size: the jump is of 1.73 size."""
+    problem = Problem(lambda u, load: (u / size) ** 3 - u / size - load, lambda u, load: np.diag(3 * (u / size) ** 2 - 1) / size,
+                      lambda u, load: -np.ones(1))
+    points, error = followed(path(System(problem), [-1.875, 2.0], [-1.5 * size]))
+    assert error is None and events(points) == ["fold", "jump"]
+    assert next(point.state[0] for point in points if point.event == "jump") == pytest.approx(2 * size / np.sqrt(3), rel=2e-3)
 
 
 def test_stop_ends_at_the_fold():

@@ -8,7 +8,7 @@ import pyfftw
 import pytest
 import scipy.fft
 
-from contactsnes.fourier import Convolution, Grid, Transform, Window, crossings, enclosing, kernel_of, smooth, transform_cost
+from contactsnes.fourier import Convolution, Grid, Operator, Transform, Window, crossings, enclosing, smooth, transform_cost
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [
@@ -124,8 +124,7 @@ def test_transform_has_the_sign_of_numpy(shape, measure):
     np.testing.assert_allclose(plan.spectrum, np.fft.rfftn(fields, axes=axes_of(grid)), atol=1e-12)
     np.testing.assert_array_equal(plan.real, fields)
     plan.backward()
-    np.testing.assert_allclose(plan.result, fields * math.prod(shape), atol=1e-10)
-    np.testing.assert_array_equal(plan.real, fields)
+    np.testing.assert_allclose(plan.real, fields * math.prod(shape), atol=1e-10)
 
 
 class Counter:
@@ -174,7 +173,7 @@ def counter(monkeypatch):
 def test_every_transform_is_counted(counter, start, shape, components):
     grid = Grid(PLANE.shape, PLANE.periods)
     window = Window(grid, start, shape)
-    convolution = Convolution(window, blocks_of(grid, components), components)
+    convolution = Convolution(window, Operator(grid, blocks_of(grid, components)), components)
     assert grid.transforms == pytest.approx(counter.cost, rel=1e-13)
     before, calls = grid.transforms, counter.calls
     values = random(components, window.size)
@@ -316,7 +315,7 @@ def test_convolution_is_that_of_the_cell(window, components, coupled):
     cell = np.zeros((components, *grid.shape))
     window.put(values, cell)
     expected = window.take(on_the_cell(grid, blocks, cell))
-    convolution = Convolution(window, blocks, components)
+    convolution = Convolution(window, Operator(window.grid, blocks), components)
     np.testing.assert_allclose(convolution.apply(values, np.empty_like(values)), expected, atol=1e-12)
     again = values.copy()
     assert convolution.apply(again, again) is again
@@ -339,7 +338,7 @@ def test_convolution_without_some_diagonal_blocks():
     cell = np.zeros((2, 48))
     window.put(values, cell)
     expected = window.take(on_the_cell(LINE, blocks, cell))
-    np.testing.assert_allclose(Convolution(window, blocks, 2).apply(values, np.empty((2, 7))), expected, atol=1e-12)
+    np.testing.assert_allclose(Convolution(window, Operator(LINE, blocks), 2).apply(values, np.empty((2, 7))), expected, atol=1e-12)
     np.testing.assert_array_equal(expected[1], 0.0)
 
 
@@ -349,8 +348,8 @@ def test_kernel_is_the_response_to_a_unit(grid):
     unit = np.zeros((2, *grid.shape))
     unit[(1, *[0] * len(grid.shape))] = 1.0
     response = on_the_cell(grid, blocks, unit)
-    np.testing.assert_allclose(kernel_of(grid, blocks[1, 1]), response[1], atol=1e-14)
-    np.testing.assert_allclose(kernel_of(grid, blocks[0, 1]), response[0], atol=1e-14)
+    np.testing.assert_allclose(Operator(grid, blocks).kernel((1, 1)), response[1], atol=1e-14)
+    np.testing.assert_allclose(Operator(grid, blocks).kernel((0, 1)), response[0], atol=1e-14)
 
 
 # Smoothing

@@ -195,7 +195,9 @@ def test_sinusoid_states():
     full = 0.5 * period * (1 - 1e-9)
     assert reference.sinusoid_load(full, period, amplitude, 0.0) == pytest.approx(np.pi * amplitude)
     assert reference.sinusoid_approach(full, period, amplitude, 0.0) == pytest.approx(amplitude)
-    assert reference.sinusoid_half_width(np.pi * amplitude / 2, period, amplitude, 0.0) == pytest.approx(period / 4)
+    for share in (1e-8, 0.5, 1 - 1e-8):  # Westergaard: sin^2(pi a/L) of the load at full contact
+        a = reference.sinusoid_half_width(share * np.pi * amplitude, period, amplitude, 0.0)
+        assert np.sin(np.pi * a / period) ** 2 == pytest.approx(share, rel=1e-9)
     loads = reference.sinusoid_load(np.linspace(1e-3, 9.999, 200001), period, amplitude)
     most, least = loads.max(), loads[: loads.argmax()].min()
     for applied in (least + 1e-5, 0.3 * most, most - 1e-5):
