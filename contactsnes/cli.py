@@ -115,6 +115,7 @@ def start_petsc(arguments):
         petsc4py.init([name, "-options_left", "no", *words])
     except RuntimeError as error:
         raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python has it; PETSc's handler would abort
     check_names(solver_options())
     check_values(solver_options())
     check_classes()

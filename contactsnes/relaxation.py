@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from .laws import CUTOFF, DEEPEST, SLIP
+from .laws import CUTOFF, SLIP
 from .options import read
 from .settings import InputError, Options, as_text, option
 
@@ -93,7 +93,7 @@ class Motion:
         self.mass = self._masses(masses, tangent)
         self.mobility = 1.0 / np.where(self.mass > 0.0, self.mass, np.inf)
         self._tangent, self._lightest = tangent, self.mass.reshape(form.components, -1)[:, 1:].min()
-        self._steepest = self._steepest_tangents()
+        self._harmless = self._harmless_gap()
         self.steps, self.stiffening = 0, 1.0
 
     def _masses(self, kind, tangent):
@@ -107,13 +107,17 @@ class Motion:
         mass[self._mean] *= self.mobile
         return mass
 
-    def _steepest_tangents(self):
-        """Normal gaps from the deepest up to 0, and for each a bound of the law's tangent at any slip."""
-        depths, slips = np.linspace(DEEPEST, 0.0, 601), np.array([0.0, 0.5 * SLIP, SLIP, 2.0 * SLIP])
-        probe = np.zeros((self.form.components, depths.size, slips.size))
-        probe[0], probe[1:2] = depths[:, None], slips
-        tangent = self.form.contact.law.tangent(probe.reshape(len(probe), -1))
-        return depths, np.abs(tangent).sum(axis=1).max(axis=0).reshape(probe.shape[1:]).max(axis=1)
+    def _harmless_gap(self):
+        """Normal gap, at most 0, above which no slip makes the law's tangent exceed the reference."""
+        gaps, slips = np.linspace(-5.0, 0.0, 501), np.array([0.0, 0.5 * SLIP, SLIP, 2.0 * SLIP])
+        probe = np.zeros((self.form.components, gaps.size, slips.size))
+        probe[0], probe[1:2] = gaps[:, None], slips
+        steepest = self._steepest(probe.reshape(len(probe), -1)).reshape(probe.shape[1:]).max(axis=1)
+        return gaps[steepest <= self._tangent].min(initial=0.0)
+
+    def _steepest(self, gap):
+        """Bound of the eigenvalues of the law's tangent at gaps (components, nodes): its largest row sum at each node."""
+        return np.abs(self.form.contact.law.tangent(gap)).sum(axis=1).max(axis=0)
 
     def slowest_frequency(self):
         """Estimate of the slowest motion's frequency in contact: that of the softest wave, or of a mean that can move."""
@@ -179,9 +183,11 @@ class Motion:
         self.force[self._mean] = mean
 
     def _stiffen(self):
-        """mu from the deepest gap."""
-        steepest = np.interp(self.grid.minimum(self.gap[0]), *self._steepest)
-        stiffening = max(1.0, 1.0 + (steepest - self._tangent) / self._lightest)
+        """mu from the steepest tangent where surfaces overlap."""
+        stiffening = 1.0
+        if self.grid.minimum(self.gap[0]) < self._harmless:
+            steepest = self.grid.maximum(self._steepest(self.gap[:, self.gap[0] < self._harmless]))
+            stiffening += max(0.0, steepest - self._tangent) / self._lightest
         if stiffening > self.stiffening:
             self.velocity *= np.sqrt(self.stiffening / stiffening)
         self.stiffening = stiffening

@@ -230,12 +230,16 @@ class Corrector:
         arc = ArcLength(form, leg.start, leg.direction, pack[1], pack[1] - pack[0], length)
         ahead = length / np.linalg.norm(pack[1] - pack[0])
         guess = np.append(pack[1] + ahead * (pack[1] - pack[0]), here + ahead * (here - before))
+        predicted = states.State(form.window, form.displacement(guess), last.means)
         snes = create_snes(arc, WARM)
         unknown, iterations = self._newton(arc, guess, WARM, snes)
         arc.set_position(unknown[-1])
         state = self._state(form, unknown[:-1])
         if not states.covers(self.contact, state):
             raise NotConverged("the arc-length step left the window")
+        aside = self.missed(predicted, state)
+        if aside > 0.1 and aside > 0.5 * self.missed(last, state):
+            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
         norm = self._norm(form, unknown[:-1], state, evaluated=False)
         return self._point(form, state, norm, iterations), float(unknown[-1])
 
@@ -330,7 +334,10 @@ class Corrector:
         return self.form
 
     def _newton(self, form, unknown, most_iterations, snes=None):
-        """Run the SNES; the solution and its iterations, or NotConverged with PETSc's reasons by name."""
+        """Run the SNES from an unknown, which is overwritten; the solution and its iterations.
+
+        Raises NotConverged with PETSc's reasons by name.
+        """
         snes = self.snes if snes is None else snes
         if most_iterations and not PETSc.Options(snes.getOptionsPrefix() or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)

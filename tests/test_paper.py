@@ -76,3 +76,33 @@ def test_sheared(path):
     finer = rows_of(Load(start="normal_displacement=35.787", path=path), points=16384, **scene)[-1]
     assert rows[-1]["mean_tangential_displacement"] == pytest.approx(finer["mean_tangential_displacement"], rel=2e-5)
     assert rows[-1]["contact_area"] == pytest.approx(finer["contact_area"], rel=2e-5)
+
+
+def test_gross_sliding():
+    """Fig. 5, W = 25 held: with residual friction 1/2 sliding starts by a jump, to a state that lambda_t only scales."""
+    slid = []
+    for maugis, end in ((1.0, 700.0), (0.1, 150.0)):
+        rows = rows_of(Load(start="normal_displacement=35.787", path=f"normal_force=25; tangential_displacement={end}"),
+                       residual_friction=0.5, tangential_maugis=maugis)
+        events = [row["event"] for row in rows]
+        assert [event for event in events if event in ("fold", "jump")] == ["fold", "jump"]
+        assert "gross_sliding" in events and rows[events.index("fold")]["fold_kind"] == "sliding"
+        fold, after = rows[events.index("fold")], rows[events.index("jump"):]
+        assert after[0]["tangential_displacement"] == pytest.approx(fold["tangential_displacement"], rel=1e-12)
+        assert after[0]["tangential_force"] < 0.7 * fold["tangential_force"]
+        assert after[0]["mean_tangential_displacement"] > 5 * fold["mean_tangential_displacement"]
+        for name in ("tangential_force", "contact_area", "approach"):
+            np.testing.assert_allclose([row[name] for row in after], after[-1][name], rtol=1e-6)
+        slid.append((after[-1]["tangential_force"] / maugis, after[-1]["contact_area"], after[-1]["approach"]))
+    np.testing.assert_allclose(*slid, rtol=1e-6)
+    # Residual friction where the law holds the bodies together, which is a little less than the contact.
+    peak = 0.5 * reference.peak_tangential_traction(1.0)
+    assert 2 * reference.hertz_line_half_width(25.0, 100.0) < slid[0][0] / peak < slid[0][1]
+
+
+def test_compliant_interface():
+    """lambda_t = 0.1: the strength is 3 to 4 % below tau_max times the width without shear (less width, and open rims)."""
+    rows = rows_of(Load(start="normal_displacement=35.787", path="normal_force=25; tangential_displacement=120"),
+                   tangential_maugis=0.1)
+    strength = reference.uniform_slip_force(rows[0]["contact_area"] / 2, 7.0711, 0.1)
+    assert 0.96 < max(row["tangential_force"] for row in rows) / strength < 0.97
