@@ -165,10 +165,18 @@ class Walk:
         guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         last = self.history[-1][1]
-        missed = self.system.missed(guess, point.state)
-        if missed > 0.2 and missed > 0.6 * self.system.missed(last.state, point.state):
-            raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, perhaps on another branch")
+        missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
+        if missed > 0.2 and missed > 0.6 * moved or moved > 1.0 and moved > 8.0 * self._expected(target):
+            raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
+                               "perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
+
+    def _expected(self, target):
+        """How far a step to ``target`` would move at the rate of the last one; inf for a first step."""
+        if len(self.history) < 2:
+            return np.inf
+        (before, first), (here, last) = self.history[-2:]
+        return self.system.missed(first.state, last.state) * (target - here) / (here - before)
 
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
@@ -232,7 +240,7 @@ class Turn:
         trail = self._trail()
         reach = self.history[-1][0] + self.leg.initial
         first = length = self.system.distance(trail[0][1].state, trail[1][1].state)
-        for _ in range(self.most):
+        for taken in range(self.most):
             try:
                 point = self._ahead(trail, length)
             except NotConverged as second:
@@ -243,9 +251,12 @@ class Turn:
             trail.append((point.position, point))
             arc, slope = self._slopes(trail[-3:])
             if slope[2] <= 0.0:
-                return (*self._locate(trail[-3:]), None)
+                found, trail = self._locate(trail[-3:])
+                if found is not None:
+                    return (*found, None)
+                continue
             steady = slope[2] > 0.7 * slope[1]
-            if steady and (point.position >= 1.0 or (point.position > reach and len(trail) > 8)):
+            if steady and (point.position >= 1.0 or (point.position > reach and taken > 6)):
                 return None, None, self._natural(trail, min(point.position, 1.0))
             length *= 1.7 if steady and point.spent["last_iterations"] <= 6 else 1.0
         raise NotConverged(f"{error}; arc length made no headway either")
@@ -286,20 +297,22 @@ class Turn:
         return replace(point, leg=self.leg.number, position=target, step=self.leg.initial)
 
     def _locate(self, trail):
-        """The point of largest load near three on the arc, refined by parabolas, and the state beyond it."""
+        """((fold, state beyond it), trail) from three points on the arc, the load's peak near the last, refined by parabolas.
+
+        The first is None where the load goes on rising: a bend may look like a peak.
+        """
+        trail = self._bracketed(trail)
+        if trail[2][0] >= trail[1][0]:
+            return None, trail
         beyond = trail[2][1]
-        for _ in range(16):
+        for _ in range(12):
             arc, slopes = self._slopes(trail)
+            curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
+            shift = -0.5 * slopes[1] / curvature
+            if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
+                break
+            toward = 0 if shift < 0.0 else 2
             try:
-                if trail[2][0] >= trail[1][0]:
-                    beyond = self._ahead(trail, 0.5 * arc[2])
-                    trail = [*trail[1:], (beyond.position, beyond)]
-                    continue
-                curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
-                shift = -0.5 * slopes[1] / curvature
-                if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
-                    break
-                toward = 0 if shift < 0.0 else 2
                 found = self._at(trail[1][1], trail[1][0], trail[toward][1], trail[toward][0], -abs(shift))
             except NotConverged:
                 break
@@ -308,7 +321,21 @@ class Turn:
             best = 1 if between[1][0] > between[2][0] else 2
             trail = between[best - 1:best + 2]
         fold = max(trail, key=lambda item: item[0])[1]
-        return replace(fold, step=self.leg.initial), beyond.state
+        return (replace(fold, step=self.leg.initial), beyond.state), trail
+
+    def _bracketed(self, trail):
+        """The last three points after going on along the arc until the load falls, or for eight steps."""
+        length = 0.5 * self._slopes(trail)[0][2]
+        for _ in range(8):
+            if trail[2][0] < trail[1][0]:
+                break
+            try:
+                ahead = self._ahead(trail, length)
+            except NotConverged:
+                length *= 0.25
+                continue
+            trail = [*trail[1:], (ahead.position, ahead)]
+        return trail
 
     def _scale(self):
         """Relative change of the moving load per change of position."""

@@ -1,7 +1,7 @@
 """Dynamic relaxation of the force form: damped motion in Fourier space, and the thin SNES types around it.
 
-The balance F(v) = 0 is reached as the rest of m v'' + m c v' = -F(v), with a mass m for each wave. The masses are stiffnesses:
-the body's, plus the law's reference tangent, so that the fastest motion has about the frequency 1, which is the unit of time.
+The balance F(v) = 0 is reached as the rest of m v'' + m c v' = -F(v), with a mass m and a rate c for each wave. The masses are
+stiffnesses: the body's, plus the law's reference tangent, so that the fastest motion has about the frequency 1, the unit of time.
 """
 
 from dataclasses import dataclass
@@ -42,8 +42,10 @@ class VerletOptions(MassOptions):
     prefix: ClassVar[str] = "snes_verlet_"
     title: ClassVar[str] = "Dynamic relaxation: damped Verlet"
     time_step: float = option(1.6, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
-    damping: float = option(None, "rate c of the damping m c v'", kind="number", minimum=0,
-                            default_text="critical for the slowest motion")
+    damping: float = option(None, "rate c of the damping m c v' of the slowest motion", kind="number", minimum=0,
+                            default_text="critical, twice its frequency")
+    damping_exponent: float = option(0.5, "the rate of a wave is that of the slowest times (its frequency/the slowest) to this",
+                                     minimum=0, maximum=1)
 
 
 @dataclass(frozen=True)
@@ -98,8 +100,7 @@ class Motion:
 
     def _masses(self, kind, tangent):
         """m(q) for each component, an array (components, *half spectrum)."""
-        blocks = [np.broadcast_to(self.stiffness[i, i].real, self.force.shape[1:]) for i in range(self.form.components)]
-        mass = np.stack(blocks) + tangent
+        mass = self._own_stiffness() + tangent
         if kind == "equal":
             mass[...] = mass.reshape(len(mass), -1).max(axis=1).reshape(-1, *[1] * len(self.grid.shape))
         else:
@@ -119,17 +120,21 @@ class Motion:
         """Bound of the eigenvalues of the law's tangent at gaps (components, nodes): its largest row sum at each node."""
         return np.abs(self.form.contact.law.tangent(gap)).sum(axis=1).max(axis=0)
 
-    def slowest_frequency(self):
-        """Estimate of the slowest motion's frequency in contact: that of the softest wave, or of a mean that can move."""
-        squares = []
-        for i in range(self.form.components):
-            stiffness = self.stiffness[i, i].real.reshape(-1)[1:]
-            softest = np.argmin(stiffness)
-            squares.append(stiffness[softest] / self.mass[i].reshape(-1)[1:][softest])
-            if self.mobile[i]:
-                resting = self.form.mean_stiffness[i] + RESTING[len(self.grid.shape)] * stiffness[softest]
-                squares.append(resting / self.mass[self._mean][i])
-        return np.sqrt(min(squares))
+    def _own_stiffness(self):
+        """K(q) of each component, without coupling, an array (components, *half spectrum)."""
+        return np.stack([np.broadcast_to(self.stiffness[i, i].real, self.force.shape[1:]) for i in range(self.form.components)])
+
+    def frequencies(self):
+        """Frequencies of the waves beside a contact, where the law does not act; infinite for a mean that cannot move.
+
+        That of a mean that can move is the estimate for a body held by a contact.
+        """
+        stiffness = self._own_stiffness()
+        softest = stiffness.reshape(len(stiffness), -1)[:, 1:].min(axis=1)
+        stiffness[self._mean] = self.form.mean_stiffness + RESTING[len(self.grid.shape)] * softest
+        frequencies = np.sqrt(stiffness * self.mobility)
+        frequencies[self._mean] = np.where(self.mobile, frequencies[self._mean], np.inf)
+        return frequencies
 
     def start(self, displacement):
         """Rest at displacements (components, nodes), ranges of the law; a mean that cannot move is set from the load."""
@@ -239,15 +244,23 @@ def _inner(first, second):
 
 
 class DampedVerlet:
-    """Verlet's scheme for a started Motion, damped in proportion to the masses (Verlet 1967; Day 1965 for the damping)."""
+    """Verlet's scheme for a started Motion, damped in proportion to the masses (Verlet 1967; Day 1965 for the damping).
+
+    Where the law's tangent is not symmetric, fast waves need more damping than slow ones: they would flutter.
+    """
 
     def __init__(self, motion, options):
+        frequencies = motion.frequencies()
+        slowest = frequencies.min()
         self.motion, self.time_step = motion, options.time_step
-        self.damping = 2.0 * motion.slowest_frequency() if options.damping is None else options.damping
+        self.damping = 2.0 * slowest if options.damping is None else options.damping
+        # A mean that cannot move needs none.
+        ratios = np.where(motion.mobility > 0.0, frequencies / slowest, 1.0)
+        self._half = 0.5 * self.time_step * self.damping * ratios**options.damping_exponent
 
     def step(self):
         """One time step, the damping central in time."""
-        half = 0.5 * self.time_step * self.damping
+        half = self._half
         self.motion.advance(self.time_step, (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half))
 
 
@@ -365,7 +378,7 @@ class Relaxation:
         leaving = motion.leaving()
         if leaving is None:
             self._since = motion.steps
-        elif leaving == 0 or (motion.steps - self._since) * self.method.time_step * motion.slowest_frequency() > 2.0 * np.pi:
+        elif leaving == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi / motion.frequencies().min():
             self.escaped, self.escaping = True, leaving
         return self.escaped
 

@@ -79,7 +79,6 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     database = PETSc.Options(prefix)
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setOptionsPrefix(prefix)
-    snes.setAppCtx(form)
     work = PETSc.Vec().createSeq(form.size)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), work)
     matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
@@ -95,7 +94,7 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     snes.setJacobian(linearise, matrix, matrix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=most_iterations)
     if form.name == "force":
-        snes.setConvergenceTest(displacement_test)
+        snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
@@ -120,9 +119,8 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     return snes
 
 
-def displacement_test(snes, iteration, norms):
+def displacement_test(snes, iteration, norms, form):
     """The convergence test of the force form: ``residual_norm``, the displacements that the imbalance stands for."""
-    form = snes.getAppCtx()
     rtol, atol, stol, most = snes.getTolerances()
     function = snes.getFunction()[0]
     norm = form.displacement_norm(snes.getSolution().getArray(readonly=True), function.getArray(readonly=True))
