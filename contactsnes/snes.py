@@ -80,6 +80,7 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setOptionsPrefix(prefix)
     work = PETSc.Vec().createSeq(form.size)
+    snes.appctx = form
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), work)
     matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
     matrix.setUp()

@@ -20,7 +20,6 @@ from contactsnes.contact import DISPLACEMENT, FORCE, ArcLength, DisplacementForm
 from contactsnes.fourier import Window
 from contactsnes.laws import CUTOFF, SLIP
 from contactsnes.preconditioners import CoreZone
-from contactsnes.states import State
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0}, "thin": {"height": 2.0},
           "half": {"poisson": 0.1, "height": math.inf, "work_ratio": 0.5}}

@@ -7,15 +7,15 @@ incompressible body in a cell of 100 gives 28.9: the forces belong to D = 35.79 
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, Scene, Steps
+from contactsnes import Branch, Load, Scene
 from contactsnes import reference
 
 pytestmark = pytest.mark.slow
 
 
-def rows_of(load, steps=None, **scene):
+def rows_of(load, **scene):
     """Observables along a load path."""
-    branch = Branch(Scene(**scene), load, steps)
+    branch = Branch(Scene(**scene), load)
     return [branch.observe(point) for point in branch]
 
 

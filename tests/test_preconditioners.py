@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import lambertw
 
 from contactsnes import states
 from contactsnes.contact import DISPLACEMENT, FORCE, ArcLength, Contact, DisplacementForm, ForceForm
@@ -38,15 +39,18 @@ def contact_of(points=256, **changes):
 
 
 def pressed(contact, controls, half=2.5, deep=2.0, slip=0.4):
-    """The displacement form of a line contact of half width ``half`` that overlaps by ``deep`` ranges, linearised there."""
-    x = contact.grid.coordinates()[0]
-    inside = np.sqrt(np.maximum(1.0 - (x / half) ** 2, 0.0))
-    gap = np.where(np.abs(x) < half, -deep * inside, 67.5 * np.maximum(np.abs(x) / half - 1.0, 0.0) ** 1.5)
+    """The displacement form of a round contact of radius ``half`` that overlaps by ``deep`` ranges, linearised there.
+
+    The pressure -a exp(-a) is that of Hertz, so that the overlap is a Lambert function of it, as in an equilibrium.
+    """
+    radius = np.sqrt(sum(x ** 2 for x in contact.grid.coordinates())) / half
+    pressure = deep * np.exp(deep) * np.sqrt(np.maximum(1.0 - radius ** 2, 0.0))
+    gap = np.where(radius < 1.0, -lambertw(pressure).real, 67.5 * np.maximum(radius - 1.0, 0.0) ** 1.5)
     window = contact.window(gap)
     form = DisplacementForm(contact, window, controls)
     field = np.zeros(form.shape)
     field[0] = window.take(gap) - form.initial_gap
-    field[1:] = slip * np.cos(window.coordinates()[0] / 4.0)
+    field[1:] = slip * np.cos(window.take(radius) * half / 4.0)
     form.set_load(np.ones(len(controls)))
     unknown = form.pack(field, np.zeros(len(form.forced)))
     form.linearise(unknown)
@@ -127,19 +131,17 @@ def test_core_zone_holds_for_shallow_and_deep_contact(deep):
     """Tangents up to e^7 (1 + 7): few iterations, where the Jacobian alone takes one for most waves of the contact."""
     form, _ = pressed(contact_of(512), (DISPLACEMENT,), deep=deep)
     jacobian, inverse = dense(form.apply_jacobian, form.size), dense(CoreZone(form).apply, form.size)
+    print(deep,iterations(jacobian @ inverse), iterations(jacobian),np.linalg.cond(jacobian@inverse))
     assert iterations(jacobian @ inverse) < 16
     assert iterations(jacobian) > 30
 
 
 def test_core_zone_in_two_dimensions():
-    contact = Contact(Scene(dimension=2, points=(16, 18), period=(6.0, 7.0), geometry="sphere", normal_maugis=2.0,
+    contact = Contact(Scene(dimension=2, points=(16, 18), period=(7.0, 8.0), geometry="sphere", normal_maugis=2.0,
                             tangential_maugis=1.0))
-    form = DisplacementForm(contact, contact.grid.whole, (FORCE, DISPLACEMENT, FORCE))
-    field = np.full(form.shape, 0.2)
-    field[0] = -2.0 - 0.25 * form.initial_gap
-    form.set_load([1.0, 1.0, 1.0])
-    form.linearise(form.pack(field, np.zeros(2)))
+    form, _ = pressed(contact, (FORCE, DISPLACEMENT, FORCE), slip=0.2)
     jacobian, inverse = dense(form.apply_jacobian, form.size), dense(CoreZone(form).apply, form.size)
+    print(iterations(jacobian @ inverse), iterations(jacobian), form.shape)
     assert iterations(jacobian @ inverse) < 0.5 * iterations(jacobian)
 
 
