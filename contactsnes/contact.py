@@ -152,7 +152,6 @@ class DisplacementForm:
         self.factor = contact.load_factor(self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
-        self._gap = np.empty(self.shape)
         self.work = np.empty(self.shape)
         self.evaluations = 0
         self.products = 0
@@ -175,16 +174,15 @@ class DisplacementForm:
         return unknown[self.count:]
 
     def gap(self, unknown):
-        """Gap a (components, nodes), ranges of the law; the array is reused by the next call."""
-        np.multiply(unknown[:self.count].reshape(self.shape), self.root, out=self._gap)
-        self._gap[0] += self.initial_gap
-        return self._gap
+        """Gap a (components, nodes), ranges of the law, in ``work``."""
+        np.multiply(unknown[:self.count].reshape(self.shape), self.root, out=self.work)
+        self.work[0] += self.initial_gap
+        return self.work
 
     def residual(self, unknown, out):
         """F: the imbalance of displacements over sqrt(M), then of prescribed forces over max(1, |force|)."""
         self.evaluations += 1
-        traction = self.work
-        self.contact.law.evaluate(self.gap(unknown), traction)
+        traction = self.contact.law.evaluate(self.gap(unknown), self.work)
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
         mean = self.contact.far_displacement(self.components, self.load) \
@@ -337,7 +335,7 @@ class ForceForm:
         self.compliance = Convolution(self.window, contact.operator(self.components), self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
-        self._gap, self.work = np.empty(self.shape), np.empty(self.shape)
+        self.work = np.empty(self.shape)
         self.evaluations = 0
         self.products = 0
         kept, self.mean_stiffness = np.ones(self.components), np.zeros(self.components)
@@ -371,8 +369,7 @@ class ForceForm:
     def residual(self, unknown, out):
         """F: the imbalance of tractions over sqrt(M)."""
         self.evaluations += 1
-        gap = self.gap(unknown)
-        traction = self.contact.law.evaluate(gap, self.work)
+        traction = self.contact.law.evaluate(self.gap(unknown), self.work)
         return self._balance(unknown, traction, self._target(), out)
 
     def _balance(self, unknown, traction, target, out):

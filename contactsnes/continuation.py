@@ -12,7 +12,7 @@ FOLD_TOLERANCE = 1e-6
 """Relative accuracy in the load to which a fold is located; a step of the search promises less than this."""
 SHORT = 0.1
 """Steps that had to be cut below this part of the leg's initial one look like a fold: arc length finds out."""
-KICKS = (0.3, 1.0, 3.0)
+KICKS = (0.1, 0.3, 1.0, 3.0)
 """How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back."""
 
 
@@ -166,7 +166,8 @@ class Walk:
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         last = self.history[-1][1]
         missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
-        if missed > 0.2 and missed > 0.6 * moved or moved > 1.0 and moved > 8.0 * self._expected(target):
+        astray = predictor != "none" and missed > 0.2 and missed > 0.6 * moved
+        if astray or moved > 1.0 and moved > 8.0 * self._expected(target):
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
@@ -213,7 +214,7 @@ class Walk:
         for start in starts:
             state = start()
             point = self.system.settle(state, self.leg.controls, fold.load, where)
-            if self.system.missed(fold.state, point.state) > 2.0 * self.system.missed(fold.state, state):
+            if self.system.missed(fold.state, point.state) > 0.5 * self.system.missed(fold.state, state):
                 return point
             self.system.log(f"the motion {where} led back to it; trying again from farther away")
         raise NotConverged(f"no other equilibrium was reached {where}: the motion led back")

@@ -279,7 +279,7 @@ class Convolution:
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
-        self._product = None if self._diagonal else np.empty_like(self.transform.spectrum)
+        self._product = None if self._diagonal else np.empty_like(self.transform.spectrum[:, :self._rows()])
 
     def apply(self, values, out):
         """out (components, nodes) = operator times values (components, nodes); the two may be the same array."""
@@ -298,10 +298,19 @@ class Convolution:
             for i in range(self.count):
                 spectrum[i] *= self.blocks[i, i]
             return
-        np.copyto(self._product, spectrum)
-        spectrum[...] = 0.0
-        for (i, j), block in self.blocks.items():
-            spectrum[i] += block * self._product[j]
+        rows = self._rows()
+        for first in range(0, spectrum.shape[1], rows):
+            part = spectrum[:, first:first + rows]
+            product = self._product[:, :part.shape[1]]
+            np.copyto(product, part)
+            part[...] = 0.0
+            for (i, j), block in self.blocks.items():
+                part[i] += block[first:first + rows] * product[j]
+
+    def _rows(self):
+        """Rows of the spectrum that are multiplied at a time: few enough to stay in the processor's cache."""
+        shape = self.transform.spectrum.shape[1:]
+        return min(shape[0], max(1, 2 ** 14 * shape[0] // math.prod(shape)))
 
 
 def clear_padding(real, shape):

@@ -78,7 +78,7 @@ class Law:
     def evaluate(self, gap, traction, tangent=None):
         """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components, nodes) at once.
 
-        ``traction`` may be ``gap`` itself if no tangent is asked for.
+        ``traction`` may be ``gap`` itself.
         """
         normal, normal_slope, held, held_slope = self._normal(gap[0])
         if len(gap) == 1:
@@ -95,14 +95,13 @@ class Law:
             overlap = gap[0] <= 0.0
             fading, fading_slope = np.where(overlap, 1.0, fading), np.where(overlap, 0.0, fading_slope)
             held, held_slope = np.where(overlap, 1.0, held), np.where(overlap, 0.0, held_slope)
+        if tangent is not None:
+            np.multiply(normal_slope, fading, out=tangent[0, 0])
+            np.multiply(2.0 * normal * fading_slope, slip_vector, out=tangent[0, 1:])
+            np.multiply(secant * held_slope, slip_vector, out=tangent[1:, 0])
+            self._slip_tangent(slip_vector, slip, secant * held, friction_slope * held, tangent[1:, 1:])
         np.multiply(normal, fading, out=traction[0])
         np.multiply(secant * held, slip_vector, out=traction[1:])
-        if tangent is None:
-            return traction
-        np.multiply(normal_slope, fading, out=tangent[0, 0])
-        np.multiply(2.0 * normal * fading_slope, slip_vector, out=tangent[0, 1:])
-        np.multiply(secant * held_slope, slip_vector, out=tangent[1:, 0])
-        self._slip_tangent(slip_vector, slip, secant * held, friction_slope * held, tangent[1:, 1:])
         return traction
 
     def _slip_tangent(self, slip_vector, slip, secant, slope, out):

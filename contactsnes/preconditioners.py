@@ -94,13 +94,13 @@ class CoreZone:
         self.forced = np.isin(np.arange(form.components), form.forced)
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
-        self.columns = np.zeros((len(self.means), *form.shape))
+        # M^-1 of a component's unit is nonzero in that component only.
+        self.columns = np.ones((len(self.means), form.nodes))
         self.matrix = np.zeros((len(self.means), len(self.means)))
-        for column, (i, field) in enumerate(zip(self.means, self.columns)):
-            field[i] = 1.0
+        for place, (i, column) in enumerate(zip(self.means, self.columns)):
             if self.blocks[i] is not None:
-                self.blocks[i].apply(field[i])
-            self.matrix[:, column] = self._response(field)
+                self.blocks[i].apply(column)
+            self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
             if not self.forced[i]:
                 self.matrix[row] *= self._rigid[row]
@@ -124,9 +124,9 @@ class CoreZone:
         right[~self.forced[self.means]] *= self._rigid[~self.forced[self.means]]
         right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced] * form.root)
         means = np.linalg.solve(self._regular(), right)
-        for mean, column in zip(means, self.columns):
-            np.multiply(column, mean, out=form.work)
-            field += form.work
+        for i, mean, column in zip(self.means, means, self.columns):
+            np.multiply(column, mean, out=form.work[0])
+            field[i] += form.work[0]
         out[form.count:] = means[self.forced[self.means]] * form.root
         return out
 

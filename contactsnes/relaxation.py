@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
+from .contact import ForceForm
 from .laws import CUTOFF, SLIP
 from .options import read
 from .settings import InputError, Options, as_text, option
@@ -44,7 +45,7 @@ class VerletOptions(MassOptions):
     time_step: float = option(1.6, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
     damping: float = option(None, "rate c of the damping m c v' of the slowest motion", kind="number", minimum=0,
                             default_text="critical, twice its frequency")
-    damping_exponent: float = option(0.5, "the rate of a wave is that of the slowest times (its frequency/the slowest) to this",
+    damping_exponent: float = option(0.4, "the rate grows with the frequency of a wave to this power, from the softest wave on",
                                      minimum=0, maximum=1)
 
 
@@ -148,7 +149,10 @@ class Motion:
         self._evaluate()
 
     def advance(self, time_step, kept, impulse):
-        """The step of every method: v' = kept v' - impulse F/(m mu), v += time_step v', and the force there."""
+        """The step of every method: v' = kept v' - impulse F/(m mu), v += time_step v', and the force there.
+
+        ``kept`` and ``impulse`` are numbers, or arrays (components, *half spectrum).
+        """
         self.velocity *= kept
         np.multiply(self.acceleration, impulse, out=self._work)
         self.velocity += self._work
@@ -251,17 +255,16 @@ class DampedVerlet:
 
     def __init__(self, motion, options):
         frequencies = motion.frequencies()
-        slowest = frequencies.min()
         self.motion, self.time_step = motion, options.time_step
-        self.damping = 2.0 * slowest if options.damping is None else options.damping
-        # A mean that cannot move needs none.
-        ratios = np.where(motion.mobility > 0.0, frequencies / slowest, 1.0)
-        self._half = 0.5 * self.time_step * self.damping * ratios**options.damping_exponent
+        self.damping = 2.0 * frequencies.min() if options.damping is None else options.damping
+        softest = frequencies.reshape(len(frequencies), -1)[:, 1:].min()
+        ratios = np.maximum(1.0, np.where(motion.mobility > 0.0, frequencies / softest, 1.0))
+        half = 0.5 * self.time_step * self.damping * ratios**options.damping_exponent
+        self._kept, self._impulse = (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half)
 
     def step(self):
         """One time step, the damping central in time."""
-        half = self._half
-        self.motion.advance(self.time_step, (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half))
+        self.motion.advance(self.time_step, self._kept, self._impulse)
 
 
 class FastInertial:
@@ -325,7 +328,7 @@ class Relaxation:
 
     def setUp(self, snes):
         """Have the norm tested that is handed over, for the function's Vec is not kept."""
-        if getattr(snes.appctx, "name", "") != "force":
+        if not isinstance(snes.appctx, ForceForm):
             raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form force")
         snes.setConvergenceTest(self.test)
 

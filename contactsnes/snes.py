@@ -77,6 +77,8 @@ def create_snes(form, most_iterations=COLD, prefix=""):
     preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
     """
     database = PETSc.Options(prefix)
+    # Older petsc4py destroys objects late; their forms hold memory of the problem's size.
+    getattr(PETSc, "garbage_cleanup", lambda: None)()
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setOptionsPrefix(prefix)
     work = PETSc.Vec().createSeq(form.size)

@@ -101,7 +101,8 @@ def test_johnson_of_the_wave():
     for approach in (2.0, 4.0):
         errors = []
         for maugis in ranges:
-            found = solve_at(approach, points=resolved(period, maugis), period=period, normal_maugis=maugis, geometry="sinusoid")
+            found = solve_at(approach, points=resolved(period, maugis), period=period, normal_maugis=maugis,
+                             geometry="sinusoid")
             half_width = reference.sinusoid_half_width(found.force, period, amplitude)
             errors.append(approach - reference.sinusoid_approach(half_width, period, amplitude))
         assert 1.8 < decay(ranges, errors) < 2.05
@@ -288,8 +289,8 @@ def test_energy_of_the_normal_problem():
     """dPi/dD = W: the trapezoidal rule along a path misses the change of energy by the square of the step."""
     steps, errors = [2.0, 1.0, 0.5], []
     for step in steps:
-        path = solve(Load(start="normal_displacement=2", path="normal_displacement=10"), Steps(initial_step=step, largest_step=step),
-                     points=512, period=40.0, normal_maugis=3.0)
+        path = solve(Load(start="normal_displacement=2", path="normal_displacement=10"),
+                     Steps(initial_step=step, largest_step=step), points=512, period=40.0, normal_maugis=3.0)
         assert len(path) == 8 / step + 1
         energies = []
         for found in (path[0], path[-1]):

@@ -30,7 +30,7 @@ def test_normal_forces(approach, force):
 
 
 def test_contact_areas():
-    """Fig. 4a: areas for lambda_n = 3, 10 and 20 differ by less than 5 % (at smaller loads a little more), and tend to JKR's."""
+    """Fig. 4a: areas for lambda_n = 3, 10 and 20 differ by less than 5 % (up to W = 3 a little more), and tend to JKR's."""
     forces, areas = (1.0, 3.0, 10.4, 25.0), []
     path = "; ".join(f"normal_force={force}" for force in forces)
     for maugis, points in ((3.0, 8192), (10.0, 8192), (20.0, 32768)):
