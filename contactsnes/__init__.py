@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Scene": "scene", "Load": "load", "Steps": "scene", "Form": "scene", "InputError": "settings",
-    "Contact": "contact", "Branch": "run", "NotConverged": "continuation", "NoEquilibrium": "continuation",
+    "Contact": "contact", "Branch": "run", "NotConverged": "points", "NoEquilibrium": "points",
     "observe": "observables", "table": "observables", "Archive": "archive", "read": "archive", "plot": "plots",
 }
 

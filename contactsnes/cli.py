@@ -7,23 +7,19 @@ Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve fa
 import argparse
 import dataclasses
 import gc
-import importlib
-import math
 import os
-import platform
 import signal
 import sys
-import time
 import traceback
-from typing import NamedTuple
+from functools import partial
 
-from . import __version__, observables, scene as scenes, states
+from . import __version__, observables, scene as scenes, summary
 from .archive import Archive, ArchiveError, Column
-from .continuation import NoEquilibrium, NotConverged
-from .load import Load, quantities
-from .options import check_names, check_values, database, database_text, help_text, petsc_arguments, read, unused_options
-from .scene import OPTION_CLASSES
-from .settings import InputError, as_text, nearest
+from .points import NoEquilibrium, NotConverged
+from .options import database, database_text, help_text, read, unused_options
+from .progress import Progress
+from .session import create_branch, solver_options, start_petsc, versions
+from .settings import InputError, nearest
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -88,67 +84,6 @@ def _complain(kind, text):
     print(f"contactsnes: {kind}: {text}", file=sys.stderr, flush=True)
 
 
-class Settings(NamedTuple):
-    """All that options say about a run, in the order of scene.OPTION_CLASSES."""
-
-    scene: scenes.Scene
-    form: scenes.Form
-    load: Load
-    steps: scenes.Steps
-    output: scenes.Output
-
-
-def solver_options():
-    """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import preconditioners, relaxation, snes
-
-    return (snes.NewtonOptions, preconditioners.CoreOptions, relaxation.VerletOptions, relaxation.FireOptions)
-
-
-def start_petsc(arguments):
-    """Initialise PETSc with the arguments of a command and read the settings from its database."""
-    import petsc4py
-
-    name, *words = petsc_arguments(arguments)
-    try:
-        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread.
-        petsc4py.init([name, "-options_left", "no", *words])
-    except RuntimeError as error:
-        raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python has it; PETSc's handler would abort
-    check_names(solver_options())
-    check_values(solver_options())
-    check_classes()
-    settings = Settings(*map(read, OPTION_CLASSES))
-    scenes.check(settings.scene, settings.load, settings.steps)
-    return settings
-
-
-def check_classes():
-    """InputError for a class of this package that an option names and that does not exist."""
-    for name, path in database().items():
-        module, _, cls = path.rpartition(".")
-        if name.endswith("python_type") and module.startswith("contactsnes."):
-            try:
-                found = hasattr(importlib.import_module(module), cls)
-            except ImportError:
-                found = False
-            if not found:
-                raise InputError(f"-{name} is '{path}': there is no such class")
-
-
-def create_branch(settings, log=lambda sentence: None):
-    """The branch of the settings; InputError, too, where the geometry's file is at fault."""
-    from .run import Branch
-
-    try:
-        return Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:
-        raise InputError(str(error)) from None
-
-
 # run
 
 
@@ -182,8 +117,11 @@ class Run:
     def __init__(self, settings):
         self.settings = settings
         self.table = observables.table(settings.scene)
-        self.warnings = resolution_warnings(settings)
-        self.progress = Progress(settings)
+        self.warnings = summary.resolution_warnings(settings)
+        # What PETSc prints by itself would tear a bar to pieces.
+        watched = any("monitor" in name or name.endswith("view") for name in database())
+        self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
+                                 live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
         self.branch = create_branch(settings, self.progress.log)
         self.archive, self.waiting, self.known, self.signal = None, 0, 0, 0
         if settings.output.file:
@@ -282,7 +220,7 @@ class Run:
         scene, form, load, _, output = self.settings
         for name, why in scenes.ineffective(scene, load, database(), form, output):
             self.progress.log(f"-{name} has no effect: {why}")
-        for sentence in skipped(self.settings, self.branch):
+        for sentence in summary.skipped(self.settings, self.branch):
             self.progress.log(sentence)
         for sentence in self.warnings:
             _complain("warning", sentence)
@@ -317,146 +255,7 @@ def new_points(branch, waiting):
         raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")
 
 
-def versions():
-    """Program -> version of what a result depends on."""
-    import petsc4py
-    from petsc4py import PETSc
-
-    packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
-    return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "petsc4py": petsc4py.__version__,
-            **packages, "python": platform.python_version()}
-
-
-class Progress:
-    """What a run says while it goes on: a bar on a terminal, else one line a point, and sentences between."""
-
-    def __init__(self, settings):
-        scene, load = settings.scene, settings.load
-        plane = ("_x", "_y") if scene.dimension == 2 else ("",)
-        self.loads = {"normal_displacement": "D", "normal_force": "W"}
-        if any(scenes.tangential_legs(scene, load)):
-            for end in plane:
-                self.loads |= {f"tangential_displacement{end}": f"U{end}", f"tangential_force{end}": f"T{end}"}
-        self.columns = {"leg": "leg", **self.loads, "contact_area": "area", "nonlinear_iterations": "nonlinear",
-                        "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
-        self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
-        self.points, self.events, self.began = 0, [], time.monotonic()
-        # What PETSc prints by itself would tear a bar to pieces.
-        watched = any("monitor" in name or name.endswith("view") for name in database())
-        self.live = sys.stdout.isatty() and sys.stderr.isatty() and not watched
-        self.bar, self.legs = None, load.path.count(";") + 1
-
-    def log(self, sentence):
-        """Print a sentence without tearing the bar."""
-        if self.bar is None:
-            print(sentence, flush=True)
-        else:
-            self.bar.write(sentence)
-
-    def point(self, row, position):
-        """Show a point that was accepted."""
-        row = {**row, "event": _event(row)}
-        loads = ", ".join(f"{heading} {row[name]:.6g}" for name, heading in self.loads.items())
-        if not self.live:
-            if not self.points:
-                print(self._line(self.columns))
-            print(self._line(row), flush=True)
-        self.points += 1
-        self.counts = {name: count + row[name] for name, count in self.counts.items()}
-        if row["event"]:
-            self.events.append(f"{row['event']} at {loads}")
-        if self.live:
-            self._advance(row, position, loads)
-
-    def _advance(self, row, position, loads):
-        """Move the bar, which begins with the first point."""
-        if self.bar is None:
-            from tqdm import tqdm
-
-            self.bar = tqdm(total=self.legs, bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}", miniters=0,
-                            leave=False)
-        if row["event"]:
-            self.bar.write(self.events[-1])
-        self.bar.set_postfix_str(f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms", refresh=False)
-        self.bar.update(max(row["leg"] - 1, 0) + position - self.bar.n)
-
-    def _line(self, row):
-        """Values, or headings, in columns."""
-        texts = []
-        for name, heading in self.columns.items():
-            value, width = row[name], {"leg": 3, "event": 0}.get(name, 11 if name in self.loads else 10)
-            if isinstance(value, float):
-                value = f"{value:.1f}" if name == "transforms" else f"{value:.6g}"
-            texts.append(f"{value:>{width}}")
-        return " ".join(texts).rstrip()
-
-    def close(self):
-        """Remove the bar."""
-        if self.bar is not None:
-            self.bar.close()
-            self.bar = None
-
-    def summary(self, known):
-        """The closing table of this run; ``known``: points that an archive had before."""
-        lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known else "")]
-        lines += [f"  {'event':13} {event}" for event in self.events]
-        for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
-            lines.append(f"  {unit:13} {self.counts[name]} iterations")
-        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the whole cell")
-        lines.append(f"  time          {time.monotonic() - self.began:.1f} s")
-        return "\n".join(["", *lines])
-
-
-def _event(row):
-    """Event and kind of fold of a row, in words; empty for none."""
-    words = "" if row["event"] == "none" else row["event"]
-    return f"{words} ({row['fold_kind']})" if row["fold_kind"] else words
-
-
-# What would be solved
-
-
-def resolution_warnings(settings):
-    """Sentences on a grid that is too coarse, for the log and the archive."""
-    sheared = any(scenes.tangential_legs(settings.scene, settings.load))
-    sentence = scenes.resolution_warning(settings.scene, sheared)
-    return (sentence,) if sentence else ()
-
-
-def start_window(settings, branch):
-    """Nodes on which the law acts when the path begins, in each direction."""
-    contact, initial = branch.contact, settings.load.initial(settings.scene.dimension)
-    if settings.form.form == "force" or settings.form.window == "off":
-        return contact.grid.shape
-    state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
-    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape)).shape
-
-
-def skipped(settings, branch):
-    """Sentences on what is left out of the solves, and why."""
-    scene, form, load = settings.scene, settings.form, settings.load
-    sheared = scenes.tangential_legs(scene, load)
-    sentences = []
-    if scene.tangential == "off":
-        sentences.append("no tangential unknowns: -scene_tangential is off")
-    elif not any(sheared):
-        sentences.append("no tangential unknowns: the load names none, and the body does not couple them to normal ones")
-    elif not all(sheared):
-        sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
-    if any(sheared) and not scene.coupled:
-        sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
-    window, cell = start_window(settings, branch), branch.contact.grid.shape
-    if form.form == "force":
-        sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
-    elif math.prod(window) == math.prod(cell):
-        sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
-    else:
-        sentences.append(f"nodes beyond the law's range: the window has {_by(window)} of {_by(cell)} nodes at the start")
-    return sentences
-
-
-def _by(shape):
-    return " x ".join(map(str, shape))
+# info
 
 
 def info(arguments):
@@ -469,100 +268,18 @@ def info(arguments):
     # Without a path there is still a contact to tell of.
     still = dataclasses.replace(load, path="normal_displacement=hold")
     branch = create_branch(settings if legs else settings._replace(load=still, steps=scenes.Steps()))
-    sections = {"Scene": _about_scene(settings), "Load path": _about_path(settings, legs),
-                "Unknowns": _about_unknowns(settings, branch), "Left out": skipped(settings, branch),
-                "Method": _about_method(settings),
+    sections = {"Scene": summary.about_scene(settings), "Load path": summary.about_path(settings, legs),
+                "Unknowns": summary.about_unknowns(settings, branch), "Left out": summary.skipped(settings, branch),
+                "Method": summary.about_method(settings),
                 "Without effect": [f"-{name}: {why}" for name, why in
                                    scenes.ineffective(scene, load, database(), settings.form, settings.output)],
-                "All options": _all_options(settings)}
+                "All options": summary.all_options([*settings, *map(read, solver_options())])}
     for title, lines in sections.items():
         if lines:
             print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
-    for sentence in resolution_warnings(settings):
+    for sentence in summary.resolution_warnings(settings):
         _complain("warning", sentence)
     return 0
-
-
-def _about_scene(settings):
-    """Body, interface and grid in words and dimensionless groups."""
-    scene = settings.scene
-    resolved = scenes.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
-    return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
-            f"normal Maugis parameter {as_text(scene.normal_maugis)}, tangential {as_text(scene.tangential_maugis)}; "
-            f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",
-            f"Poisson ratio {as_text(scene.poisson)}, height {as_text(scene.height)} beta, ratio of works of adhesion "
-            f"{as_text(scene.work_ratio)}",
-            f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing "
-            f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
-            f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
-            + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
-
-
-def _about_path(settings, legs):
-    """Start and legs in words."""
-    dimension = settings.scene.dimension
-    names = {(quantity.component, quantity.control): (name, quantity.unit)
-             for name, quantity in quantities(dimension).items()}
-
-    def words(controls, verb):
-        for component, (control, value) in controls.items():
-            name, unit = names[component, control]
-            yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {unit}"
-
-    lines = ["start: " + ", ".join(words(settings.load.initial(dimension), "="))]
-    lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]
-    stops = " or ".join(settings.load.stops)
-    return lines + ([] if legs else ["no legs: run needs a -load_path"]) + ([f"ends at the first {stops}"] if stops else [])
-
-
-def _about_unknowns(settings, branch):
-    """Unknowns of each leg, on the window at the start, and an estimate of the memory."""
-    scene, window = settings.scene, start_window(settings, branch)
-    legs = settings.load.legs(scene.dimension) if settings.load.path else ()
-    controls = settings.load.initial(scene.dimension)
-    lines, largest = [], 0
-    for number, sheared in enumerate(scenes.tangential_legs(scene, settings.load)):
-        if number:
-            controls = controls | legs[number - 1].controls
-        components = scene.components if sheared else 1
-        forced = sum(controls[i].control == "force" for i in range(components)) if settings.form.form == "displacement" else 0
-        count = components * math.prod(window) + forced
-        largest = max(largest, count)
-        lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(window)} displacements"
-                     + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
-    if math.prod(window) < math.prod(scene.shape):
-        lines.append("the window grows with the contact, and the unknowns with it")
-    whole = scene.components * math.prod(scene.shape)
-    return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
-                    "cell, besides Python and its libraries"]
-
-
-def _megabytes(unknowns, whole):
-    """Memory of a solve in words: 2 x 60 Krylov vectors and 20 work arrays, and 10 arrays over the cell."""
-    return f"{math.ceil(8e-6 * ((2 * 60 + 20) * unknowns + 10 * whole))} MB"
-
-
-def _about_method(settings):
-    """Form and solver in words."""
-    entries = database()
-    solver = entries.get("snes_type", "newtonls")
-    solver = entries.get("snes_python_type", solver) if solver == "python" else solver
-    return [f"{settings.form.form} form, SNES {solver}",
-            f"{settings.steps.type} continuation, predictor {settings.steps.predictor}, at a fold: {settings.steps.at_fold}"]
-
-
-def _all_options(settings):
-    """Every option with its value, as in a file of options, where # marks defaults."""
-    given, lines = database(), []
-    for values in (*settings, *map(read, solver_options())):
-        for field in dataclasses.fields(values):
-            name, text = f"-{values.prefix}{field.name}", as_text(getattr(values, field.name))
-            if not text:
-                lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
-                continue
-            text = f'"{text}"' if " " in text else text
-            lines.append(f"{name} {text}" + ("" if name[1:] in given else "  # default"))
-    return lines
 
 
 # plot

@@ -10,7 +10,8 @@ import numpy as np
 import pyfftw
 from scipy import ndimage
 from scipy.fft import next_fast_len
-from scipy.optimize import brentq
+
+from .levels import area_below, crossings
 
 
 class Transform:
@@ -110,6 +111,11 @@ class Grid:
             paired -= squares[..., -1].sum()
         return float(paired / self.size)
 
+    def spectral_inner(self, first, second):
+        """Real inner product of half spectra of the cell (arrays, *half spectrum): interior columns stand for two waves."""
+        ends = sum(np.vdot(first[..., k], second[..., k]).real for k in (0, -1))
+        return 2.0 * np.vdot(first, second).real - ends
+
     def count(self, mask):
         """Number of nodes where ``mask`` holds."""
         return int(np.count_nonzero(mask))
@@ -187,7 +193,7 @@ class Window:
             if extent == total:
                 box = np.concatenate([box, box.take([0], axis=axis)], axis=axis)
         if box.ndim == 2:
-            return _area_below(box, level) * self.grid.node_area
+            return area_below(box, level) * self.grid.node_area
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level else [])]
         return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
@@ -281,19 +287,19 @@ class Convolution:
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
         self._product = None if self._diagonal else np.empty_like(self.transform.spectrum[:, :self._rows()])
 
-    def apply(self, values, out):
-        """out (components, nodes) = operator times values (components, nodes); the two may be the same array."""
+    def apply(self, values, out, transposed=False):
+        """out (components, nodes) = operator, or its transpose, times values (components, nodes), perhaps the same array."""
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
         plan.forward()
-        self.multiply(plan.spectrum)
+        self.multiply(plan.spectrum, transposed)
         plan.backward()
         self.window.box(out)[...] = plan.real[self._inside]
         clear_padding(plan.real, self.window.shape)
         return out
 
-    def multiply(self, spectrum):
-        """Multiply a spectrum (components, *half spectrum) by the blocks, in place."""
+    def multiply(self, spectrum, transposed=False):
+        """Multiply a spectrum (components, *half spectrum) by the blocks, or by their transpose, in place."""
         if self._diagonal:
             for i in range(self.count):
                 spectrum[i] *= self.blocks[i, i]
@@ -305,7 +311,10 @@ class Convolution:
             np.copyto(product, part)
             part[...] = 0.0
             for (i, j), block in self.blocks.items():
-                part[i] += block[first:first + rows] * product[j]
+                if transposed:
+                    part[j] += block[first:first + rows].conj() * product[i]
+                else:
+                    part[i] += block[first:first + rows] * product[j]
 
     def _rows(self):
         """Rows of the spectrum that are multiplied at a time: few enough to stay in the processor's cache."""
@@ -336,43 +345,3 @@ def smooth(window, values, width):
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
     box[np.abs(box) < negligible] = 0.0
     return box.reshape(-1)
-
-
-def crossings(values, level):
-    """Where a line of values crosses a level: places in nodes (cubic interpolation), and +1 (upward) or -1 there.
-
-    Between nodes i and i + 1 the cubic through nodes i - 1 to i + 2 is used (a line at the ends).
-    """
-    above = values >= level
-    first = np.flatnonzero(above[1:] != above[:-1])
-    places = np.empty(len(first))
-    for k, i in enumerate(first):
-        if not 0 < i < len(values) - 2:
-            places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
-            continue
-        before, left, right, after = values[i - 1:i + 3] - level
-        # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its sign.
-        rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
-        twist = (fall - rise) / 3
-        places[k] = i + brentq(lambda t: (1 - t) * left + t * right + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
-                               xtol=1e-14)
-    return places, np.where(above[first + 1], 1, -1)
-
-
-def _area_below(box, level):
-    """Area below a level of the piecewise linear surface through a box of nodes, in squares of the grid."""
-    corners = box[:-1, :-1], box[1:, :-1], box[1:, 1:], box[:-1, 1:]
-    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    cut = (lowest < level) & (highest >= level)
-    a, b, c, d = (corner[cut] - level for corner in corners)
-    triangles = ((a, b, c), (a, c, d), (b, c, d), (b, d, a))
-    return np.count_nonzero(highest < level) + 0.25 * sum(_part_below(triangle).sum() for triangle in triangles)
-
-
-def _part_below(corners):
-    """Part of each triangle where the plane through three corner values is negative."""
-    low, middle, high = np.sort(np.stack(corners), axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        one = low ** 2 / ((middle - low) * (high - low))
-        two = 1.0 - high ** 2 / ((high - low) * (high - middle))
-    return np.select([high < 0.0, middle < 0.0, low < 0.0], [1.0, two, one], 0.0)

@@ -358,6 +358,7 @@ def directions(record):
 
 
 def varies(values):
+    """Whether values differ by more than rounding."""
     return np.ptp(values) > 1e-6 * np.max(np.abs(values))
 
 
@@ -383,6 +384,7 @@ def choose_points(record, points):
 
 
 def describe(stored):
+    """The points that have fields, in words."""
     return f"points {stored[0]} to {stored[-1]}" if stored else "none (-archive_fields all keeps them)"
 
 
@@ -450,6 +452,7 @@ def column_label(record, name):
 
 
 def word_and_symbol(name):
+    """Words and symbol of a column for a label."""
     axis = name[-2:] if name.endswith(("_x", "_y")) else ""
     words, symbol = SYMBOLS[name.removesuffix(axis)]
     return words, tangential(symbol[0], axis) if axis else symbol

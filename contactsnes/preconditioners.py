@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.fft import next_fast_len
 
-from .contact import ArcLength
+from .forms import ArcLength
 from .fourier import Transform, clear_padding, smooth
 from .options import read
 from .settings import option, Options
@@ -105,6 +105,8 @@ class CoreZone:
             if not self.forced[i]:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
+        # Where nothing responds (a body off the flat, or sliding everywhere) a mean is left as it is.
+        self.inverse = np.linalg.pinv(self.matrix, rcond=1e-13)
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
@@ -123,17 +125,12 @@ class CoreZone:
         right = -self._response(field)
         right[~self.forced[self.means]] *= self._rigid[~self.forced[self.means]]
         right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced] * form.root)
-        means = np.linalg.solve(self._regular(), right)
+        means = self.inverse @ right
         for i, mean, column in zip(self.means, means, self.columns):
             np.multiply(column, mean, out=form.work[0])
             field[i] += form.work[0]
         out[form.count:] = means[self.forced[self.means]] * form.root
         return out
-
-    def _regular(self):
-        """The matrix of the scalars, kept from being singular where nothing responds (a body off the flat)."""
-        empty = np.abs(self.matrix).max(axis=1) < 1e-300
-        return self.matrix + np.diag(empty.astype(float)) if empty.any() else self.matrix
 
 
 class ZonedStiffness:

@@ -8,7 +8,8 @@ from . import continuation, observables, scene as scenes
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
 from .geometry import read_heights
-from .snes import Corrector
+from .points import Leg, Point
+from .corrector import Corrector
 from .states import State
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
@@ -67,7 +68,7 @@ class Branch:
         window = Window(self.contact.grid, packed["window_start"], packed["window_shape"])
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
-        return continuation.Point(state=state, controls=controls, origin=np.array(packed["origin"]),
+        return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                                   **{name: packed[name] for name in KEPT})
 
     def _start(self):
@@ -111,4 +112,4 @@ class Branch:
             return None
         length = abs(end[moving[0]] - start[moving[0]])
         initial, largest, smallest = np.array(sizes(length)) / length
-        return continuation.Leg(number, tuple(controls), start, end, moving[0], initial, largest, smallest)
+        return Leg(number, tuple(controls), start, end, moving[0], initial, largest, smallest)

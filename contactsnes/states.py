@@ -9,8 +9,9 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import brentq
 
-from .contact import CERTAIN, FORCE
-from .fourier import Window, crossings
+from .contact import APPROACH, CERTAIN, FORCE
+from .fourier import Convolution, Window
+from .levels import crossings
 from .laws import CUTOFF
 
 
@@ -24,29 +25,41 @@ class State:
 
 
 def undeformed(contact, controls, load):
-    """The start without overlap: u_n = max(-g_0, -c), with c such that the mean is the prescribed approach.
+    """The start without overlap: u_n = max(-g_0, -c), with c from what is controlled of the normal component.
 
-    Under normal force control the body starts one range of the law off the flat. Tangential displacements are zero.
+    Approach: the mean is as prescribed. Displacement: that of the top, with what the body as a whole gives way. Force: the flat
+    carries it, or c is the smallest gap if it pulls. Tangential displacements are zero.
     """
-    gap, components = contact.initial_gap, len(controls)
-    grid = contact.grid
-    highest, lowest = grid.maximum(gap), grid.minimum(gap)
+    gap, grid, components = contact.initial_gap, contact.grid, len(controls)
+    lowest, highest = grid.minimum(gap), grid.maximum(gap)
+    control, target = controls[0], -contact.far_displacement(components, load)[0]
 
     def approach(depth):
         return grid.sum(np.minimum(gap, depth).reshape(-1)) / grid.size
 
-    target = -contact.far_displacement(components, load)[0]
-    if controls[0] == FORCE:
-        depth = lowest - 1.0
-    elif target <= lowest:
-        depth = target
-    elif target >= approach(highest):
-        depth = highest
+    def excess(depth):
+        if control == FORCE:
+            return _carried(contact, depth) * contact.ranges[0] * grid.node_area - load[0]
+        sunk = 0.0 if control == APPROACH else contact.rigid_compliance(1)[0] / grid.size * _carried(contact, depth)
+        return approach(depth) + sunk - target
+
+    if (load[0] <= 0.0 and control == FORCE) or (control != FORCE and target <= lowest):
+        depth = lowest if control == FORCE else target
     else:
-        depth = brentq(lambda depth: approach(depth) - target, lowest, highest, xtol=1e-12 * highest)
+        # What the flat carries first rises with the depth and falls again towards full contact: the first root counts.
+        tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
+        above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
+        depth = highest if above is None else brentq(excess, tried[above - 1], tried[above], xtol=1e-12 * highest)
     displacement = np.zeros((components, grid.size))
     displacement[0] = np.maximum(-gap, -depth).reshape(-1)
     return State(grid.whole, displacement, grid.mean(displacement))
+
+
+def _carried(contact, depth):
+    """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth), ranges of the law."""
+    displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
+    traction = Convolution(contact.grid.whole, contact.operator(1, "stiffness"), 1).apply(displacement, displacement)
+    return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 
 def lowered(contact, state):

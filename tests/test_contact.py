@@ -16,7 +16,8 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
-from contactsnes.contact import DISPLACEMENT, FORCE, ArcLength, DisplacementForm, ForceForm
+from contactsnes.contact import DISPLACEMENT, FORCE
+from contactsnes.forms import ArcLength, DisplacementForm, ForceForm
 from contactsnes.fourier import Window
 from contactsnes.laws import CUTOFF, SLIP
 from contactsnes.preconditioners import CoreZone

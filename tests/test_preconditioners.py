@@ -5,7 +5,8 @@ import pytest
 from scipy.special import lambertw
 
 from contactsnes import states
-from contactsnes.contact import DISPLACEMENT, FORCE, ArcLength, Contact, DisplacementForm, ForceForm
+from contactsnes.contact import DISPLACEMENT, FORCE, Contact
+from contactsnes.forms import ArcLength, DisplacementForm, ForceForm
 from contactsnes.preconditioners import ArcElimination, CoreOptions, CoreZone, ZonedStiffness, core_weight
 from contactsnes.scene import Scene
 

@@ -7,9 +7,10 @@ import pytest
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from contactsnes.contact import Contact, DisplacementForm, ForceForm
+from contactsnes.contact import Contact
+from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.laws import Law
-from contactsnes.relaxation import DampedVerlet, FastInertial, FireOptions, Motion, VerletOptions
+from contactsnes.motion import DampedVerlet, FastInertial, FireOptions, Motion, VerletOptions
 from contactsnes.scene import Scene
 
 METHODS = ("Verlet", "Fire")

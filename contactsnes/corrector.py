@@ -1,0 +1,321 @@
+"""The corrector: from a guess, controls and loads to a converged point, whatever the method."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from petsc4py import PETSc
+
+from . import states
+from .contact import APPROACH, FORCE
+from .points import NoEquilibrium, NotConverged, Point
+from .forms import ArcLength, DisplacementForm, ForceForm
+from .laws import DEEPEST, SLIP, SOFTENING
+from .snes import create_snes
+
+COLD, WARM = 200, 16
+"""Most Newton iterations of a first point, and of a step: a step that needs more is better made shorter."""
+
+
+def _names(cls):
+    """Value -> name of the enumeration that petsc4py keeps as class attributes."""
+    return {value: name for name, value in vars(cls).items() if isinstance(value, int)}
+
+
+SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
+
+
+class Corrector:
+    """Makes converged points: owns the load, the window, the form on it and its SNES, and the count of what was spent.
+
+    Parameters
+    ----------
+    contact : Contact
+    settings : Form (options ``-contact_*``)
+    log : function (sentence), for what a user should know about a run
+    """
+
+    def __init__(self, contact, settings, log=lambda sentence: None):
+        self.contact, self.settings, self.log = contact, settings, log
+        self.form = self.snes = None
+        self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations"), 0)
+        self._accounted = self._spent_so_far()
+
+    def _spent_so_far(self):
+        """Everything spent since the beginning."""
+        return {**self.totals, "transforms": self.contact.grid.transforms, "wall_time": time.perf_counter()}
+
+    def account(self):
+        """What was spent since the last call, by name."""
+        now, before = self._spent_so_far(), self._accounted
+        self._accounted = now
+        return {name: now[name] - before[name] for name in now}
+
+    def names(self, controls):
+        """Names of the controlled quantities."""
+        axes = ["normal", "tangential"] if len(self.contact.grid.shape) == 1 else ["normal", "tangential", "tangential"]
+        ends = [""] * 2 if len(self.contact.grid.shape) == 1 else ["", "_x", "_y"]
+        return [f"{axis}_{control}{end}" for axis, control, end in zip(axes, controls, ends)]
+
+    # What continuation asks of states.
+    def adapted(self, point, controls, load):
+        """The point as one of a leg: with as many components as there are controls, under its controls and load."""
+        return replace(point, state=states.with_components(point.state, len(controls)), controls=controls, load=load)
+
+    def extrapolate(self, points, weights):
+        """Weighted sum of states at fixed places."""
+        return states.combined(self.contact, [point.state for point in points], weights)
+
+    def follow_edge(self, points, weights):
+        """Weighted sum of states in coordinates that follow the contact edge, or None."""
+        return states.follow_edge(self.contact, [point.state for point in points], weights)
+
+    def distance(self, first, second):
+        """Root mean square distance of two states, ranges of the law."""
+        return states.distance(self.contact, first, second)
+
+    def missed(self, guess, state):
+        """How far a solve ended from its guess where the law acts, ranges of the law."""
+        return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state)
+
+    def lowered(self, point):
+        """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""
+        free = point.controls[0] == FORCE and not point.in_contact
+        return states.lowered(self.contact, point.state) if free else None
+
+    # Solving.
+    def start(self, controls, load):
+        """The first point: a cold solve at given loads from the start without overlap.
+
+        Without friction first. Where the mean surface may move (a prescribed force, a body that gives way as a whole), cold
+        solves at given approaches first find the one that belongs to the load. Where Newton fails, the body is relaxed
+        dynamically.
+        """
+        state = states.undeformed(self.contact, controls, load)
+        try:
+            normal = states.with_components(state, 1)
+            if controls[0] == FORCE or self.contact.rigid_compliance(1)[0] > 0.0:
+                normal = self._at_load(normal, controls[:1], load[:1])
+            point = self.solve(normal, controls[:1], load[:1], COLD)
+            return point if len(controls) == 1 else self.solve(point.state, controls, load, COLD)
+        except NotConverged as error:
+            self.log(f"the first solve failed ({error}): relaxing the body dynamically")
+        loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
+        return self.settle(state, controls, load, f"at {loads} is reached by the undeformed body")
+
+    def _at_load(self, state, controls, load):
+        """A state near the load in question: a few cold solves at given approaches, which a secant chooses."""
+        kept, trials = (APPROACH,), []
+        approach = float(self.contact.signs(1)[0] * state.means[0] / self.contact.ranges[0])
+        for _ in range(8):
+            values = np.array([approach])
+            point = self.solve(states.undeformed(self.contact, kept, values), kept, values, COLD)
+            reached = (point.forces if controls[0] == FORCE else point.displacements)[0]
+            trials = [*trials[-1:], (approach, reached)]
+            if abs(reached - load[0]) <= 0.02 * max(1.0, abs(load[0])):
+                break
+            (first, before), (last, now) = trials[0], trials[-1]
+            rate = (now - before) / (last - first) if len(trials) > 1 and now != before else 0.7
+            approach += float(np.clip((load[0] - now) / max(rate, 0.1), -2.0 - 0.5 * abs(approach), 2.0 + 0.5 * abs(approach)))
+        return point.state
+
+    def solve(self, guess, controls, load, most_iterations=WARM):
+        """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
+        for _ in range(6):
+            guess = self._fitted(states.with_components(guess, len(controls)))
+            form = self._form_for(guess, controls)
+            form.set_load(load)
+            unknown, iterations = self._newton(form, form.pack(guess.displacement, guess.means[form.forced]), most_iterations)
+            state = self._state(form, unknown)
+            if states.covers(self.contact, state):
+                return self._point(form, state, self._norm(form, unknown, state), iterations)
+            guess = state
+        raise NotConverged("the window kept growing: try -contact_window off")
+
+    def solve_arc(self, first, last, before, here, length, leg):
+        """The point at arc length ``length`` beyond ``last``, in the direction from ``first`` to it, and its position.
+
+        By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
+        """
+        own = self.snes.getType().startswith("newton")
+        last = self._fitted(last) if own else states.fitted(self.contact, last)
+        form = self._form_for(last, leg.controls) if own else DisplacementForm(self.contact, last.window, leg.controls)
+        pack = [form.pack(states.onto(state, form.window), state.means[form.forced]) for state in (first, last)]
+        arc = ArcLength(form, leg.start, leg.direction, pack[1], pack[1] - pack[0], length)
+        ahead = length / np.linalg.norm(pack[1] - pack[0])
+        guess = np.append(pack[1] + ahead * (pack[1] - pack[0]), here + ahead * (here - before))
+        predicted = states.State(form.window, form.displacement(guess), last.means)
+        snes = create_snes(arc, "" if own else "arc_")
+        unknown, iterations = self._newton(arc, guess, WARM, snes)
+        arc.set_position(unknown[-1])
+        state = self._state(form, unknown[:-1])
+        if not states.covers(self.contact, state):
+            raise NotConverged("the arc-length step left the window")
+        aside = self.missed(predicted, state)
+        if aside > 0.1 and aside > 0.5 * self.missed(last, state):
+            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
+        norm = self._norm(form, unknown[:-1], state, evaluated=False)
+        return self._point(form, state, norm, iterations), float(unknown[-1])
+
+    def along_tangent(self, point, leg, position, step):
+        """The state of a point of a leg moved along the branch's tangent: one linear solve with the Jacobian there."""
+        state, direction = self._fitted(point.state), leg.direction
+        form = self._form_for(state, leg.controls)
+        form.set_load(leg.load(position))
+        unknown = form.pack(state.displacement, state.means[form.forced])
+        form.linearise(unknown)
+        ksp, size = self.snes.getKSP(), form.size
+        matrix = self.snes.getJacobian()[0]
+        matrix.assemble()
+        tolerances = ksp.getTolerances()
+        ksp.setOperators(matrix)
+        ksp.setTolerances(rtol=1e-3, atol=1e-50)
+        right, change = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
+        form.load_derivative(-direction, right.getArray())
+        ksp.solve(right, change)
+        ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
+        self.totals["linear_iterations"] += ksp.getIterationNumber()
+        moved = unknown + step * change.getArray(readonly=True)
+        ahead = step * form.displacement(change.getArray(readonly=True))[0]
+        gap = states.normal_gap(self.contact, state)
+        # In the regularised gap a long step into overlap stays bounded.
+        moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, 1.5 * SOFTENING)) / form.root
+        scalars = form.scalars(moved)
+        means = state.means + step * self.contact.far_displacement(form.components, direction)
+        means[form.forced] = scalars
+        return states.State(form.window, form.displacement(moved), means)
+
+    def kicked(self, fold, beyond, kick):
+        """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
+        part = kick / max(states.missed(self.contact, fold, beyond), 1e-12)
+        return states.combined(self.contact, [beyond, fold], [part, 1.0 - part])
+
+    def settle(self, state, controls, load, where):
+        """The equilibrium that damped motion from a state reaches at fixed load, polished by Newton.
+
+        Raises NoEquilibrium where the body leaves or slides without end, NotConverged where the motion does not settle.
+        """
+        form = ForceForm(self.contact, controls)
+        form.set_load(load)
+        unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
+        imbalance = form.residual(unknown, np.empty(form.size))
+        first = min(1e-3, 0.03 * form.displacement_norm(unknown, imbalance))
+        for tolerance in (first, 1e-2 * first, 1e-8):
+            unknown = self._relaxed(form, unknown, tolerance, where)
+            relaxed = self._state(form, unknown)
+            try:
+                point = self.solve(relaxed, controls, load, COLD)
+            except NotConverged as error:
+                reason = error
+                continue
+            if states.missed(self.contact, relaxed, point.state) < 0.1:
+                return point
+            reason = "Newton's solution is not where the motion led"
+        raise NotConverged(f"the motion {where} settled, but {reason}")
+
+    def _relaxed(self, form, unknown, tolerance, where):
+        """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``."""
+        snes = create_snes(form, prefix="jump_")
+        snes.setType("python")
+        snes.setPythonType("contactsnes.relaxation.Fire")
+        snes.setTolerances(atol=tolerance, max_it=200000)
+        snes.setFromOptions()
+        try:
+            return self._newton(form, unknown, None, snes)[0]
+        except NotConverged as error:
+            if snes.getPythonContext().escaped:
+                raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
+            raise NotConverged(f"the motion {where} did not settle: {error}") from None
+
+    def _fitted(self, state):
+        """The state on the window that the settings and the law ask for."""
+        if self.settings.window == "off" or self.settings.form == "force":
+            whole = self.contact.grid.whole
+            return state if state.window.is_whole else \
+                states.State(whole, self.contact.extended(state).reshape(len(state.displacement), -1), state.means)
+        return states.fitted(self.contact, state)
+
+    def _form_for(self, guess, controls):
+        """The form on the guess's window, kept with its SNES while window and controls stay."""
+        kept = self.form
+        if kept is None or kept.window != guess.window or kept.controls != tuple(controls):
+            if self.settings.form == "force":
+                self.form = ForceForm(self.contact, controls)
+            else:
+                self.form = DisplacementForm(self.contact, guess.window, controls)
+            self.snes = create_snes(self.form)
+        return self.form
+
+    def _newton(self, form, unknown, most_iterations, snes=None):
+        """Run the SNES from an unknown, which is overwritten; the solution and its iterations.
+
+        Raises NotConverged with PETSc's reasons by name.
+        """
+        snes = self.snes if snes is None else snes
+        newton = snes.getType().startswith("newton")
+        if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix() or "").hasName("snes_max_it"):
+            snes.setTolerances(max_it=most_iterations)
+        solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
+        before = form.evaluations
+        snes.solve(None, solution)
+        iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
+        self.totals["nonlinear_iterations"] += iterations
+        self.totals["linear_iterations"] += snes.getLinearSolveIterations()
+        self.totals["function_evaluations"] += form.evaluations - before
+        if reason <= 0:
+            inner = KSP_REASONS.get(snes.getKSP().getConvergedReason(), "none")
+            raise NotConverged(f"SNES {SNES_REASONS.get(reason, reason)} after {iterations} iterations, "
+                               f"residual {snes.getFunctionNorm():.2e}, inner KSP {inner}")
+        # Iterations of other methods say nothing about the length of a step.
+        return solution.getArray().copy(), iterations if newton else 0
+
+    def _state(self, form, unknown):
+        """The state that a form's unknown stands for."""
+        displacement = form.displacement(unknown).copy()
+        if form.name == "force":
+            return states.State(form.window, displacement, form.grid.mean(displacement))
+        traction = self.contact.law.traction(form.gap(unknown))
+        means = self.contact.far_displacement(form.components, form.load) - form.rigid_compliance * form.grid.mean(traction)
+        means[form.forced] = form.scalars(unknown)
+        return states.State(form.window, displacement, means)
+
+    def _norm(self, form, unknown, state, evaluated=True):
+        """``residual_norm`` of a solution: always that of the displacement form, whatever method found the state.
+
+        ``evaluated``: the kept SNES ended with F at this very state.
+        """
+        if evaluated and form.name == "displacement" and self.snes.getType().startswith("newton"):
+            return np.linalg.norm(self.snes.getFunction()[0].getArray(readonly=True))
+        if form.name == "force":
+            window = states.fitted(self.contact, state).window
+            state = states.State(window, states.onto(state, window), state.means)
+            load, form = form.load, DisplacementForm(self.contact, window, form.controls)
+            form.set_load(load)
+            unknown = form.pack(state.displacement, state.means[form.forced])
+        return np.linalg.norm(form.residual(unknown, np.empty(form.size)))
+
+    def _point(self, form, state, norm, iterations):
+        """The Point of a state that passes the test of convergence; NotConverged for one that does not."""
+        contact, grid, components = self.contact, self.contact.grid, form.components
+        gap = state.displacement.copy()
+        gap[0] = states.normal_gap(contact, state)
+        tolerance = self.snes.getTolerances()[1]
+        deepest = grid.minimum(gap[0])
+        if not norm <= tolerance:
+            raise NotConverged(f"the solver stopped at residual_norm {norm:.2e}, above -snes_atol {tolerance:g}")
+        if deepest < DEEPEST:
+            raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below {DEEPEST:g}, where the law is only a continuation")
+        traction = contact.law.traction(gap)
+        factor, ranges = contact.load_factor(components), contact.ranges[:components]
+        forces = factor * grid.sum(traction)
+        far = state.means + contact.rigid_compliance(components) * grid.mean(traction)
+        displacements = contact.signs(components) * far / ranges
+        for i, control in enumerate(form.controls):
+            if control != APPROACH:
+                (forces if control == FORCE else displacements)[i] = form.load[i]
+        touching = gap[0] < contact.scene.contact_threshold
+        slipped = np.linalg.norm(gap[1:], axis=0) > SLIP
+        in_contact = grid.count(touching) > 0
+        sliding = components > 1 and in_contact and grid.count(touching & ~slipped) == 0
+        return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact, sliding, float(norm),
+                     spent={"last_iterations": iterations})

@@ -1,0 +1,78 @@
+"""Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand to each other."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+class NotConverged(RuntimeError):
+    """A solve ended without a converged point; the message names PETSc's reasons."""
+
+
+class NoEquilibrium(RuntimeError):
+    """No equilibrium exists under the present loads: the body leaves, or slides without end."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A converged point of a branch.
+
+    Attributes
+    ----------
+    state : displacements and means (``contactsnes.states.State``)
+    controls : 'displacement' or 'force' for each component
+    load : controlled values (u_n,r, u_t,r or w_n,r, w_t,r by ``controls``)
+    displacements, forces : D, U, ... and W, T, ... of each component, controlled or not
+    leg, position, step : leg of the path (0: start), place in it (0 to 1) and the step to try next (same unit)
+    origin : controlled values where the leg began
+    in_contact, sliding : whether a node is in contact; whether all of those have slipped past the law's peak
+    residual_norm : of the archive
+    spent : name -> count of iterations, evaluations, transforms and time since the point before
+    event, fold_kind : as in the archive
+    """
+
+    state: object
+    controls: tuple
+    load: np.ndarray
+    displacements: np.ndarray
+    forces: np.ndarray
+    in_contact: bool
+    sliding: bool
+    residual_norm: float
+    leg: int = 0
+    position: float = 0.0
+    step: float = 0.0
+    origin: np.ndarray = None
+    spent: dict = field(default_factory=dict)
+    event: str = "none"
+    fold_kind: str = ""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A straight leg between two sets of controlled values, and the sizes of its steps as parts of its length."""
+
+    number: int
+    controls: tuple
+    start: np.ndarray
+    end: np.ndarray
+    moving: int
+    initial: float
+    largest: float
+    smallest: float
+
+    @property
+    def direction(self):
+        """Change of the controlled values along the whole leg."""
+        return self.end - self.start
+
+    def load(self, position):
+        """Controlled values at a place of the leg, exact at its end."""
+        return self.end.copy() if position == 1.0 else self.start + position * self.direction
+
+
+def lagrange_weights(nodes, target):
+    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``."""
+    nodes = np.asarray(nodes, dtype=float)
+    return np.array([np.prod((target - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k)))
+                     for k in range(len(nodes))])

@@ -1,0 +1,84 @@
+"""PETSc started with the arguments of a command, and what its database asks for: settings, branch, versions."""
+
+import importlib
+import platform
+import signal
+import sys
+from typing import NamedTuple
+
+from . import __version__, scene as scenes
+from .load import Load
+from .options import check_names, check_values, database, petsc_arguments, read
+from .scene import OPTION_CLASSES
+from .settings import InputError
+
+
+class Settings(NamedTuple):
+    """All that options say about a run, in the order of scene.OPTION_CLASSES."""
+
+    scene: scenes.Scene
+    form: scenes.Form
+    load: Load
+    steps: scenes.Steps
+    output: scenes.Output
+
+
+def solver_options():
+    """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
+    from . import motion, preconditioners, snes
+
+    return (snes.NewtonOptions, preconditioners.CoreOptions, motion.VerletOptions, motion.FireOptions)
+
+
+def start_petsc(arguments):
+    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+    import petsc4py
+
+    name, *words = petsc_arguments(arguments)
+    try:
+        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread.
+        petsc4py.init([name, "-options_left", "no", *words])
+    except RuntimeError as error:
+        raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python has it; PETSc's handler would abort
+    check_names(solver_options())
+    check_values(solver_options())
+    check_classes()
+    settings = Settings(*map(read, OPTION_CLASSES))
+    scenes.check(settings.scene, settings.load, settings.steps)
+    return settings
+
+
+def check_classes():
+    """InputError for a class of this package that an option names and that does not exist."""
+    for name, path in database().items():
+        module, _, cls = path.rpartition(".")
+        if name.endswith("python_type") and module.startswith("contactsnes."):
+            try:
+                found = hasattr(importlib.import_module(module), cls)
+            except ImportError:
+                found = False
+            if not found:
+                raise InputError(f"-{name} is '{path}': there is no such class")
+
+
+def create_branch(settings, log=lambda sentence: None):
+    """The branch of the settings; InputError, too, where the geometry's file is at fault."""
+    from .run import Branch
+
+    try:
+        return Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(str(error)) from None
+
+
+def versions():
+    """Program -> version of what a result depends on."""
+    import petsc4py
+    from petsc4py import PETSc
+
+    packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
+    return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "petsc4py": petsc4py.__version__,
+            **packages, "python": platform.python_version()}

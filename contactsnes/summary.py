@@ -1,0 +1,134 @@
+"""What would be solved, in words: lines on a scene, its load path, unknowns and method, and on what is left out."""
+
+import dataclasses
+import math
+
+from . import scene as scenes, states
+from .load import quantities
+from .options import database
+from .settings import as_text
+
+
+def resolution_warnings(settings):
+    """Sentences on a grid that is too coarse, for the log and the archive."""
+    sheared = any(scenes.tangential_legs(settings.scene, settings.load))
+    sentence = scenes.resolution_warning(settings.scene, sheared)
+    return (sentence,) if sentence else ()
+
+
+def start_window(settings, branch):
+    """Nodes on which the law acts when the path begins, in each direction."""
+    contact, initial = branch.contact, settings.load.initial(settings.scene.dimension)
+    if settings.form.form == "force" or settings.form.window == "off":
+        return contact.grid.shape
+    state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
+    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape)).shape
+
+
+def skipped(settings, branch):
+    """Sentences on what is left out of the solves, and why."""
+    scene, form, load = settings.scene, settings.form, settings.load
+    sheared = scenes.tangential_legs(scene, load)
+    sentences = []
+    if scene.tangential == "off":
+        sentences.append("no tangential unknowns: -scene_tangential is off")
+    elif not any(sheared):
+        sentences.append("no tangential unknowns: the load names none, and the body does not couple them to normal ones")
+    elif not all(sheared):
+        sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
+    if any(sheared) and not scene.coupled:
+        sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
+    window, cell = start_window(settings, branch), branch.contact.grid.shape
+    if form.form == "force":
+        sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
+    elif math.prod(window) == math.prod(cell):
+        sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
+    else:
+        sentences.append(f"nodes beyond the law's range: the window has {_by(window)} of {_by(cell)} nodes at the start")
+    return sentences
+
+
+def _by(shape):
+    return " x ".join(map(str, shape))
+
+
+def about_scene(settings):
+    """Body, interface and grid in words and dimensionless groups."""
+    scene = settings.scene
+    resolved = scenes.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
+    return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
+            f"normal Maugis parameter {as_text(scene.normal_maugis)}, tangential {as_text(scene.tangential_maugis)}; "
+            f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",
+            f"Poisson ratio {as_text(scene.poisson)}, height {as_text(scene.height)} beta, ratio of works of adhesion "
+            f"{as_text(scene.work_ratio)}",
+            f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing "
+            f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
+            f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
+            + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
+
+
+def about_path(settings, legs):
+    """Start and legs in words."""
+    dimension = settings.scene.dimension
+    names = {(quantity.component, quantity.control): (name, quantity.unit)
+             for name, quantity in quantities(dimension).items()}
+
+    def words(controls, verb):
+        for component, (control, value) in controls.items():
+            name, unit = names[component, control]
+            yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {unit}"
+
+    lines = ["start: " + ", ".join(words(settings.load.initial(dimension), "="))]
+    lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]
+    stops = " or ".join(settings.load.stops)
+    return lines + ([] if legs else ["no legs: run needs a -load_path"]) + ([f"ends at the first {stops}"] if stops else [])
+
+
+def about_unknowns(settings, branch):
+    """Unknowns of each leg, on the window at the start, and an estimate of the memory."""
+    scene, window = settings.scene, start_window(settings, branch)
+    legs = settings.load.legs(scene.dimension) if settings.load.path else ()
+    controls = settings.load.initial(scene.dimension)
+    lines, largest = [], 0
+    for number, sheared in enumerate(scenes.tangential_legs(scene, settings.load)):
+        if number:
+            controls = controls | legs[number - 1].controls
+        components = scene.components if sheared else 1
+        forced = sum(controls[i].control == "force" for i in range(components)) if settings.form.form == "displacement" else 0
+        count = components * math.prod(window) + forced
+        largest = max(largest, count)
+        lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(window)} displacements"
+                     + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
+    if math.prod(window) < math.prod(scene.shape):
+        lines.append("the window grows with the contact, and the unknowns with it")
+    whole = scene.components * math.prod(scene.shape)
+    return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
+                    "cell, besides Python and its libraries"]
+
+
+def _megabytes(unknowns, whole):
+    """Memory of a solve in words: 2 x 60 Krylov vectors and 20 work arrays, and 10 arrays over the cell."""
+    return f"{math.ceil(8e-6 * ((2 * 60 + 20) * unknowns + 10 * whole))} MB"
+
+
+def about_method(settings):
+    """Form and solver in words."""
+    entries = database()
+    solver = entries.get("snes_type", "newtonls")
+    solver = entries.get("snes_python_type", solver) if solver == "python" else solver
+    return [f"{settings.form.form} form, SNES {solver}",
+            f"{settings.steps.type} continuation, predictor {settings.steps.predictor}, at a fold: {settings.steps.at_fold}"]
+
+
+def all_options(instances):
+    """Every option of dataclasses with its value, as in a file of options, where # marks defaults."""
+    given, lines = database(), []
+    for values in instances:
+        for field in dataclasses.fields(values):
+            name, text = f"-{values.prefix}{field.name}", as_text(getattr(values, field.name))
+            if not text:
+                lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
+                continue
+            text = f'"{text}"' if " " in text else text
+            lines.append(f"{name} {text}" + ("" if name[1:] in given else "  # default"))
+    return lines
