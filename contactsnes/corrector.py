@@ -9,7 +9,8 @@ from petsc4py import PETSc
 from . import states
 from .contact import APPROACH, FORCE
 from .points import NoEquilibrium, NotConverged, Point
-from .forms import ArcLength, DisplacementForm, ForceForm
+from .arclength import ArcLength
+from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, SLIP, SOFTENING
 from .snes import create_snes
 

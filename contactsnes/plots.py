@@ -426,6 +426,7 @@ def names(record, chosen):
 
 
 def number(value, digits):
+    """A number with a typographic minus sign."""
     return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
 
 

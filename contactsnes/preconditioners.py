@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.fft import next_fast_len
 
-from .forms import ArcLength
+from .arclength import ArcLength
 from .fourier import Transform, clear_padding, smooth
 from .options import read
 from .settings import option, Options

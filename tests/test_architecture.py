@@ -39,6 +39,7 @@ TABLE = (
     Row("elasticity", "stiffness and compliance of the body in Fourier space", ("laws",)),
     Row("contact", "a scene on its grid: law, gap and body"),
     Row("forms", "the balance as residual and tangent, however it is solved", LOAD_PATH),
+    Row("arclength", "a form with its load as one more unknown", LOAD_PATH),
     Row("states", "displacements to start from, and between windows", LOAD_PATH),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
@@ -72,7 +73,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "states",
+FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "arclength", "states",
                  "reference", "observables", "points", "folds", "continuation", "options", "motion", "archive")
 """Modules that can be imported without PETSc, themselves and all they import."""
 

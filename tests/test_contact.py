@@ -17,7 +17,8 @@ import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
 from contactsnes.contact import DISPLACEMENT, FORCE
-from contactsnes.forms import ArcLength, DisplacementForm, ForceForm
+from contactsnes.arclength import ArcLength
+from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.fourier import Window
 from contactsnes.laws import CUTOFF, SLIP
 from contactsnes.preconditioners import CoreZone

@@ -6,7 +6,8 @@ from scipy.special import lambertw
 
 from contactsnes import states
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact
-from contactsnes.forms import ArcLength, DisplacementForm, ForceForm
+from contactsnes.arclength import ArcLength
+from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.preconditioners import ArcElimination, CoreOptions, CoreZone, ZonedStiffness, core_weight
 from contactsnes.scene import Scene
 

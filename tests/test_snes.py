@@ -393,3 +393,18 @@ def test_the_tangent_is_a_tangent(options, form, controls, load, rate):
         assert predicted.means[[c == FORCE for c in controls]] == pytest.approx(
             exact.state.means[[c == FORCE for c in controls]], abs=step)
     assert wrong[0] / wrong[1] > 3.2
+
+
+@pytest.mark.parametrize("controls, rate", [((DISPLACEMENT,), [1.0]), ((DISPLACEMENT, DISPLACEMENT), [-1.0, 0.0]),
+                                            ((FORCE, DISPLACEMENT), [0.5, 2.0])], ids=["d", "dd", "fd"])
+def test_the_tangent_does_not_depend_on_what_was_solved_before(controls, rate):
+    """That of a new corrector is that of one that has just solved, and both are accurate: a resumed path is the same."""
+    made, first = solved(4.0)
+    load = np.array([4.0 if controls[0] == DISPLACEMENT else first.forces[0], 3.0][:len(controls)])
+    point = made.solve(states.with_components(first.state, len(controls)), controls, load, 200)
+    leg = Leg(1, controls, load, load + np.array(rate), 0, 0.1, 0.1, 1e-6)
+    near = [made.solve(point.state, controls, leg.load(step), 200).state.displacement for step in (1e-3, -1e-3)]
+    exact = 0.01 * (near[0] - near[1]) / 2e-3
+    moves = [any_one.along_tangent(point, leg, 0.0, 0.01).displacement - point.state.displacement for any_one in (made, corrector())]
+    np.testing.assert_allclose(moves[1], moves[0], atol=1e-9)
+    assert np.linalg.norm(moves[1] - exact) < 0.03 * np.linalg.norm(exact)

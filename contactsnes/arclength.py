@@ -1,0 +1,72 @@
+"""A form whose load is one more unknown, fixed by the length of the step along the branch."""
+
+import numpy as np
+
+
+class ArcLength:
+    """A form whose load s is one more unknown, fixed by how far the state has gone along a direction.
+
+    F = [form's F at the load start + s direction;  <tangent, x - anchor> - length], with a unit tangent in the norm of the
+    form's unknown, which does not depend on the grid. The unknown is [x, s].
+
+    Parameters
+    ----------
+    form : DisplacementForm
+    start, direction : controlled values at s = 0, and their change per unit of s
+    anchor, tangent : arrays of the form's size
+    length : how far to go along the tangent
+    """
+
+    def __init__(self, form, start, direction, anchor, tangent, length):
+        self.form, self.start, self.direction = form, start, direction
+        self.anchor, self.length = anchor, length
+        self.tangent = tangent / np.linalg.norm(tangent)
+        self.name, self.contact, self.grid = form.name, form.contact, form.grid
+        self.components, self.nodes, self.shape = form.components, form.nodes, form.shape
+        self.count, self.root, self.size = form.count, form.root, form.size + 1
+        self.linear_tolerance = form.linear_tolerance
+        self.load_column = np.empty(form.size)
+
+    @property
+    def evaluations(self):
+        """Number of residuals evaluated so far."""
+        return self.form.evaluations
+
+    def gap(self, unknown):
+        """Gap of the form's part of the unknown."""
+        return self.form.gap(unknown)
+
+    def set_position(self, position):
+        """Set the load of the form to that of a place s."""
+        self.form.set_load(self.start + position * self.direction)
+
+    def residual(self, unknown, out):
+        """F of the form and of the arc length."""
+        self.set_position(unknown[-1])
+        self.form.residual(unknown[:-1], out[:-1])
+        out[-1] = self.grid.inner(self.tangent, unknown[:-1] - self.anchor) - self.length
+        return out
+
+    def displacement_norm(self, unknown, imbalance):
+        """That of the force form, with the row of the arc length."""
+        return float(np.hypot(self.form.displacement_norm(unknown[:-1], imbalance[:-1]), imbalance[-1]))
+
+    def linearise(self, unknown):
+        """Take the law's tangent and dF/ds at the unknown."""
+        self.set_position(unknown[-1])
+        self.form.linearise(unknown[:-1])
+        self.form.load_derivative(self.direction, self.load_column)
+
+    def apply_jacobian(self, vector, out):
+        """out = J vector."""
+        self.form.apply_jacobian(vector[:-1], out[:-1])
+        out[:-1] += vector[-1] * self.load_column
+        out[-1] = self.grid.inner(self.tangent, vector[:-1])
+        return out
+
+    def apply_transpose(self, vector, out):
+        """out = J^T vector."""
+        self.form.apply_transpose(vector[:-1], out[:-1])
+        out[:-1] += vector[-1] * self.tangent
+        out[-1] = self.grid.inner(self.load_column, vector[:-1])
+        return out
