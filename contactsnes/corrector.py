@@ -122,8 +122,11 @@ class Corrector:
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
+        guess = states.with_components(guess, len(controls))
+        if self.settings.first == "relaxation" and self.settings.form == "displacement":
+            guess = self._handed_over(guess, controls, load)
         for _ in range(6):
-            guess = self._fitted(states.with_components(guess, len(controls)))
+            guess = self._fitted(guess)
             form = self._form_for(guess, controls)
             form.set_load(load)
             unknown, iterations = self._newton(form, form.pack(guess.displacement, guess.means[form.forced]), most_iterations)
@@ -214,9 +217,16 @@ class Corrector:
             reason = "Newton's solution is not where the motion led"
         raise NotConverged(f"the motion {where} settled, but {reason}")
 
-    def _relaxed(self, form, unknown, tolerance, where):
+    def _handed_over(self, guess, controls, load):
+        """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish."""
+        form = ForceForm(self.contact, controls)
+        form.set_load(load)
+        unknown = form.pack(self.contact.extended(guess))
+        return self._state(form, self._relaxed(form, unknown, self.settings.first_tolerance, "of the relaxation", "first_"))
+
+    def _relaxed(self, form, unknown, tolerance, where, prefix="jump_"):
         """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``."""
-        snes = create_snes(form, prefix="jump_")
+        snes = create_snes(form, prefix=prefix)
         snes.setType("python")
         snes.setPythonType("contactsnes.relaxation.Fire")
         snes.setTolerances(atol=tolerance, max_it=200000)

@@ -132,6 +132,9 @@ class Form(Options):
     title: ClassVar[str] = "Form of the equations"
     form: str = option("displacement", "displacement (compliance form, on the window) or force (stiffness form, on the cell)",
                        choices=("displacement", "force"))
+    first: str = option("none", "before each solve of the displacement form: none, or relaxation (FIRE on the cell, in the force "
+                        "form, to -contact_first_tolerance; its options under the prefix -first_)", choices=("none", "relaxation"))
+    first_tolerance: float = option(1e-2, "residual_norm at which the relaxation hands over", "ranges of the law", above=0)
     window: str = option("auto", "auto: nodes within the range of the law, enlarged on demand; off: the whole cell",
                          choices=("auto", "off"))
 

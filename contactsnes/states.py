@@ -32,6 +32,7 @@ def undeformed(contact, controls, load):
     """
     gap, grid, components = contact.initial_gap, contact.grid, len(controls)
     lowest, highest = grid.minimum(gap), grid.maximum(gap)
+    compliance = 0.0 if controls[0] == APPROACH else contact.rigid_compliance(1)[0]
     control, target = controls[0], -contact.far_displacement(components, load)[0]
 
     def approach(depth):
@@ -40,7 +41,7 @@ def undeformed(contact, controls, load):
     def excess(depth):
         if control == FORCE:
             return _carried(contact, depth) * contact.ranges[0] * grid.node_area - load[0]
-        sunk = 0.0 if control == APPROACH else contact.rigid_compliance(1)[0] / grid.size * _carried(contact, depth)
+        sunk = compliance / grid.size * _carried(contact, depth) if compliance else 0.0
         return approach(depth) + sunk - target
 
     if (load[0] <= 0.0 and control == FORCE) or (control != FORCE and target <= lowest):
