@@ -94,8 +94,8 @@ class Walk:
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         last = self.history[-1][1]
         missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
-        astray = predictor != "none" and missed > 0.2 and missed > 0.6 * moved
-        if astray or moved > 1.0 and moved > 8.0 * self._expected(target):
+        astray = predictor != "none" and missed > 0.15 and missed > 0.5 * moved
+        if astray or moved > 0.3 and moved > 4.0 * self._expected(target):
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
@@ -142,7 +142,9 @@ class Walk:
         for start in starts:
             state = start()
             point = self.system.settle(state, self.leg.controls, fold.load, where)
-            if self.system.missed(fold.state, point.state) > 0.5 * self.system.missed(fold.state, state):
+            # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
+            if self.system.missed(fold.state, point.state) > 0.5 * self.system.missed(fold.state, state) \
+                    or self.system.progress(fold.state, state, point.state) > 0.05:
                 return point
             self.system.log(f"the motion {where} led back to it; trying again from farther away")
         raise NotConverged(f"no other equilibrium was reached {where}: the motion led back")

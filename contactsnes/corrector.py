@@ -84,6 +84,10 @@ class Corrector:
         free = point.controls[0] == FORCE and not point.in_contact
         return states.lowered(self.contact, point.state) if free else None
 
+    def progress(self, origin, ahead, state):
+        """How far a state is from ``origin`` towards ``ahead``, as a part of that distance (negative: the other way)."""
+        return states.progress(self.contact, origin, ahead, state)
+
     # Solving.
     def start(self, controls, load):
         """The first point: a cold solve at given loads from the start without overlap.

@@ -164,6 +164,13 @@ def missed(contact, guess, found):
     return float(np.sqrt(contact.grid.inner(change, change) / max(change.size, 1)))
 
 
+def progress(contact, origin, ahead, state):
+    """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the window of ``ahead``."""
+    start = onto(origin, ahead.window)
+    way, gone = ahead.displacement - start, onto(state, ahead.window) - start
+    return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)
+
+
 def edges(contact, state):
     """Left and right end of the one stretch of a line contact, in nodes of the window; None where there is no such."""
     if len(contact.grid.shape) > 1:
