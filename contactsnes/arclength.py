@@ -32,6 +32,11 @@ class ArcLength:
         """Number of residuals evaluated so far."""
         return self.form.evaluations
 
+    @property
+    def products(self):
+        """Number of products with the Jacobian so far."""
+        return self.form.products
+
     def gap(self, unknown):
         """Gap of the form's part of the unknown."""
         return self.form.gap(unknown)

@@ -28,6 +28,7 @@ class Contact:
     ----------
     scene : Scene
     heights : array over the grid for the geometry ``file``, u_n,r
+    counter : the grid that counts transforms, in units of its own, if not this contact's
 
     Attributes
     ----------
@@ -38,9 +39,9 @@ class Contact:
     convex : whether the gap only grows away from a window around the contact
     """
 
-    def __init__(self, scene, heights=None):
+    def __init__(self, scene, heights=None, counter=None):
         self.scene = scene
-        self.grid = Grid(scene.shape, scene.periods)
+        self.grid = Grid(scene.shape, scene.periods, counter)
         self.ranges = np.array(scene.ranges)
         if scene.law == "modified":
             self.law = LAWS[scene.law](scene.residual_friction, scene.residual_adhesion)

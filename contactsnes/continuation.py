@@ -80,8 +80,9 @@ class Walk:
                         return
                     failures, step = 0, self.leg.initial
                 continue
-            failures = max(0, failures - 0.5)
-            step = grown(step, point.spent["last_iterations"], self.leg.largest)
+            # However many iterations every solve takes, steps must not shrink without end.
+            shortest, failures = min(step, self.leg.initial), 0
+            step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
             yield self._accept(replace(point, step=step))
 
     def _place(self, position):
@@ -92,12 +93,19 @@ class Walk:
         """Predict and correct; a correction as long as the step itself is another branch's, not a neighbour."""
         guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-        last = self.history[-1][1]
+        here, last = self.history[-1]
         missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
-        astray = predictor != "none" and missed > 0.15 and missed > 0.5 * moved
-        if astray or moved > 0.3 and moved > 4.0 * self._expected(target):
-            raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
-                               "perhaps on another branch")
+        wrong = 0.0 if guess is last.state else missed
+        if len(self.history) == 1 and moved > 1.0:
+            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another branch: look back.
+            back = self.system.along_tangent(point, self.leg, target, here - target)
+            wrong = max(wrong, self.system.missed(back, last.state))
+        far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
+        local = predictor == "edge" and len(self.history) > 2 and self.system.missed(guess, point.state, largest=True)
+        spot = local > 1.0 and local > 0.6 * self.system.missed(last.state, point.state, largest=True)
+        if far or spot or (wrong > 0.15 and wrong > 0.5 * moved):
+            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, {moved:.3g} from the last "
+                               "point, perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
 
     def _expected(self, target):
@@ -115,14 +123,14 @@ class Walk:
 
     def _fold(self, error):
         """Find out what stops the walk; yield the fold and, by default, the point after the jump."""
-        try:
+        place, last = self.history[-1]
+        lowered = self.system.lowered(last)
+        if lowered is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
             starts = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
-        except NotConverged:
-            fold, lowered, passed = self.history[-1][1], self.system.lowered(self.history[-1][1]), None
-            if lowered is None:
-                raise
-            starts = [lambda: lowered]
+        else:
+            # A body off the flat under a force has no branch to follow.
+            fold, passed, starts = replace(last, leg=self.leg.number, position=place, step=self.leg.initial), None, [lambda: lowered]
         if fold is None:
             yield self._accept(passed)
             return
@@ -206,7 +214,8 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         return
     if emitted:
         # A point may have been archived without the further events at its load.
-        fresh = list(further_events(emitted[-2] if len(emitted) > 1 else None, emitted[-1]))
+        last = replace(emitted[-1], spent=dict.fromkeys(system.account(), 0))
+        fresh = list(further_events(emitted[-2] if len(emitted) > 1 else None, last))
     else:
         fresh = [start()]
     for point in fresh:

@@ -39,12 +39,12 @@ class Corrector:
     def __init__(self, contact, settings, log=lambda sentence: None):
         self.contact, self.settings, self.log = contact, settings, log
         self.form = self.snes = None
-        self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations"), 0)
+        self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "jacobian_products"), 0)
         self._accounted = self._spent_so_far()
 
     def _spent_so_far(self):
         """Everything spent since the beginning."""
-        return {**self.totals, "transforms": self.contact.grid.transforms, "wall_time": time.perf_counter()}
+        return {**self.totals, "transforms": self.contact.grid.counter.transforms, "wall_time": time.perf_counter()}
 
     def account(self):
         """What was spent since the last call, by name."""
@@ -61,7 +61,10 @@ class Corrector:
     # What continuation asks of states.
     def adapted(self, point, controls, load):
         """The point as one of a leg: with as many components as there are controls, under its controls and load."""
-        return replace(point, state=states.with_components(point.state, len(controls)), controls=controls, load=load)
+        displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
+                                 for values in (point.displacements, point.forces))
+        return replace(point, state=states.with_components(point.state, len(controls)), controls=controls, load=load,
+                       displacements=displacements, forces=forces)
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""
@@ -75,9 +78,9 @@ class Corrector:
         """Root mean square distance of two states, ranges of the law."""
         return states.distance(self.contact, first, second)
 
-    def missed(self, guess, state):
-        """How far a solve ended from its guess where the law acts, ranges of the law."""
-        return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state)
+    def missed(self, guess, state, largest=False):
+        """How far a solve ended from its guess where the law acts, ranges of the law: root mean square or largest."""
+        return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state, largest)
 
     def lowered(self, point):
         """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""
@@ -90,23 +93,26 @@ class Corrector:
 
     # Solving.
     def start(self, controls, load):
-        """The first point: a cold solve at given loads from the start without overlap.
-
-        Without friction first. Where the mean surface may move (a prescribed force, a body that gives way as a whole), cold
-        solves at given approaches first find the one that belongs to the load. Where Newton fails, the body is relaxed
-        dynamically.
-        """
-        state = states.undeformed(self.contact, controls, load)
+        """The first point: a cold solve at given loads; where that fails, the body is relaxed dynamically."""
         try:
-            normal = states.with_components(state, 1)
-            if controls[0] == FORCE or self.contact.rigid_compliance(1)[0] > 0.0:
-                normal = self._at_load(normal, controls[:1], load[:1])
-            point = self.solve(normal, controls[:1], load[:1], COLD)
-            return point if len(controls) == 1 else self.solve(point.state, controls, load, COLD)
+            return self.cold(controls, load)
         except NotConverged as error:
             self.log(f"the first solve failed ({error}): relaxing the body dynamically")
         loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
-        return self.settle(state, controls, load, f"at {loads} is reached by the undeformed body")
+        return self.settle(states.undeformed(self.contact, controls, load), controls, load,
+                           f"at {loads} is reached by the undeformed body")
+
+    def cold(self, controls, load):
+        """The point at given loads that a solve from the start without overlap finds, without friction first.
+
+        Where the mean surface may move (a prescribed force, a body that gives way as a whole), cold solves at given approaches
+        first find the one that belongs to the load.
+        """
+        normal = states.with_components(states.undeformed(self.contact, controls, load), 1)
+        if controls[0] == FORCE or self.contact.rigid_compliance(1)[0] > 0.0:
+            normal = self._at_load(normal, controls[:1], load[:1])
+        point = self.solve(normal, controls[:1], load[:1], COLD)
+        return point if len(controls) == 1 else self.solve(point.state, controls, load, COLD)
 
     def _at_load(self, state, controls, load):
         """A state near the load in question: a few cold solves at given approaches, which a secant chooses."""
@@ -137,7 +143,7 @@ class Corrector:
             state = self._state(form, unknown)
             if states.covers(self.contact, state):
                 return self._point(form, state, self._norm(form, unknown, state), iterations)
-            guess = state
+            guess = states.fitted(self.contact, state, afresh=True)
         raise NotConverged("the window kept growing: try -contact_window off")
 
     def solve_arc(self, first, last, before, here, length, leg):
@@ -175,13 +181,16 @@ class Corrector:
         ksp, size = self.snes.getKSP(), form.size
         matrix = self.snes.getJacobian()[0]
         matrix.assemble()
-        tolerances = ksp.getTolerances()
+        tolerances, forcing = ksp.getTolerances(), self.snes.getUseEW()
+        # Else the SNES would set the tolerance of this solve, too, by how its own last one went.
+        self.snes.setUseEW(False)
         ksp.setOperators(matrix)
         ksp.setTolerances(rtol=1e-3, atol=1e-50)
         right, change = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
         form.load_derivative(-direction, right.getArray())
         ksp.solve(right, change)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
+        self.snes.setUseEW(forcing)
         self.totals["linear_iterations"] += ksp.getIterationNumber()
         moved = unknown + step * change.getArray(readonly=True)
         ahead = step * form.displacement(change.getArray(readonly=True))[0]
@@ -238,7 +247,7 @@ class Corrector:
         try:
             return self._newton(form, unknown, None, snes)[0]
         except NotConverged as error:
-            if snes.getPythonContext().escaped:
+            if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
                 raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
             raise NotConverged(f"the motion {where} did not settle: {error}") from None
 
@@ -271,12 +280,13 @@ class Corrector:
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix() or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
-        before = form.evaluations
+        before, products = form.evaluations, form.products
         snes.solve(None, solution)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         self.totals["linear_iterations"] += snes.getLinearSolveIterations()
         self.totals["function_evaluations"] += form.evaluations - before
+        self.totals["jacobian_products"] += form.products - products
         if reason <= 0:
             inner = KSP_REASONS.get(snes.getKSP().getConvergedReason(), "none")
             raise NotConverged(f"SNES {SNES_REASONS.get(reason, reason)} after {iterations} iterations, "

@@ -21,10 +21,10 @@ class Turn:
 
         Raises NotConverged (``error`` again) where no solution can be followed any further.
         """
-        trail = self._trail()
-        reach = self.history[-1][0] + self.leg.initial
+        trail, begin = self._trail(), self.history[-1][0]
+        end = min(begin + self.leg.largest, 1.0)
         first = length = self.system.distance(trail[0][1].state, trail[1][1].state)
-        for taken in range(self.most):
+        for _ in range(self.most):
             try:
                 point = self._ahead(trail, length)
             except NotConverged as second:
@@ -33,16 +33,17 @@ class Turn:
                     raise NotConverged(f"{error}; following the branch by arc length failed too: {second}") from None
                 continue
             trail.append((point.position, point))
-            arc, slope = self._slopes(trail[-3:])
-            if slope[2] <= 0.0:
-                found, trail = self._locate(trail[-3:])
-                if found is not None:
-                    return (*found, None)
-                continue
+            slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > 0.7 * slope[1]
-            if steady and (point.position >= 1.0 or (point.position > reach and taken > 6)):
-                return None, None, self._natural(trail, min(point.position, 1.0))
-            length *= 1.7 if steady and point.spent["last_iterations"] <= 6 else 1.0
+            if slope[2] <= 0.0:
+                fold, beyond, trail = self._locate(trail)
+                if fold is not None and fold.position <= 1.0:
+                    return fold, beyond, None
+            place = trail[-1][0]
+            if place >= end or (steady and place > begin + self.leg.initial):
+                return None, None, self._natural(trail, min(place, end))
+            if steady and point.spent["last_iterations"] <= 6:
+                length *= min(1.7, self.leg.largest / (place - trail[-2][0]))
         raise NotConverged(f"{error}; arc length made no headway either")
 
     def _slopes(self, trail):
@@ -59,9 +60,16 @@ class Turn:
             return [(position, point) for position, point in self.history[-2:]]
         here, last = self.history[-1]
         step = max(self.leg.smallest, 1e-3 * self.leg.initial)
+        try:
+            # Backwards, since the trouble may be nearer than the step.
+            return [self._tiny(last, here, -step), (here, last)]
+        except NotConverged:
+            return [(here, last), self._tiny(last, here, step)]
+
+    def _tiny(self, last, here, step):
+        """Place and point of a step along the tangent from the only point."""
         guess = self.system.along_tangent(last, self.leg, here, step)
-        point = self.system.solve(guess, self.leg.controls, self.leg.load(here + step))
-        return [(here, last), (here + step, point)]
+        return here + step, self.system.solve(guess, self.leg.controls, self.leg.load(here + step))
 
     def _ahead(self, trail, length):
         """The point at a given arc length beyond the last two."""
@@ -74,51 +82,61 @@ class Turn:
         return replace(point, leg=self.leg.number, position=position)
 
     def _natural(self, trail, target):
-        """A point at a given place of the leg, from two neighbours on the branch."""
-        weights = lagrange_weights([place for place, _ in trail[-2:]], target)
-        guess = self.system.extrapolate([point for _, point in trail[-2:]], weights)
-        point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-        return replace(point, leg=self.leg.number, position=target, step=self.leg.initial)
+        """The point at a given place of the leg, between two of a trail that is refined until a solve succeeds."""
+        after = next((k for k, (place, _) in enumerate(trail) if place >= target and k), len(trail) - 1)
+        pair = trail[after - 1:after + 1]
+        for _ in range(12):
+            (before, first), (behind, second) = pair
+            guess = self.system.extrapolate([first, second], lagrange_weights([before, behind], target))
+            try:
+                point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
+                if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)):
+                    return replace(point, leg=self.leg.number, position=target, step=self.leg.initial)
+            except NotConverged:
+                pass
+            half = self._at(first, before, second, behind, -0.5 * self.system.distance(first.state, second.state))
+            pair = [pair[0], (half.position, half)] if half.position >= target else [(half.position, half), pair[1]]
+        raise NotConverged(f"the branch goes on beyond {target:.6g} of the leg, but no solve there succeeded")
 
     def _locate(self, trail):
-        """((fold, state beyond it), trail) from three points on the arc, the load's peak near the last, refined by parabolas.
+        """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its end, by parabolas.
 
-        The first is None where the load goes on rising: a bend may look like a peak.
+        The first two are None where the load goes on rising: a bend may look like a peak.
         """
         trail = self._bracketed(trail)
-        if trail[2][0] >= trail[1][0]:
-            return None, trail
-        beyond = trail[2][1]
+        if trail[-1][0] >= trail[-2][0]:
+            return None, None, trail
+        beyond, known, three = trail[-1][1], trail[:-2], trail[-3:]
         for _ in range(12):
-            arc, slopes = self._slopes(trail)
+            arc, slopes = self._slopes(three)
             curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
             shift = -0.5 * slopes[1] / curvature
             if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
                 break
             toward = 0 if shift < 0.0 else 2
             try:
-                found = self._at(trail[1][1], trail[1][0], trail[toward][1], trail[toward][0], -abs(shift))
+                found = self._at(three[1][1], three[1][0], three[toward][1], three[toward][0], -abs(shift))
             except NotConverged:
                 break
-            between = [trail[0], (found.position, found), *trail[1:]] if shift < 0.0 else \
-                [*trail[:2], (found.position, found), trail[2]]
+            between = [three[0], (found.position, found), *three[1:]] if shift < 0.0 else \
+                [*three[:2], (found.position, found), three[2]]
             best = 1 if between[1][0] > between[2][0] else 2
-            trail = between[best - 1:best + 2]
-        fold = max(trail, key=lambda item: item[0])[1]
-        return (replace(fold, step=self.leg.initial), beyond.state), trail
+            three = between[best - 1:best + 2]
+        place, fold = max(three, key=lambda item: item[0])
+        return replace(fold, step=self.leg.initial), beyond.state, [*known, (place, fold)]
 
     def _bracketed(self, trail):
-        """The last three points after going on along the arc until the load falls, or for eight steps."""
-        length = 0.5 * self._slopes(trail)[0][2]
+        """The trail, gone on along the arc until the load falls, or for eight steps."""
+        length = 0.5 * self._slopes(trail[-3:])[0][2]
         for _ in range(8):
-            if trail[2][0] < trail[1][0]:
+            if trail[-1][0] < trail[-2][0]:
                 break
             try:
                 ahead = self._ahead(trail, length)
             except NotConverged:
                 length *= 0.25
                 continue
-            trail = [*trail[1:], (ahead.position, ahead)]
+            trail = [*trail, (ahead.position, ahead)]
         return trail
 
     def _scale(self):

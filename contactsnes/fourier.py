@@ -32,17 +32,17 @@ class Transform:
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
         self.real[...] = 0.0
-        self._grid = grid
-        self._cost = count * transform_cost(math.prod(shape), grid.size)
+        self._counter = grid.counter
+        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
 
     def forward(self):
         """``real`` to ``spectrum``."""
-        self._grid.transforms += self._cost
+        self._counter.transforms += self._cost
         self._forward.execute()
 
     def backward(self):
         """``spectrum`` to ``real``."""
-        self._grid.transforms += self._cost
+        self._counter.transforms += self._cost
         self._backward.execute()
 
 
@@ -58,9 +58,10 @@ class Grid:
     ----------
     shape : points in each direction, one or two even numbers
     periods : period in each direction, beta
+    counter : the grid that counts this one's transforms too, in units of its own (default this one)
     """
 
-    def __init__(self, shape, periods):
+    def __init__(self, shape, periods, counter=None):
         self.shape = tuple(shape)
         self.periods = tuple(float(period) for period in periods)
         self.spacings = tuple(period / points for period, points in zip(self.periods, self.shape))
@@ -68,6 +69,7 @@ class Grid:
         self.area = math.prod(self.periods)
         self.node_area = self.area / self.size
         self.transforms = 0.0
+        self.counter = self if counter is None else counter
         self.whole = Window(self, (0,) * len(shape), self.shape)
 
     def coordinates(self):

@@ -128,6 +128,18 @@ def database():
     return entries
 
 
+def install(wanted):
+    """Make PETSc's database hold these options (name without dash -> value; a flag's is an empty text) and no others."""
+    from petsc4py import PETSc
+
+    options, present = PETSc.Options(), database()
+    for name in present.keys() - wanted.keys():
+        options.delValue(name)
+    for name, value in wanted.items():
+        if present.get(name) != value:
+            options.setValue(name, value)
+
+
 def database_text():
     """PETSc's whole database in the syntax of an options file, sorted by name."""
     lines = []

@@ -9,7 +9,7 @@ from scipy.fft import next_fast_len
 from .arclength import ArcLength
 from .fourier import Transform, clear_padding, smooth
 from .options import read
-from .settings import option, Options
+from .settings import InputError, option, Options
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ def core_weight(form, component, options):
     """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there; None where nothing is stiff."""
     tangent = form.tangent[component, component]
     largest = form.grid.maximum(tangent)
-    if largest <= 0.0:
+    if largest <= 1e-6:
         return None
     core = tangent > options.threshold * min(1.0, largest)
     weight = np.clip(smooth(form.window, core, options.width / form.contact.ranges[0]), 0.0, 1.0)
@@ -210,7 +210,11 @@ class ZonePC:
 
     def setUp(self, pc):
         """Make the zones from the tangent that the operator holds."""
-        form = pc.getOperators()[0].getPythonContext().form
+        # The second operator is the one to make preconditioners from: with -snes_mf_operator the first is a difference quotient.
+        matrix = pc.getOperators()[1]
+        if matrix.getType() != "python":
+            raise InputError("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or -pc_type none with it")
+        form = matrix.getPythonContext().form
         kind = ArcElimination if isinstance(form, ArcLength) else ZONES[form.name]
         self.zone = kind(form, self.options)
 

@@ -84,8 +84,10 @@ def create_snes(form, prefix=""):
             preconditioner.assemble()
 
     snes.setJacobian(linearise, matrix, matrix)
-    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200)
-    if form.name == "force":
+    kind = database.getString("snes_type", "newtonls")
+    newton = kind.startswith("newton")
+    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200 if newton else 10000)
+    if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
     ksp.setType("fgmres")
@@ -93,31 +95,38 @@ def create_snes(form, prefix=""):
     ksp.setTolerances(max_it=150)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
-    if not database.hasName("ksp_rtol"):
+    if newton and not database.hasName("ksp_rtol"):
         snes.setUseEW(True)
         snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
-    full_steps = database.getString("snes_type", "newtonls") == "newtonls" and not database.hasName("snes_linesearch_type")
+    full_steps = kind == "newtonls" and not database.hasName("snes_linesearch_type")
     if full_steps:
         database["snes_linesearch_type"] = "basic"
     snes.setFromOptions()
     if full_steps:
         database.delValue("snes_linesearch_type")
-    if not database.hasName("ksp_atol"):
+    if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
-    newton = read(NewtonOptions, prefix)
-    if newton.gap and snes.getType() == "newtonls":
-        snes.setLineSearchPreCheck(RegularisedStep(form, newton.stiffness))
+    regularised = read(NewtonOptions, prefix)
+    for solver in (snes, snes.getNPC()) if snes.hasNPC() else (snes,):
+        if regularised.gap and solver.getType() == "newtonls":
+            solver.setLineSearchPreCheck(RegularisedStep(form, regularised.stiffness))
     return snes
 
 
 def displacement_test(snes, iteration, norms, form):
-    """The convergence test of the force form: ``residual_norm``, the displacements that the imbalance stands for."""
+    """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
+
+    In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is a step.
+    """
     rtol, atol, stol, most = snes.getTolerances()
-    function = snes.getFunction()[0]
-    norm = form.displacement_norm(snes.getSolution().getArray(readonly=True), function.getArray(readonly=True))
+    unknown, imbalance = snes.getSolution().getArray(readonly=True), snes.getFunction()[0].getArray(readonly=True)
+    if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
+        imbalance = form.residual(unknown, np.empty(form.size))
+    norm = form.displacement_norm(unknown, imbalance) if form.name == "force" else np.linalg.norm(imbalance)
     if not np.isfinite(norm):
         return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+    form.last_norm = norm
     if iteration == 0:
         form.first_norm = norm
     if norm <= atol:

@@ -90,13 +90,13 @@ def onto(state, window):
     return np.ascontiguousarray(picked).reshape(len(picked), -1)
 
 
-def fitted(contact, state):
-    """The state on the window that the law needs for it: the same state where its window will do."""
+def fitted(contact, state, afresh=False):
+    """The state on the window that the law needs for it: the same state where its window will do, unless ``afresh``."""
     window = state.window
     gap = normal_gap(contact, state)
     rim = window.rim()
     closest = contact.grid.minimum(gap, where=rim)
-    if not window.is_whole and 0.9 * CUTOFF <= closest and contact.grid.minimum(gap, where=rim) < 4.0 * CUTOFF:
+    if not afresh and not window.is_whole and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
         return state
     cell = contact.extended(state)
     fresh = contact.window(cell[0] + contact.initial_gap)
@@ -155,12 +155,17 @@ def distance(contact, first, second):
     return float(np.sqrt(contact.grid.inner(change, change) / change.size))
 
 
-def missed(contact, guess, found):
-    """Root mean square distance of a guess from what was found, over the nodes where the law acts on either (gap below 10)."""
+def missed(contact, guess, found, largest=False):
+    """Distance of a guess from what was found, over the nodes where the law acts on either (gap below 10).
+
+    Root mean square, or the largest: the one that a spot makes which is small beside the rest.
+    """
     window = max(guess.window, found.window, key=lambda window: window.size)
     first, second = onto(guess, window), onto(found, window)
     lower = np.minimum(first[0], second[0]) + window.take(contact.initial_gap)
     change = (first - second)[:, lower < 10.0]
+    if largest:
+        return float(contact.grid.maximum(np.abs(change), initial=0.0))
     return float(np.sqrt(contact.grid.inner(change, change) / max(change.size, 1)))
 
 
@@ -189,17 +194,17 @@ def follow_edge(contact, states, weights):
     if any(end is None for end in ends):
         return None
     window = states[-1].window
-    states = [wider(state, window) for state in states]
-    ends = [edges(contact, state) for state in states]
-    origins = np.array([_first_node(state.window) for state in states])
-    places = np.array(ends) + origins[:, None]
+    # Places of all states in nodes from the first one of the last window; a wider window begins before it.
+    places = [end + _nodes_between(window, state.window) for end, state in zip(ends, states)]
     left, right = np.asarray(weights) @ places
     if right - left < 4.0:
         return None
-    nodes = np.arange(window.size) + _first_node(window)
+    states = [wider(state, window) for state in states]
+    begins = _nodes_between(window, states[-1].window)
+    nodes = np.arange(window.size)
     gaps = np.zeros((len(states[-1].displacement), window.size))
-    for state, weight, (begin, end), origin in zip(states, weights, places, origins):
-        source = begin + (nodes - left) * (end - begin) / (right - left) - origin
+    for state, weight, (begin, end) in zip(states, weights, places):
+        source = begin + (nodes - left) * (end - begin) / (right - left) - begins
         field = state.displacement.copy()
         field[0] = normal_gap(contact, state)
         for gap, values in zip(gaps, field):
@@ -210,6 +215,7 @@ def follow_edge(contact, states, weights):
     return State(window, gaps, sum(weight * state.means for state, weight in zip(states, weights)))
 
 
-def _first_node(window):
-    """Place of a line window's first node, in nodes from the cell's middle."""
-    return window.start[0] - (window.grid.shape[0] if window.start[0] > window.grid.shape[0] // 2 else 0)
+def _nodes_between(window, other):
+    """Nodes from the first one of a line window to that of another near it, over the cell's border or not."""
+    total = window.grid.shape[0]
+    return (other.start[0] - window.start[0] + total // 2) % total - total // 2

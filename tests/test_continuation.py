@@ -97,6 +97,9 @@ class System:
     def missed(self, first, second, **_):
         return self.distance(first, second)
 
+    def progress(self, origin, ahead, state):
+        return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
+
     def lowered(self, point, *_):
         return None
 
