@@ -73,18 +73,58 @@ def line_interpolation(start, extent, total):
 class Transfer:
     """Between the unknowns of a form and of a coarser one: PETSc matrices of interpolation, restriction and injection."""
 
-    def __init__(self, fine, coarse):
+    def __init__(self, fine, coarse, stiffness=0.2):
+        self.fine, self.coarse = fine, coarse
         lines = [line_interpolation(*sizes) for sizes in zip(fine.window.start, fine.window.shape, fine.grid.shape)]
-        nodes = lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
-        picked = (nodes == 1.0).astype(float)
-        ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
-        fields = ranges * fine.root / coarse.root
-        self.interpolation = _matrix(nodes, 1.0 / fields, 1.0 / ranges[fine.forced])
-        self.restriction = _matrix(nodes.T / 2 ** len(lines), fields, np.ones(len(fine.forced)))
-        self.injection = _matrix(picked.T, fields, ranges[fine.forced])
+        self.nodes = lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
+        self.picked = np.flatnonzero(np.diff(self.nodes.indptr) == 1) if False else (self.nodes == 1.0).tocsc().indices
+        self.back = (self.nodes.T / 2 ** len(lines)).tocsr()
+        self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
+        self.stiffness = stiffness, stiffness / self.ranges[0] ** 2
+        self.start = np.zeros(coarse.size)
 
+    def inject(self, x, out):
+        f, c = self.fine, self.coarse
+        v = f.displacement(x)[:, self.picked] * self.ranges[:, None]
+        law = f.contact.law
+        a = f.gap(x)[0, self.picked]
+        w = self.ranges[0] * (a + law._normal(a)[0] / self.stiffness[0])
+        zero = np.zeros_like(w)
+        v[0] = law.regularised_step(zero, w / (1 + 1 / self.stiffness[1]), self.stiffness[1]) - c.initial_gap
+        out[:c.count] = (v / c.root).reshape(-1)
+        out[c.count:] = self.ranges[f.forced] * x[f.count:]
+        self.start[:] = out
 
-def _matrix(block, factors, scalars):
-    """PETSc matrix of a sparse block times a factor for each component, and of factors of the scalars."""
-    whole = sparse.block_diag([*(factor * block for factor in factors), *([[scalar]] for scalar in scalars)], format="csr")
-    return PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
+    def interpolate_add(self, x, y, out):
+        f, c = self.fine, self.coarse
+        law = f.contact.law
+        change = c.displacement(x) / self.ranges[:, None]
+        a0 = c.gap(self.start)[0].copy()
+        a1 = a0 + c.displacement(x)[0]
+        change[0] = (a1 - a0 + (law._normal(a1)[0] - law._normal(a0)[0]) / self.stiffness[1]) / self.ranges[0]
+        up = (self.nodes @ change.T).T
+        a = f.gap(y)[0].copy()
+        slope = law._normal(a)[1]
+        up[0] = law.regularised_step(a, up[0] / (1 + slope / self.stiffness[0]), self.stiffness[0])
+        new = y.copy()
+        new[:f.count] += up.reshape(-1) / f.root
+        new[f.count:] += x[c.count:] / self.ranges[f.forced]
+        out[:] = new
+
+    def restrict(self, x, out):
+        f, c = self.fine, self.coarse
+        out[:c.count] = ((self.back @ f.displacement(x).T).T * self.ranges[:, None] / c.root).reshape(-1)
+        out[c.count:] = x[f.count:]
+
+    def matrices(self):
+        f, c = self.fine.size, self.coarse.size
+        class P:
+            def multAdd(me, mat, x, v, y): self.interpolate_add(x.getArray(readonly=True), v.getArray(readonly=True), y.getArray())
+        class R:
+            def mult(me, mat, x, y): self.restrict(x.getArray(readonly=True), y.getArray())
+        class I:
+            def mult(me, mat, x, y): self.inject(x.getArray(readonly=True), y.getArray())
+        out=[]
+        for k, sz in ((P,(f,c)),(R,(c,f)),(I,(c,f))):
+            m = PETSc.Mat().createPython(sz, k(), comm=PETSc.COMM_SELF); m.setUp(); out.append(m)
+        return out

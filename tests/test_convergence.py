@@ -233,9 +233,9 @@ def test_strength_of_a_bonded_strip(strip):
             largest = force
         errors.append(1 - largest / strength)
     assert 1.3 < decay(ranges, errors) < 2.1
-    # 5.586 and 5.6136 against 5.6282 in a cell of 100, by another implementation.
+    # 5.586 and 5.6136 against 5.6282 in a cell of 100, by another implementation, whose own grid error is part of the second.
     assert errors[1] == pytest.approx(1 - 5.586 / 5.6282, rel=0.1)
-    assert errors[2] == pytest.approx(1 - 5.6136 / 5.6282, rel=0.15)
+    assert errors[2] == pytest.approx(1 - 5.6136 / 5.6282, rel=0.2)
 
 
 def test_slip_zone_of_constant_traction(strip):
