@@ -20,7 +20,7 @@ class ArcLength:
     def __init__(self, form, start, direction, anchor, tangent, length):
         self.form, self.start, self.direction = form, start, direction
         self.anchor, self.length = anchor, length
-        self.tangent = tangent / np.linalg.norm(tangent)
+        self.tangent = tangent / form.grid.norm(tangent)
         self.name, self.contact, self.grid = form.name, form.contact, form.grid
         self.components, self.nodes, self.shape = form.components, form.nodes, form.shape
         self.count, self.root, self.size = form.count, form.root, form.size + 1

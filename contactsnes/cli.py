@@ -1,4 +1,4 @@
-"""The commands run, plot and info, their words and exit statuses. The only module that prints; it decides nothing physical.
+"""The commands run, plot, info and compare, their words and exit statuses. The only module that prints; it decides nothing physical.
 
 Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed or no equilibrium exists, 2 bad input,
 128 + the signal's number for an interrupted run.
@@ -15,10 +15,11 @@ from functools import partial
 
 from . import __version__, observables, scene as scenes, summary
 from .archive import Archive, ArchiveError, Column
+from .methods import CompareOptions
 from .points import NoEquilibrium, NotConverged
 from .options import database, database_text, help_text, read, unused_options
 from .progress import Progress
-from .session import create_branch, solver_options, start_petsc, versions
+from .session import create_branch, solver_options, start_comparison, start_petsc, versions
 from .settings import InputError, nearest
 
 HELP = """\
@@ -27,6 +28,8 @@ contactsnes: adhesive frictional contact of elastic bodies
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
   contactsnes plot RUN.h5 ...                         figures of archives (contactsnes plot --help)
+  contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
+                                                      methods on one scene: cost, accuracy, failures
   contactsnes run -help                               every option with meaning, unit, default and range
   contactsnes --version
 
@@ -106,8 +109,8 @@ def _asks_for_help(arguments):
     return any(argument in ("-h", "-help", "--help") for argument in arguments)
 
 
-def _help_on_options():
-    print(help_text(solver_options()))
+def _help_on_options(more=()):
+    print(help_text((*solver_options(), *more)))
     return 0
 
 
@@ -282,6 +285,27 @@ def info(arguments):
     return 0
 
 
+# compare
+
+
+def compare(arguments):
+    """``contactsnes compare``: methods on one scene, measured on equal terms."""
+    if _asks_for_help(arguments):
+        return _help_on_options((CompareOptions,))
+    comparison, stem = start_comparison(arguments, partial(print, flush=True))
+    from . import comparison_figure, comparison_table
+
+    about = {"scene": str(comparison.branch.scene), "options": database_text(), "versions": str(versions())}
+    comparison.run(lambda: comparison_table.save(comparison, stem, about))
+    for name in unused_options(solver_options()):
+        if name[1:] in comparison.given:
+            _complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
+    print("", *comparison_table.lines(comparison), sep="\n")
+    figures = [comparison_figure.plot_comparison([f"{stem}.h5"], f"{stem}.png")] if comparison.watched else []
+    print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
+    return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
+
+
 # plot
 
 
@@ -319,4 +343,4 @@ def _numbers(text):
         raise argparse.ArgumentTypeError(f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
 
 
-COMMANDS = {"run": run, "plot": plot, "info": info}
+COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare}

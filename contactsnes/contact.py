@@ -4,6 +4,7 @@ Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tract
 lambda_i lambda_j.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -54,6 +55,7 @@ class Contact:
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
         self._operators = {}
         self.circle = lru_cache(maxsize=12)(self._circle)
+        self.coarse = lru_cache(maxsize=1)(self._coarse)
 
     def signs(self, components):
         """-1 for the normal, +1 for tangential components: load = sign x displacement of the body."""
@@ -79,6 +81,18 @@ class Contact:
         vectors = self.grid.wavevectors(shape)
         block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component, component]
         return Transform(self.grid, shape, 1), block * self.ranges[component] ** 2
+
+    def _coarse(self, resolution):
+        """The contact on every other node, its law softened to spacing x maugis^2 <= resolution; the grid counts for both."""
+        scene, kept = self.scene, (slice(None, None, 2),) * len(self.grid.shape)
+        points = tuple(n // 2 for n in self.grid.shape)
+        sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
+        softened = replace(scene, points=points if scene.dimension == 2 else points[0],
+                           normal_maugis=min(scene.normal_maugis, sharpest),
+                           tangential_maugis=min(scene.tangential_maugis, sharpest))
+        coarse = Contact(softened, -self.initial_gap[kept], self.grid.counter)
+        coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
+        return coarse
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""

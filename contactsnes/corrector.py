@@ -156,7 +156,7 @@ class Corrector:
         form = self._form_for(last, leg.controls) if own else DisplacementForm(self.contact, last.window, leg.controls)
         pack = [form.pack(states.onto(state, form.window), state.means[form.forced]) for state in (first, last)]
         arc = ArcLength(form, leg.start, leg.direction, pack[1], pack[1] - pack[0], length)
-        ahead = length / np.linalg.norm(pack[1] - pack[0])
+        ahead = length / self.contact.grid.norm(pack[1] - pack[0])
         guess = np.append(pack[1] + ahead * (pack[1] - pack[0]), here + ahead * (here - before))
         predicted = states.State(form.window, form.displacement(guess), last.means)
         snes = create_snes(arc, "" if own else "arc_")
@@ -310,14 +310,14 @@ class Corrector:
         ``evaluated``: the kept SNES ended with F at this very state.
         """
         if evaluated and form.name == "displacement" and self.snes.getType().startswith("newton"):
-            return np.linalg.norm(self.snes.getFunction()[0].getArray(readonly=True))
+            return self.contact.grid.norm(self.snes.getFunction()[0].getArray(readonly=True))
         if form.name == "force":
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
             load, form = form.load, DisplacementForm(self.contact, window, form.controls)
             form.set_load(load)
             unknown = form.pack(state.displacement, state.means[form.forced])
-        return np.linalg.norm(form.residual(unknown, np.empty(form.size)))
+        return self.contact.grid.norm(form.residual(unknown, np.empty(form.size)))
 
     def _point(self, form, state, norm, iterations):
         """The Point of a state that passes the test of convergence; NotConverged for one that does not."""

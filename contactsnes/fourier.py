@@ -105,6 +105,10 @@ class Grid:
         """Inner product over nodes and components."""
         return float(np.vdot(first, second))
 
+    def norm(self, values):
+        """Euclidean norm over nodes and components, and what scalars an unknown carries besides."""
+        return float(np.sqrt(self.inner(values, values)))
+
     def parseval(self, spectrum):
         """Sum over nodes and arrays of the squares of fields (..., *grid) with these half spectra."""
         squares = np.square(spectrum.real) + np.square(spectrum.imag)

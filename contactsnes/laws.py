@@ -114,23 +114,15 @@ class Law:
         for i in range(len(slip_vector)):
             out[i, i] += secant
 
-    def regularised_step(self, gap, step, stiffness):
-        """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) / stiffness.
+    def regularised(self, gap, stiffness):
+        """w = a + N(a) / stiffness of a normal gap (nodes), ranges of the law: in overlap it is a traction, no logarithm of one.
 
-        w has no exponential in overlap and is single-valued for a stiffness above ``SOFTENING``: a step that would
-        overshoot in a is moderate in w. Pointwise, by a bracketed Newton iteration.
-
-        Parameters
-        ----------
-        gap, step : arrays (nodes), ranges of the law
-        stiffness : dimensionless, above ``SOFTENING``
-
-        Returns
-        -------
-        array (nodes), ranges of the law
+        Single-valued for a stiffness above ``SOFTENING``.
         """
-        normal, slope, _, _ = self._normal(gap)
-        target = gap + normal / stiffness + (1.0 + slope / stiffness) * step
+        return gap + self._normal(gap)[0] / stiffness
+
+    def gap_of_regularised(self, target, stiffness):
+        """The normal gap a (nodes) with a + N(a) / stiffness = target, pointwise by a bracketed Newton iteration."""
         new = np.where(target < 0.0, -np.log1p(-stiffness * np.minimum(target, 0.0)), target)
         # a and w have one sign, and N(a) is at most 1/e, and negative in overlap: a lies between these.
         low, high = np.where(target > 0.0, target - NORMAL_PEAK / stiffness, target), np.maximum(target, 0.0)
@@ -144,7 +136,24 @@ class Law:
             if np.all(np.abs(trial - new) <= 1e-10 * (1.0 + np.abs(trial))):
                 break
             new = trial
-        return trial - gap
+        return trial
+
+    def regularised_step(self, gap, step, stiffness):
+        """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) / stiffness.
+
+        w has no exponential in overlap: a step that would overshoot in a is moderate in w.
+
+        Parameters
+        ----------
+        gap, step : arrays (nodes), ranges of the law
+        stiffness : dimensionless, above ``SOFTENING``
+
+        Returns
+        -------
+        array (nodes), ranges of the law
+        """
+        normal, slope, _, _ = self._normal(gap)
+        return self.gap_of_regularised(gap + normal / stiffness + (1.0 + slope / stiffness) * step, stiffness) - gap
 
     def energy(self, normal_gap):
         """Interface energy without slip, 1 - (1 + a) exp(-a) in phi_n, zero at a = 0: its derivative is N(a).

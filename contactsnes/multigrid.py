@@ -1,23 +1,29 @@
 """Coarser grids for PETSc's full approximation scheme (``-snes_type fas``): their contacts, forms and transfers.
 
 With F the displacement form on a grid and F_c that on every other of its nodes, a cycle smooths u, solves
-F_c(u_c) = F_c(I u) - R F(u) from u_c = I u, adds P (u_c - I u) and smooths again (Brandt, Math. Comp. 31, 333, 1977): P
-interpolates by cubics, R is its transpose, I picks nodes. A solution u of the fine grid is a fixed point of that whatever the
-law of the coarse one: so the law may be softened where a coarse grid would not resolve its cohesive zone.
+F_c(u_c) = F_c(I u) - R F(u) from u_c = I u, corrects u by P (u_c - I u) and smooths again (Brandt, Math. Comp. 31, 333, 1977). A
+solution u of the fine grid is a fixed point of that whatever law the coarse one has: there the law may be softened, so that a
+coarse grid resolves its cohesive zone and the edge of contact does not stick between nodes.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
 from scipy import sparse
 
-from .contact import Contact
 from .forms import DisplacementForm
 from .fourier import Window
+from .laws import SOFTENING
 from .options import read
 from .settings import InputError, Options, option
+
+STIFFNESS = 1.5 * SOFTENING
+"""kappa of the regularised gap in which grids exchange gaps, phi_n/delta_n^2 of the finer grid's law."""
+
+LEVELS, SMALLEST = 4, 32
+"""Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
 
 
 @dataclass(frozen=True)
@@ -26,105 +32,211 @@ class GridsOptions(Options):
 
     prefix: ClassVar[str] = "snes_grids_"
     title: ClassVar[str] = "Coarse grids of the full approximation scheme"
-    resolution: float = option(1.25, "largest spacing x maugis^2 on coarse grids, kept by smaller Maugis parameters there",
-                               "beta", above=0, infinite=True)
-
-
-def coarse_contact(contact, resolution):
-    """The contact on every other node in each direction, with a law no sharper than spacing x maugis^2 = resolution."""
-    scene, every_other = contact.scene, (slice(None, None, 2),) * contact.initial_gap.ndim
-    points = tuple(n // 2 for n in scene.shape)
-    sharpest = np.sqrt(resolution / (2 * max(contact.grid.spacings)))
-    softened = replace(scene, points=points if scene.dimension == 2 else points[0],
-                       normal_maugis=float(min(scene.normal_maugis, sharpest)),
-                       tangential_maugis=float(min(scene.tangential_maugis, sharpest)))
-    gap = contact.initial_gap[every_other]
-    coarse = Contact(softened, heights=-gap, counter=contact.grid.counter)
-    coarse.initial_gap = np.ascontiguousarray(gap) * coarse.ranges[0] / contact.ranges[0]
-    return coarse
-
-
-def coarse_window(window, grid):
-    """The window of a grid of every other node that lies in a window of the fine one."""
-    starts, shape = [], []
-    for start, extent, total in zip(window.start, window.shape, window.grid.shape):
-        first = 0 if extent == total else (start + 1) // 2
-        starts.append(first)
-        shape.append(total // 2 if extent == total else (start + extent + 1) // 2 - first)
-    return Window(grid, starts, shape)
-
-
-def line_interpolation(start, extent, total):
-    """Cubic interpolation along a direction from a window's nodes of even number to all of them, sparse."""
-    whole = extent == total
-    first, count = (0, total // 2) if whole else ((start + 1) // 2, (start + extent + 1) // 2 - (start + 1) // 2)
-    nodes = np.arange(extent)
-    below, odd = np.divmod(start + nodes, 2)
-    rows, columns, weights = [], [], []
-    for shift, weight in ((-1, -0.0625), (0, 0.5625), (1, 0.5625), (2, -0.0625)):
-        place = below - first + shift
-        rows.append(nodes)
-        columns.append(place % count if whole else np.clip(place, 0, count - 1))
-        weights.append(np.where(odd, weight, float(shift == 0)))
-    entries = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
-    return sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, count)))
+    resolution: float = option(1.25, "largest spacing x maugis^2 on coarse grids: above it the law is softened there (inf: never)",
+                               above=0, infinite=True)
 
 
 class Transfer:
-    """Between the unknowns of a form and of a coarser one: PETSc matrices of interpolation, restriction and injection."""
+    """Interpolation P, restriction R and injection I between the unknowns of a form and of a coarser one.
 
-    def __init__(self, fine, coarse, stiffness=0.2):
+    What moves of the normal component is w = a + N(a)/kappa in units of length, with one stiffness for both laws: where
+    surfaces overlap that is the traction, elsewhere the gap. Gaps themselves would not do: the same overlap is another
+    traction under a softer law, and a correction of it is multiplied by the ratio of the tangents.
+
+    Parameters
+    ----------
+    fine, coarse : DisplacementForm, the coarse one on every other node
+    """
+
+    def __init__(self, fine, coarse):
         self.fine, self.coarse = fine, coarse
-        lines = [line_interpolation(*sizes) for sizes in zip(fine.window.start, fine.window.shape, fine.grid.shape)]
+        lines = [_line(*sizes) for sizes in zip(fine.window.start, fine.window.shape, fine.grid.shape)]
         self.nodes = lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
-        self.picked = np.flatnonzero(np.diff(self.nodes.indptr) == 1) if False else (self.nodes == 1.0).tocsc().indices
-        self.back = (self.nodes.T / 2 ** len(lines)).tocsr()
+        self.restriction = (self.nodes.T / 2 ** len(lines)).tocsr()
+        self.kept = (self.nodes == 1.0).tocsc().indices
         self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
-        self.stiffness = stiffness, stiffness / self.ranges[0] ** 2
-        self.start = np.zeros(coarse.size)
+        self.scalars = self.ranges[fine.forced]
+        self.stiffness = STIFFNESS / self.ranges[0] ** 2
+        self.injected = np.zeros(coarse.size)
 
-    def inject(self, x, out):
-        f, c = self.fine, self.coarse
-        v = f.displacement(x)[:, self.picked] * self.ranges[:, None]
-        law = f.contact.law
-        a = f.gap(x)[0, self.picked]
-        w = self.ranges[0] * (a + law._normal(a)[0] / self.stiffness[0])
-        zero = np.zeros_like(w)
-        v[0] = law.regularised_step(zero, w / (1 + 1 / self.stiffness[1]), self.stiffness[1]) - c.initial_gap
-        out[:c.count] = (v / c.root).reshape(-1)
-        out[c.count:] = self.ranges[f.forced] * x[f.count:]
-        self.start[:] = out
+    def inject(self, unknown, out):
+        """out = I unknown: every other node, the coarse gap being that of the same w."""
+        fine, coarse = self.fine, self.coarse
+        gap = fine.gap(unknown)[:, self.kept] * self.ranges[:, None]
+        regularised = self.ranges[0] * fine.contact.law.regularised(fine.gap(unknown)[0, self.kept], STIFFNESS)
+        gap[0] = coarse.contact.law.gap_of_regularised(regularised, self.stiffness) - coarse.initial_gap
+        out[:coarse.count] = gap.reshape(-1) / coarse.root
+        out[coarse.count:] = self.scalars * unknown[fine.count:]
+        self.injected[:] = out
 
-    def interpolate_add(self, x, y, out):
-        f, c = self.fine, self.coarse
-        law = f.contact.law
-        change = c.displacement(x) / self.ranges[:, None]
-        a0 = c.gap(self.start)[0].copy()
-        a1 = a0 + c.displacement(x)[0]
-        change[0] = (a1 - a0 + (law._normal(a1)[0] - law._normal(a0)[0]) / self.stiffness[1]) / self.ranges[0]
-        up = (self.nodes @ change.T).T
-        a = f.gap(y)[0].copy()
-        slope = law._normal(a)[1]
-        up[0] = law.regularised_step(a, up[0] / (1 + slope / self.stiffness[0]), self.stiffness[0])
-        new = y.copy()
-        new[:f.count] += up.reshape(-1) / f.root
-        new[f.count:] += x[c.count:] / self.ranges[f.forced]
-        out[:] = new
+    def restrict(self, imbalance, out):
+        """out = R imbalance, the transpose of interpolation, for the rows of forces as they are."""
+        fine, coarse = self.fine, self.coarse
+        field = fine.displacement(imbalance) @ self.restriction.T * self.ranges[:, None]
+        out[:coarse.count] = field.reshape(-1) / coarse.root
+        out[coarse.count:] = imbalance[fine.count:]
 
-    def restrict(self, x, out):
-        f, c = self.fine, self.coarse
-        out[:c.count] = ((self.back @ f.displacement(x).T).T * self.ranges[:, None] / c.root).reshape(-1)
-        out[c.count:] = x[f.count:]
+    def correct(self, change, unknown, out):
+        """out = unknown, perhaps the same array, corrected by P change, with change from what was injected last."""
+        fine, coarse = self.fine, self.coarse
+        field, gap = coarse.displacement(change), coarse.gap(self.injected)[0].copy()
+        field[0] = coarse.contact.law.regularised(gap + field[0], self.stiffness) - coarse.contact.law.regularised(gap, self.stiffness)
+        change_of_scalars = change[coarse.count:] / self.scalars
+        field = (field / self.ranges[:, None]) @ self.nodes.T
+        gap, law = fine.gap(unknown)[0], fine.contact.law
+        field[0] = law.gap_of_regularised(law.regularised(gap, STIFFNESS) + field[0], STIFFNESS) - gap
+        np.add(unknown[:fine.count], field.reshape(-1) / fine.root, out=out[:fine.count])
+        np.add(unknown[fine.count:], change_of_scalars, out=out[fine.count:])
 
-    def matrices(self):
-        f, c = self.fine.size, self.coarse.size
-        class P:
-            def multAdd(me, mat, x, v, y): self.interpolate_add(x.getArray(readonly=True), v.getArray(readonly=True), y.getArray())
-        class R:
-            def mult(me, mat, x, y): self.restrict(x.getArray(readonly=True), y.getArray())
-        class I:
-            def mult(me, mat, x, y): self.inject(x.getArray(readonly=True), y.getArray())
-        out=[]
-        for k, sz in ((P,(f,c)),(R,(c,f)),(I,(c,f))):
-            m = PETSc.Mat().createPython(sz, k(), comm=PETSc.COMM_SELF); m.setUp(); out.append(m)
-        return out
+
+def _line(start, extent, total):
+    """Cubic interpolation along a direction, from the nodes of even number in a window to all of them, sparse."""
+    first, after = (start + 1) // 2, (start + extent + 1) // 2
+    nodes = np.arange(extent)
+    below, odd = np.divmod(start + nodes, 2)
+    rows, columns, weights = [], [], []
+    for shift, weight in zip(range(-1, 3), (-0.0625, 0.5625, 0.5625, -0.0625)):
+        place = below + shift
+        rows.append(nodes)
+        columns.append(place % (total // 2) if extent == total else np.clip(place, first, after - 1) - first)
+        weights.append(np.where(odd, weight, float(shift == 0)))
+    entries = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
+    matrix = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, after - first)))
+    matrix.eliminate_zeros()
+    return matrix
+
+
+class CoarseForm(DisplacementForm):
+    """A displacement form on every other node of a finer one, its law softened where that grid asks for it, under its load."""
+
+    def __init__(self, finer, resolution):
+        self.finer = finer
+        window, contact = finer.window, finer.contact.coarse(resolution)
+        start = [(first + 1) // 2 for first in window.start]
+        shape = [(first + extent + 1) // 2 - begin for first, extent, begin in zip(window.start, window.shape, start)]
+        super().__init__(contact, Window(contact.grid, start, shape), finer.controls)
+
+    def residual(self, unknown, out):
+        """F under the load that the finer form has now."""
+        self.set_load(self.finer.load)
+        return super().residual(unknown, out)
+
+
+class Applied:
+    """PETSc's Mat context of a function (array, array to fill)."""
+
+    def __init__(self, apply):
+        self.apply = apply
+
+    def mult(self, mat, x, y):
+        """y = A x."""
+        self.apply(x.getArray(readonly=True), y.getArray())
+
+
+class Corrected:
+    """PETSc's Mat context of a correction (change, unknown, array to fill)."""
+
+    def __init__(self, apply):
+        self.apply = apply
+
+    def multAdd(self, mat, x, y, z):
+        """z = y + A x, which depends on y."""
+        self.apply(x.getArray(readonly=True), y.getArray(readonly=True), z.getArray())
+
+
+def _matrix(rows, columns, context):
+    """PETSc matrix of a context."""
+    matrix = PETSc.Mat().createPython([rows, columns], context, comm=PETSc.COMM_SELF)
+    matrix.setUp()
+    return matrix
+
+
+def count_levels(form, database):
+    """Number of grids: -snes_fas_levels, by default what the grid allows, up to four. InputError where it does not."""
+    shape, allowed = np.array(form.grid.shape), 1
+    while np.all(shape % 4 == 0) and np.all(shape // 2 >= SMALLEST):
+        shape, allowed = shape // 2, allowed + 1
+    levels = database.getInt("snes_fas_levels", min(LEVELS, allowed))
+    if not 1 <= levels <= allowed:
+        raise InputError(f"-snes_fas_levels is '{levels}': the grid of {' x '.join(map(str, form.grid.shape))} points can be halved "
+                         f"to at most {allowed} levels, with even numbers and at least {SMALLEST} points in each direction")
+    return levels
+
+
+def _check(form, database):
+    """InputError for what these grids cannot do."""
+    if form.name != "displacement":
+        raise InputError("-snes_type is 'fas': it needs -contact_form displacement")
+    kind = database.getString("snes_fas_type", "multiplicative")
+    if kind == "additive":
+        raise InputError("-snes_fas_type is 'additive': corrections between these grids are not linear; take multiplicative, full "
+                         "or kaskade")
+    for name in ("snes_fas_galerkin", "snes_fas_full_total"):
+        if database.getBool(name, False):
+            raise InputError(f"-{name} is true: allowed is false, as corrections between these grids are not linear")
+
+
+def create_levels(snes, form, equip):
+    """Make a form's SNES a full approximation scheme over coarser grids; its smoothers on all grids, each with its form.
+
+    Parameters
+    ----------
+    snes : SNES of the form, before its setFromOptions
+    equip : function (SNES, form) that sets function, Jacobian and linear solver
+
+    A smoother is one step of Newton, its linear system solved to 0.1; the coarsest grid is solved to 0.01. PETSc's options
+    (-snes_fas_*, -fas_levels_*, -fas_coarse_*) change that. InputError where they ask for what these grids cannot do.
+    """
+    prefix = snes.getOptionsPrefix() or ""
+    database = PETSc.Options(prefix)
+    _check(form, database)
+    forms, resolution = [form], read(GridsOptions, prefix).resolution
+    for _ in range(count_levels(form, database) - 1):
+        forms.append(CoarseForm(forms[-1], resolution))
+    snes.setType("fas")
+    snes.setFASLevels(len(forms))
+    smoothers = []
+    for level, own in enumerate(reversed(forms)):
+        dm = PETSc.DMShell().create(PETSc.COMM_SELF)
+        dm.setGlobalVector(PETSc.Vec().createSeq(own.size))
+        # PETSc takes the number of levels from the finest grid's when it reads the options.
+        dm.setRefineLevel(level)
+        snes.getFASCycleSNES(level).setDM(dm)
+        if level:
+            _connect(snes, level, Transfer(own, forms[-level]))
+        made = [snes.getFASSmoother(level)]
+        if level and database.hasName("snes_fas_smoothup"):
+            made.append(snes.getFASSmootherUp(level))
+        for smoother in made:
+            smoother.setDM(dm)
+            equip(smoother, own)
+            smoothers.append((smoother, own))
+    _set_defaults(smoothers, database)
+    return smoothers
+
+
+def _connect(snes, level, transfer):
+    """Hand a transfer to the FAS; PETSc makes the coarse Vec from the scale, which is used for nothing else."""
+    fine, coarse = transfer.fine.size, transfer.coarse.size
+    snes.setFASInterpolation(level, _matrix(fine, coarse, Corrected(transfer.correct)))
+    snes.setFASRestriction(level, _matrix(coarse, fine, Applied(transfer.restrict)))
+    snes.setFASInjection(level, _matrix(coarse, fine, Applied(transfer.inject)))
+    snes.setFASRScale(level, PETSc.Vec().createWithArray(np.ones(coarse), comm=PETSc.COMM_SELF))
+
+
+def _set_defaults(smoothers, database):
+    """Defaults of the smoothers, the coarsest first, and then the user's options."""
+    names = [name + "snes_linesearch_type" for name in ("fas_levels_", "fas_coarse_")]
+    names = [name for name in names if not database.hasName(name)]
+    for name in names:
+        database[name] = "basic"
+    for smoother, _ in smoothers:
+        smoother.setType("newtonls")
+        # A linear solve that stops early is no reason to stop smoothing.
+        smoother.setMaxLinearSolveFailures(1000000)
+        smoother.getKSP().setTolerances(rtol=0.1)
+    smoothers[0][0].setTolerances(rtol=1e-2, atol=1e-9, stol=0.0)
+    for smoother, _ in smoothers:
+        smoother.setFromOptions()
+    for name in names:
+        database.delValue(name)

@@ -1,14 +1,16 @@
 """PETSc started with the arguments of a command, and what its database asks for: settings, branch, versions."""
 
 import importlib
+import os
 import platform
 import signal
 import sys
+from pathlib import Path
 from typing import NamedTuple
 
-from . import __version__, scene as scenes
+from . import __version__, methods, scene as scenes
 from .load import Load
-from .options import check_names, check_values, database, petsc_arguments, read
+from .options import check_names, check_values, database, install, petsc_arguments, read
 from .scene import OPTION_CLASSES
 from .settings import InputError
 
@@ -47,6 +49,40 @@ def start_petsc(arguments):
     settings = Settings(*map(read, OPTION_CLASSES))
     scenes.check(settings.scene, settings.load, settings.steps)
     return settings
+
+
+def start_comparison(arguments, log):
+    """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the stem of its files."""
+    scene, paths, words = methods.split(arguments)
+    settings = start_petsc([scene, *words])
+    check_names((methods.CompareOptions,))
+    asked, given = read(methods.CompareOptions), database()
+    stem = Path(asked.file or f"comparison-{Path(scene).stem}")
+    _check_files(stem, asked.overwrite)
+    branch = create_branch(settings)
+    typed = {name: given[name] for name in methods.entries(words) if name in given}
+    found = methods.read_methods(paths, typed)
+    for method in found:
+        install({**given, **method.entries})
+        try:
+            check_names(solver_options())
+            check_values(solver_options())
+            check_classes()
+            read(scenes.Form)
+        except InputError as error:
+            raise InputError(f"method {method.name}: {error}") from None
+    from .compare import Comparison
+
+    return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
+
+
+def _check_files(stem, overwrite):
+    """InputError unless a comparison can write its files."""
+    if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
+        raise InputError(f"-compare_file is '{stem}': its folder does not exist or cannot be written; name another")
+    there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png")) if path.exists()]
+    if there and not overwrite:
+        raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, another -compare_file leaves it alone")
 
 
 def check_classes():

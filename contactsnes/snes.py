@@ -7,6 +7,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from .laws import SOFTENING
+from .multigrid import create_levels
 from .options import read
 from .settings import Options, option
 
@@ -59,20 +60,9 @@ class RegularisedStep:
         return True
 
 
-def create_snes(form, prefix=""):
-    """The SNES of a form, set up by our defaults and then by the user's options.
-
-    Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the form's own
-    preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
-    """
-    database = PETSc.Options(prefix)
-    # Older petsc4py destroys objects late; their forms hold memory of the problem's size.
-    getattr(PETSc, "garbage_cleanup", lambda: None)()
-    snes = PETSc.SNES().create(PETSc.COMM_SELF)
-    snes.setOptionsPrefix(prefix)
-    work = PETSc.Vec().createSeq(form.size)
-    snes.appctx = form
-    snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), work)
+def equip(snes, form):
+    """Give a SNES a form's function and exact Jacobian, and our defaults for its linear systems."""
+    snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), PETSc.Vec().createSeq(form.size))
     matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
     matrix.setUp()
 
@@ -84,17 +74,34 @@ def create_snes(form, prefix=""):
             preconditioner.assemble()
 
     snes.setJacobian(linearise, matrix, matrix)
-    kind = database.getString("snes_type", "newtonls")
-    newton = kind.startswith("newton")
-    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200 if newton else 10000)
-    if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
-        snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=150)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
+
+
+def create_snes(form, prefix=""):
+    """The SNES of a form, set up by our defaults and then by the user's options.
+
+    Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the form's own
+    preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
+    """
+    database = PETSc.Options(prefix)
+    # Older petsc4py destroys objects late; their forms hold memory of the problem's size.
+    getattr(PETSc, "garbage_cleanup", lambda: None)()
+    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    snes.setOptionsPrefix(prefix)
+    snes.appctx = form
+    equip(snes, form)
+    kind = database.getString("snes_type", "newtonls")
+    newton = kind.startswith("newton")
+    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200 if newton else 10000)
+    if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
+        snes.setConvergenceTest(displacement_test, (form,))
+    ksp = snes.getKSP()
+    smoothers = create_levels(snes, form, equip) if kind == "fas" else []
     if newton and not database.hasName("ksp_rtol"):
         snes.setUseEW(True)
         snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
@@ -108,9 +115,10 @@ def create_snes(form, prefix=""):
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     regularised = read(NewtonOptions, prefix)
-    for solver in (snes, snes.getNPC()) if snes.hasNPC() else (snes,):
+    solvers = [(snes, form), *([(snes.getNPC(), form)] if snes.hasNPC() else []), *smoothers]
+    for solver, its_form in solvers:
         if regularised.gap and solver.getType() == "newtonls":
-            solver.setLineSearchPreCheck(RegularisedStep(form, regularised.stiffness))
+            solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
     return snes
 
 

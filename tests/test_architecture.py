@@ -52,12 +52,17 @@ TABLE = (
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),
+    Row("recorder", "a corrector whose solves leave a history", LOAD_PATH),
     Row("relaxation", "damped dynamics as SNES types", (*LOAD_PATH, "continuation", "preconditioners")),
     Row("stability", "unstable modes of a point", LOAD_PATH),
     Row("archive", "points in a file and back", PHYSICS + SOLVERS),
+    Row("tables", "tables in files", PHYSICS + SOLVERS),
     Row("run", "a scene to its branch, from Python", ("archive",)),
-    Row("compare", "several methods on one scene"),
+    Row("methods", "methods as files of options, and the options of a comparison", PHYSICS + SOLVERS),
+    Row("compare", "several methods on one scene, on equal terms", ("laws", "geometry", "elasticity", "forms", "archive")),
+    Row("comparison_table", "a comparison as table, text and files", PHYSICS + SOLVERS),
     Row("plots", "figures of archives", SOLVERS),
+    Row("comparison_figure", "the figure of a comparison", PHYSICS + SOLVERS),
     Row("summary", "what would be solved, in words", PHYSICS[:-1] + SOLVERS),
     Row("progress", "lines and a bar on points as they come", PHYSICS + SOLVERS + ("states",)),
     Row("session", "PETSc started with a command's arguments, and what its database asks for", PHYSICS),
@@ -66,15 +71,16 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "snes", "corrector", "preconditioners", "relaxation", "stability", "session", "cli"},
-    "matplotlib": {"plots"},
-    "h5py": {"archive", "geometry"},
+    "petsc4py": {"options", "snes", "corrector", "preconditioners", "relaxation", "stability", "compare", "session",
+                 "cli"},
+    "matplotlib": {"plots", "comparison_figure"},
+    "h5py": {"archive", "geometry", "tables"},
     "pyfftw": {"fourier"},
 }
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "arclength", "states",
-                 "reference", "observables", "points", "folds", "continuation", "options", "motion", "archive")
+                 "reference", "observables", "points", "folds", "continuation", "options", "motion", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]
