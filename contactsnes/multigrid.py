@@ -22,7 +22,7 @@ from .settings import InputError, Options, option
 STIFFNESS = 1.5 * SOFTENING
 """kappa of the regularised gap in which grids exchange gaps, phi_n/delta_n^2 of the finer grid's law."""
 
-LEVELS, SMALLEST = 4, 32
+LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
 
 
@@ -152,7 +152,7 @@ def _matrix(rows, columns, context):
 
 
 def count_levels(form, database):
-    """Number of grids: -snes_fas_levels, by default what the grid allows, up to four. InputError where it does not."""
+    """Number of grids: -snes_fas_levels, by default what the grid allows, up to three. InputError where it does not."""
     shape, allowed = np.array(form.grid.shape), 1
     while np.all(shape % 4 == 0) and np.all(shape // 2 >= SMALLEST):
         shape, allowed = shape // 2, allowed + 1
@@ -232,8 +232,6 @@ def _set_defaults(smoothers, database):
         database[name] = "basic"
     for smoother, _ in smoothers:
         smoother.setType("newtonls")
-        # A linear solve that stops early is no reason to stop smoothing.
-        smoother.setMaxLinearSolveFailures(1000000)
         smoother.getKSP().setTolerances(rtol=0.1)
     smoothers[0][0].setTolerances(rtol=1e-2, atol=1e-9, stol=0.0)
     for smoother, _ in smoothers:

@@ -162,9 +162,9 @@ def read(cls, prefix=""):
     from petsc4py import PETSc
 
     options = PETSc.Options(prefix + cls.prefix)
-    for field in dataclasses.fields(cls):
-        options.hasName(field.name)
-    return _instance(cls, database(), prefix)
+    given = [options.hasName(field.name) for field in dataclasses.fields(cls)]
+    # Solvers ask often, and for little: the whole database takes milliseconds.
+    return _instance(cls, database(), prefix) if any(given) else cls()
 
 
 def _instance(cls, entries, prefix=""):

@@ -25,9 +25,9 @@ from contactsnes.scene import Scene, Steps  # noqa: E402
 ROOT = Path(__file__).resolve().parents[1]
 OPTIONS = ROOT / "options"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
-SMALL = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": 50.0, "residual_friction": 0.5}
-PATH = "normal_displacement=1; normal_displacement=hold, tangential_displacement=3"
-STEPS = {"initial_step": (0.5, 1.5), "largest_step": (0.5, 1.5)}
+SMALL = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": 250.0, "residual_friction": 0.5}
+PATH = "normal_displacement=1; normal_displacement=hold, tangential_displacement=12"
+STEPS = {"initial_step": (0.5, 6.0), "largest_step": (0.5, 6.0)}
 
 NEWTON = Method("newton", {})
 WHOLE = Method("newton, whole cell", {"contact_window": "off"})
@@ -82,7 +82,7 @@ def test_every_method_gets_every_point(plain):
 def test_reference_is_solved_to_rounding(plain):
     assert max(target.point.residual_norm for target in plain.targets) < 1e-12
     assert [target.point.load[0] for target in plain.targets] == [0, 0.5, 1, 1, 1]
-    assert [target.point.load[-1] for target in plain.targets[3:]] == [1.5, 3]
+    assert [target.point.load[-1] for target in plain.targets[3:]] == [6, 12]
 
 
 def test_errors_are_true_and_small(plain):
@@ -106,8 +106,8 @@ def test_errors_follow_the_tolerance():
 
 def test_counts(plain):
     """Where relations between counts are known, they hold: products and residuals cost what the forms say."""
-    for result in plain.results["fire"]:
-        counts, components = result.counts, 1 if result in plain.results["fire"][:3] else 2
+    for result, target in zip(plain.results["fire"], plain.targets):
+        counts, components = result.counts, len(target.point.load)
         assert counts["jacobian_products"] == counts["linear_iterations"] == 0
         assert counts["function_evaluations"] >= counts["nonlinear_iterations"] > 10
         assert counts["transforms"] == pytest.approx(2 * components * counts["function_evaluations"], abs=16 * components)
@@ -139,7 +139,7 @@ def test_histories_are_those_of_solves(plain):
             result = plain.results[method.name][place]
             transforms, seconds, norms = result.history().T
             assert (np.diff(transforms) >= 0).all() and (np.diff(seconds) >= 0).all()
-            assert transforms[-1] <= result.counts["transforms"] * 1.001 and len(norms) == result.counts["nonlinear_iterations"] + 1
+            assert transforms[-1] <= result.counts["transforms"] * 1.001 and len(norms) > result.counts["nonlinear_iterations"]
             # what relaxation reports is an upper bound; the last norm passed the test
             assert result.residual_norm * 0.99 <= norms[-1] <= 1e-8
 

@@ -1,0 +1,77 @@
+"""A seeded sample of the stress test: outcomes are what they are called, and nothing ends unnamed."""
+
+import csv
+import dataclasses
+import importlib.machinery
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "stress"
+SAMPLE = ("normal_maugis:1", "cold_force:-5", "cold_force:3", "start:overlap 30", "start:nan 1", "controls:D")
+
+
+@pytest.fixture(scope="module")
+def stress():
+    """The script as a module, without bytecode beside it."""
+    loader = importlib.machinery.SourceFileLoader("stress", str(SCRIPT))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("stress", loader))
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    sys.modules["stress"] = module
+    loader.exec_module(module)
+    sys.dont_write_bytecode = before
+    return module
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+    """(exit status, folder, rows of the table) of a few cases."""
+    folder = tmp_path_factory.mktemp("stress")
+    words = [word for name in (*SAMPLE, "random:2") for word in ("--only", name)]
+    process = subprocess.run([sys.executable, SCRIPT, "--limit", "10", "--results", folder, *words], capture_output=True,
+                             text=True)
+    assert (folder / "stress-default.csv").is_file(), process.stderr
+    with open(folder / "stress-default.csv", newline="", encoding="utf-8") as file:
+        return process.returncode, folder, {f"{row['axis']}:{row['value']}": row for row in csv.DictReader(file)}
+
+
+def test_sample_of_hard_cases_is_solved_by_the_default_settings(stress, sample):
+    status, _, rows = sample
+    assert set(rows) == {*SAMPLE, "random:2"}
+    assert {name: row["reason"] for name, row in rows.items() if row["outcome"] not in stress.SOUND} == {}
+    assert status == 0
+
+
+def test_end_of_branch_is_named(sample):
+    row = sample[2]["cold_force:-5"]
+    assert row["outcome"] == "no equilibrium" and "no equilibrium" in row["reason"]
+
+
+def test_map_is_drawn(sample):
+    assert (sample[1] / "stress-default.png").stat().st_size > 10000
+
+
+def test_cases_are_many_and_the_same_every_time(stress):
+    cases = list(stress.axes(False))
+    assert len({(case.axis, case.label) for case in cases}) == len(cases) > 100
+    drawn = [stress.random_case(1, number) for number in range(200)]
+    assert drawn == [stress.random_case(1, number) for number in range(200)]
+    assert len({str(case.options) for case in drawn}) == 200
+
+
+@pytest.mark.parametrize("outcome", ("wrong", "unhandled", "crashed", "timeout"))
+def test_nothing_ends_in_silence(stress, tmp_path, monkeypatch, outcome):
+    """Children that misbehave are outcomes: the script's own process stands in for them."""
+    child = {"wrong": 'print(\'{"outcome": "wrong", "reason": "made up"}\')',
+             "unhandled": 'print(\'{"outcome": "unhandled", "reason": "ZeroDivisionError"}\')',
+             "crashed": "import os; os.abort()", "timeout": "import os, signal; os.kill(os.getpid(), signal.SIGXCPU)"}
+    script = tmp_path / "child.py"
+    script.write_text(child[outcome])
+    monkeypatch.setattr(stress, "__file__", str(script))
+    case = next(stress.axes(True))
+    result = stress.judged(case, [], 5, compared=False)
+    assert result.outcome == outcome and result.reason
+    assert dataclasses.asdict(result)["outcome"] not in stress.SOUND
