@@ -193,7 +193,7 @@ class Comparison:
             for method in [*self.methods[turn:], *self.methods[:turn]]:
                 self._follow(method, timed=number > 0)
                 if not number:
-                    self.log(self._verdict(method))
+                    self.log(self.verdict(method))
                 save()
             self.passes = number
         save()
@@ -270,7 +270,7 @@ class Comparison:
         results = self.results[method.name]
         return not self.path_failure and bool(results) and all(result.outcome == CONVERGED for result in results)
 
-    def _verdict(self, method):
+    def verdict(self, method):
         """How a method did, in words."""
         results = self.results[method.name]
         text = f"{method.name}: {sum(result.outcome == CONVERGED for result in results)} of {len(results)} points"

@@ -18,6 +18,7 @@ WIDTH, PANEL = 17.0 / 2.54, 4.6 / 2.54
 """Width of the figure and height of a row of panels, inches."""
 COLUMNS = 4
 """Columns of the legend."""
+BLANK = Line2D([], [], linestyle="none", label=" ")
 
 HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "others": "Greens",
         "dynamic relaxation": "Oranges"}
@@ -43,7 +44,7 @@ def plot_comparison(paths, output):
     rows = [(record, place) for record in records for place in sorted(record["histories"], key=int)]
     styles = _styles(records)
     with matplotlib.rc_context(STYLE):
-        below = 0.5 + 0.16 * -(-len(styles) // COLUMNS)
+        below = 0.3 + 0.155 * _tall(styles)
         figure = Figure((WIDTH, len(rows) * PANEL + below), layout="constrained")
         above, foot = figure.subfigures(2, 1, height_ratios=(len(rows) * PANEL, below))
         panels = above.subplots(len(rows), 2, squeeze=False, sharey="row")
@@ -92,12 +93,25 @@ def _draw_row(panels, record, place, styles):
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_major_locator(LogLocator(numticks=8))
     first = max((history[0, 2] for name, history in histories.items() if name != "title" and len(history)), default=1.0)
-    panels[0].set_ylim(3e-10, 30.0 * first if np.isfinite(first) else 1e3)
+    panels[0].set_ylim(1e-10, 10.0 * first if np.isfinite(first) else 1e3)
     panels[0].set_ylabel("residual norm")
     panels[0].set_title(f"{record['name']}: {str(histories['title']).replace('_', ' ')}", loc="left")
 
 
 def _legend(figure, styles):
-    """Legend below, a column or more for each family."""
-    handles = [Line2D([], [], **look, label=name) for name, (_, look) in styles.items()]
-    figure.legend(handles=handles, loc="center", ncols=min(COLUMNS, len(handles)), handlelength=2.6)
+    """Legend with a heading for each family, which does not stand last in a column."""
+    tall, entries, previous = _tall(styles), [], None
+    for name, (family, look) in styles.items():
+        if family != previous:
+            entries += [BLANK] * (len(entries) % tall == tall - 1)
+            entries.append(Line2D([], [], linestyle="none", label=f"$\\bf{{{family}}}$".replace(" ", "\\ ")))
+        entries.append(Line2D([], [], **look, label=name))
+        previous = family
+    entries += [BLANK] * (-len(entries) % tall)
+    figure.legend(handles=entries, loc="upper center", ncols=len(entries) // tall, handlelength=2.6, columnspacing=1.5)
+
+
+def _tall(styles):
+    """Rows of the legend."""
+    families = len({family for family, _ in styles.values()})
+    return max(3, -(-(len(styles) + 2 * families) // COLUMNS))

@@ -94,12 +94,10 @@ def lines(comparison):
             "displacement in ranges of the law, force, contact area."]
     for stage in dict.fromkeys(row["stage"] for row in table):
         text += ["", stage, heading, *(_line(row, width) for row in table if row["stage"] == stage)]
-    left = [row for row in table if row["failed_at"]]
+    left = [comparison.verdict(method) for method in comparison.methods
+            if any(result.outcome != CONVERGED for result in comparison.results[method.name])]
     if left:
-        text += ["", "Points that were not found:"]
-        text += [f"  {row['method']:{width}} {row['stage'].partition(',')[0]}: {row['failed']} failed, {row['elsewhere']} on another "
-                 f"branch, {row['points'] - row['found'] - row['failed'] - row['elsewhere']} not tried; first at {row['failed_at']}: "
-                 f"{row['reason']}" for row in left]
+        text += ["", "Points that were not found:", *(f"  {verdict}" for verdict in left)]
     if comparison.path_failure:
         text += ["", f"The path has no end: {comparison.path_failure}"]
     done = [method.name for method in comparison.methods if comparison.finished(method)]

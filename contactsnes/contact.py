@@ -87,9 +87,10 @@ class Contact:
         scene, kept = self.scene, (slice(None, None, 2),) * len(self.grid.shape)
         points = tuple(n // 2 for n in self.grid.shape)
         sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
-        softened = replace(scene, points=points if scene.dimension == 2 else points[0],
-                           normal_maugis=min(scene.normal_maugis, sharpest),
-                           tangential_maugis=min(scene.tangential_maugis, sharpest))
+        normal = min(scene.normal_maugis, sharpest)
+        softened = replace(scene, points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
+                           tangential_maugis=min(scene.tangential_maugis, sharpest),
+                           contact_threshold=scene.contact_threshold * normal / scene.normal_maugis)
         coarse = Contact(softened, -self.initial_gap[kept], self.grid.counter)
         coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
         return coarse

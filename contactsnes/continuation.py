@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from .folds import Turn
-from .points import NotConverged, lagrange_weights
+from .points import NoFold, NotConverged, lagrange_weights
 
-SHORT = 0.1
-"""Steps that had to be cut below this part of the leg's initial one look like a fold: arc length finds out."""
+SHORT = 1.0 / 40.0
+"""Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
 KICKS = (0.1, 0.3, 1.0, 3.0)
 """How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back."""
 
@@ -62,7 +62,7 @@ class Walk:
     def __iter__(self):
         position, point = self.history[-1]
         step = point.step if point.leg == self.leg.number and point.step > 0.0 else self.leg.initial
-        failures = 0
+        failures, searched = 0, None
         while self.history[-1][0] < 1.0:
             position = self.history[-1][0]
             # The last two steps share what is left, so that none is tiny.
@@ -74,11 +74,21 @@ class Walk:
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the next one is {step:.3g} of the leg")
-                if failures >= 2 or step < max(self.leg.smallest, SHORT * self.leg.initial):
-                    yield from self._fold(error)
+                short = min(self.leg.initial, SHORT)
+                if searched != position and (step < self.leg.smallest or step < 0.1 * short or failures > 1 and step < short):
+                    searched, before = position, self.history[-1][1]
+                    try:
+                        yield from self._fold(error)
+                    except NoFold as lost:
+                        if step < self.leg.smallest:
+                            raise
+                        self.system.log(f"{lost}: going on with shorter steps")
                     if self.stopped:
                         return
-                    failures, step = 0, self.leg.initial
+                    if self.history[-1][1] is not before:
+                        failures, step, searched = 0, self.history[-1][1].step, None
+                elif step < self.leg.smallest:
+                    raise
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .points import NotConverged, lagrange_weights
+from .points import NoFold, NotConverged, lagrange_weights
 
 FOLD_TOLERANCE = 1e-6
 """Relative accuracy in the load to which a fold is located; a step of the search promises less than this."""
@@ -19,9 +19,13 @@ class Turn:
     def search(self, error):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past the trouble.
 
-        Raises NotConverged (``error`` again) where no solution can be followed any further.
+        Raises NoFold (``error`` again) where no solution can be followed any further.
         """
-        trail, begin = self._trail(), self.history[-1][0]
+        begin = self.history[-1][0]
+        try:
+            trail = self._trail()
+        except NotConverged as second:
+            raise NoFold(f"{error}; no neighbour was found either: {second}") from None
         end = min(begin + self.leg.largest, 1.0)
         first = length = self.system.distance(trail[0][1].state, trail[1][1].state)
         for _ in range(self.most):
@@ -30,7 +34,7 @@ class Turn:
             except NotConverged as second:
                 length *= 0.25
                 if length < 1e-4 * first:
-                    raise NotConverged(f"{error}; following the branch by arc length failed too: {second}") from None
+                    raise NoFold(f"{error}; following the branch by arc length failed too: {second}") from None
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
@@ -44,7 +48,10 @@ class Turn:
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
                 length *= min(1.7, self.leg.largest / (place - trail[-2][0]))
-        raise NotConverged(f"{error}; arc length made no headway either")
+        ahead = trail[-1][0]
+        if ahead > begin + 2.0 * self.leg.smallest:
+            return None, None, self._natural(trail, min(ahead, 1.0))
+        raise NoFold(f"{error}; arc length made no headway either")
 
     def _slopes(self, trail):
         """Places on the arc of three points, and d(position)/d(arc length) there by the parabola through them."""
@@ -91,7 +98,8 @@ class Turn:
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
                 if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)):
-                    return replace(point, leg=self.leg.number, position=target, step=self.leg.initial)
+                    reached = min(self.leg.initial, target - self.history[-1][0])
+                    return replace(point, leg=self.leg.number, position=target, step=max(reached, self.leg.smallest))
             except NotConverged:
                 pass
             half = self._at(first, before, second, behind, -0.5 * self.system.distance(first.state, second.state))

@@ -58,7 +58,7 @@ class Grid:
     ----------
     shape : points in each direction, one or two even numbers
     periods : period in each direction, beta
-    counter : the grid that counts this one's transforms too, in units of its own (default this one)
+    counter : the grid that counts this one's transforms, in its own units (default this one)
     """
 
     def __init__(self, shape, periods, counter=None):
@@ -146,8 +146,6 @@ class Window:
     def __eq__(self, other):
         return self.start == other.start and self.shape == other.shape
 
-    __hash__ = None
-
     @property
     def is_whole(self):
         """Whether the window is the whole cell."""
@@ -184,8 +182,7 @@ class Window:
         mask = np.zeros(self.shape, dtype=bool)
         for axis, (n, total) in enumerate(zip(self.shape, self.grid.shape)):
             if n < total:
-                edge = np.moveaxis(mask, axis, 0)
-                edge[[0, -1]] = True
+                np.moveaxis(mask, axis, 0)[[0, -1]] = True
         return mask.reshape(-1)
 
     def area_below(self, values, level):

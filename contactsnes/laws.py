@@ -47,12 +47,15 @@ class Law:
         return peak, peak * (1.0 - 2.0 * slip * slip)
 
     def _normal(self, a):
-        """N(a), N'(a), h(a), h'(a), each continued linearly below ``DEEPEST``."""
+        """N(a), N'(a), exp(-a), and the depth below ``DEEPEST``, where the first continues linearly and exp(-a) ends."""
+        if not np.min(a, initial=0.0) < DEEPEST:
+            decay = np.exp(-a)
+            return a * decay, (1.0 - a) * decay, decay, 0.0
         depth = np.minimum(a - DEEPEST, 0.0)
         bounded = a - depth
         decay = np.exp(-bounded)
         slope = (1.0 - bounded) * decay
-        return bounded * decay + slope * depth, slope, decay * (1.0 - depth), -decay
+        return bounded * decay + slope * depth, slope, decay, depth
 
     def traction(self, gap, out=None):
         """Tractions t(g) at every node (eq. 3 or 5).
@@ -80,7 +83,7 @@ class Law:
 
         ``traction`` may be ``gap`` itself.
         """
-        normal, normal_slope, held, held_slope = self._normal(gap[0])
+        normal, normal_slope, decay, depth = self._normal(gap[0])
         if len(gap) == 1:
             traction[0] = normal
             if tangent is not None:
@@ -91,6 +94,7 @@ class Law:
         slip = np.sqrt(squared_slip)
         fading, fading_slope = self._fading(squared_slip)
         secant, friction_slope = self._friction(slip)
+        held, held_slope = decay * (1.0 - depth), -decay
         if self.decoupled_in_overlap:
             overlap = gap[0] <= 0.0
             fading, fading_slope = np.where(overlap, 1.0, fading), np.where(overlap, 0.0, fading_slope)
@@ -126,17 +130,20 @@ class Law:
         new = np.where(target < 0.0, -np.log1p(-stiffness * np.minimum(target, 0.0)), target)
         # a and w have one sign, and N(a) is at most 1/e, and negative in overlap: a lies between these.
         low, high = np.where(target > 0.0, target - NORMAL_PEAK / stiffness, target), np.maximum(target, 0.0)
+        nodes, now = np.arange(len(target)), new.copy()
         for _ in range(60):
-            normal, slope, _, _ = self._normal(new)
-            excess = new + normal / stiffness - target
-            low, high = np.where(excess < 0.0, new, low), np.where(excess > 0.0, new, high)
-            trial = new - excess / (1.0 + slope / stiffness)
-            inside = (trial >= low) & (trial <= high)
-            trial = np.where(inside, trial, 0.5 * (low + high))
-            if np.all(np.abs(trial - new) <= 1e-10 * (1.0 + np.abs(trial))):
+            normal, slope, _, _ = self._normal(now)
+            excess = now + normal / stiffness - target
+            low, high = np.where(excess < 0.0, now, low), np.where(excess > 0.0, now, high)
+            trial = now - excess / (1.0 + slope / stiffness)
+            trial = np.where((trial >= low) & (trial <= high), trial, 0.5 * (low + high))
+            # Most nodes are done long before the last.
+            going = ~(np.abs(trial - now) <= 1e-10 * (1.0 + np.abs(trial)))
+            new[nodes] = trial
+            if not going.any():
                 break
-            new = trial
-        return trial
+            nodes, now, target, low, high = (values[going] for values in (nodes, trial, target, low, high))
+        return new
 
     def regularised_step(self, gap, step, stiffness):
         """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) / stiffness.

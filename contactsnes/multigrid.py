@@ -7,6 +7,7 @@ coarse grid resolves its cohesive zone and the edge of contact does not stick be
 """
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import ClassVar
 
 import numpy as np
@@ -24,6 +25,12 @@ STIFFNESS = 1.5 * SOFTENING
 
 LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
+
+CYCLES = 50
+"""Most cycles by default: those that converge take up to ten."""
+
+REFUSED = ("snes_fas_continuation", "snes_fas_full_total", "snes_fas_galerkin", "snes_fas_use_coarse_correction_linesearch")
+"""Flags of PETSc that need linear transfers, or smoothers of their own."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,8 @@ class Transfer:
         lines = [_line(*sizes) for sizes in zip(fine.window.start, fine.window.shape, fine.grid.shape)]
         self.nodes = lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
         self.restriction = (self.nodes.T / 2 ** len(lines)).tocsr()
-        self.kept = (self.nodes == 1.0).tocsc().indices
+        even = [np.arange(start, start + extent) % 2 == 0 for start, extent in zip(fine.window.start, fine.window.shape)]
+        self.kept = np.flatnonzero(reduce(np.logical_and.outer, even))
         self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
         self.scalars = self.ranges[fine.forced]
         self.stiffness = STIFFNESS / self.ranges[0] ** 2
@@ -62,10 +70,11 @@ class Transfer:
     def inject(self, unknown, out):
         """out = I unknown: every other node, the coarse gap being that of the same w."""
         fine, coarse = self.fine, self.coarse
-        gap = fine.gap(unknown)[:, self.kept] * self.ranges[:, None]
-        regularised = self.ranges[0] * fine.contact.law.regularised(fine.gap(unknown)[0, self.kept], STIFFNESS)
-        gap[0] = coarse.contact.law.gap_of_regularised(regularised, self.stiffness) - coarse.initial_gap
-        out[:coarse.count] = gap.reshape(-1) / coarse.root
+        field = fine.gap(unknown)[:, self.kept]
+        field[0] = fine.contact.law.regularised(field[0], STIFFNESS)
+        field *= self.ranges[:, None]
+        field[0] = coarse.contact.law.gap_of_regularised(field[0], self.stiffness) - coarse.initial_gap
+        out[:coarse.count] = field.reshape(-1) / coarse.root
         out[coarse.count:] = self.scalars * unknown[fine.count:]
         self.injected[:] = out
 
@@ -79,14 +88,13 @@ class Transfer:
     def correct(self, change, unknown, out):
         """out = unknown, perhaps the same array, corrected by P change, with change from what was injected last."""
         fine, coarse = self.fine, self.coarse
-        field, gap = coarse.displacement(change), coarse.gap(self.injected)[0].copy()
-        field[0] = coarse.contact.law.regularised(gap + field[0], self.stiffness) - coarse.contact.law.regularised(gap, self.stiffness)
-        change_of_scalars = change[coarse.count:] / self.scalars
+        field, gap, law = coarse.displacement(change), coarse.gap(self.injected)[0], coarse.contact.law
+        field[0] = law.regularised(gap + field[0], self.stiffness) - law.regularised(gap, self.stiffness)
         field = (field / self.ranges[:, None]) @ self.nodes.T
         gap, law = fine.gap(unknown)[0], fine.contact.law
         field[0] = law.gap_of_regularised(law.regularised(gap, STIFFNESS) + field[0], STIFFNESS) - gap
         np.add(unknown[:fine.count], field.reshape(-1) / fine.root, out=out[:fine.count])
-        np.add(unknown[fine.count:], change_of_scalars, out=out[fine.count:])
+        np.add(unknown[fine.count:], change[coarse.count:] / self.scalars, out=out[fine.count:])
 
 
 def _line(start, extent, total):
@@ -167,13 +175,13 @@ def _check(form, database):
     """InputError for what these grids cannot do."""
     if form.name != "displacement":
         raise InputError("-snes_type is 'fas': it needs -contact_form displacement")
-    kind = database.getString("snes_fas_type", "multiplicative")
-    if kind == "additive":
+    if database.getString("snes_fas_type", "multiplicative").lower() == "additive":
         raise InputError("-snes_fas_type is 'additive': corrections between these grids are not linear; take multiplicative, full "
                          "or kaskade")
-    for name in ("snes_fas_galerkin", "snes_fas_full_total"):
+    for name in REFUSED:
         if database.getBool(name, False):
-            raise InputError(f"-{name} is true: allowed is false, as corrections between these grids are not linear")
+            raise InputError(f"-{name} is 'true': between these grids, which exchange changes of regularised gaps, only false is "
+                             "allowed")
 
 
 def create_levels(snes, form, equip):
@@ -194,6 +202,7 @@ def create_levels(snes, form, equip):
     for _ in range(count_levels(form, database) - 1):
         forms.append(CoarseForm(forms[-1], resolution))
     snes.setType("fas")
+    snes.setTolerances(max_it=CYCLES)
     snes.setFASLevels(len(forms))
     smoothers = []
     for level, own in enumerate(reversed(forms)):

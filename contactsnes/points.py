@@ -9,6 +9,10 @@ class NotConverged(RuntimeError):
     """A solve ended without a converged point; the message names PETSc's reasons."""
 
 
+class NoFold(NotConverged):
+    """The search along the arc found neither a fold nor a way past the trouble."""
+
+
 class NoEquilibrium(RuntimeError):
     """No equilibrium exists under the present loads: the body leaves, or slides without end."""
 

@@ -27,9 +27,9 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import motion, preconditioners, snes
+    from . import motion, multigrid, preconditioners, snes
 
-    return (snes.NewtonOptions, preconditioners.CoreOptions, motion.VerletOptions, motion.FireOptions)
+    return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, motion.VerletOptions, motion.FireOptions)
 
 
 def start_petsc(arguments):

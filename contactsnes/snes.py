@@ -117,8 +117,7 @@ def create_snes(form, prefix=""):
     regularised = read(NewtonOptions, prefix)
     solvers = [(snes, form), *([(snes.getNPC(), form)] if snes.hasNPC() else []), *smoothers]
     for solver, its_form in solvers:
-        asked = solver.getType() == "newtonls" or database.hasName("snes_regularised_gap")
-        if regularised.gap and asked:
+        if regularised.gap and solver.getType() == "newtonls":
             solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
     return snes
 

@@ -25,7 +25,7 @@ class Row(NamedTuple):
 
 
 PHYSICS = ("laws", "geometry", "elasticity", "contact", "reference")
-SOLVERS = ("snes", "corrector", "preconditioners", "motion", "relaxation", "stability")
+SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "relaxation", "stability")
 LOAD_PATH = ("load", "scene.Steps")
 
 TABLE = (
@@ -49,6 +49,7 @@ TABLE = (
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("motion", "damped dynamics towards the balance, without PETSc", (*LOAD_PATH, "continuation")),
+    Row("multigrid", "coarser grids for the full approximation scheme", (*LOAD_PATH, "continuation")),
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),
@@ -71,7 +72,7 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "snes", "corrector", "preconditioners", "relaxation", "stability", "compare", "session",
+    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "stability", "compare", "session",
                  "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},

@@ -1,6 +1,8 @@
 """Methods compared: counts, errors, failures, other branches, files, figure, exit statuses; and PETSc's database in between."""
 
 import csv
+import importlib.machinery
+import importlib.util
 import os
 import subprocess
 import sys
@@ -419,3 +421,33 @@ def test_bad_input(scene, arguments, words):
 def test_help(tmp_path):
     done = call("-help", folder=tmp_path)
     assert done.returncode == 0 and "-compare_repeats" in done.stdout and "-snes_fire_time_step" in done.stdout
+
+
+# The script behind the README's figure
+
+
+def script():
+    """The module of scripts/compare."""
+    loader = importlib.machinery.SourceFileLoader("script_compare", str(ROOT / "scripts" / "compare"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+def test_script_reports_what_was_measured(tmp_path):
+    equal = Method("equal", {**FIRE.entries, "snes_python_type": "contactsnes.relaxation.Verlet", "snes_verlet_masses": "equal"})
+    comparison, _ = compared(NEWTON, FIRE, equal, HASTY)
+    comparison_table.save(comparison, tmp_path / "small", {})
+    text = script().report({"small": tables.read_hdf5(tmp_path / "small.h5")[1]})
+    lines = {line.split("|")[1].strip(): line for line in text.splitlines() if line.startswith("|")}
+    rows = {row["method"]: row for row in comparison_table.rows(comparison) if row["stage"].startswith("leg 2")}
+    assert f"{rows['equal']['transforms']:.0f} / " in lines["equal"] and lines["hasty"].count("fails") == 3
+    assert f"{rows['equal']['transforms_ratio']:.3g} (equal)" in lines["Verlet with equal masses, transforms"]
+    best = min(rows["fire"]["transforms_ratio"], rows["equal"]["transforms_ratio"])
+    assert f"{best:.3g} (" in lines["the best relaxation, transforms"]
+    assert "- hasty: small, cold start, at normal displacement 0: SNES DIVERGED_MAX_IT" in text
+
+
+def test_readme_has_the_marks_of_the_script():
+    readme, module = (ROOT / "README.md").read_text(encoding="utf-8"), script()
+    assert readme.count(module.BEGIN) == readme.count(module.END) == 1 and readme.index(module.BEGIN) < readme.index(module.END)
