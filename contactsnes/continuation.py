@@ -81,19 +81,27 @@ class Walk:
                         yield from self._fold(error)
                     except NoFold as lost:
                         if step < self.leg.smallest:
-                            raise
+                            self._give_up(target, lost)
                         self.system.log(f"{lost}: going on with shorter steps")
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
                         failures, step, searched = 0, self.history[-1][1].step, None
                 elif step < self.leg.smallest:
-                    raise
+                    self._give_up(target, error)
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
             yield self._accept(replace(point, step=step))
+
+    def _give_up(self, target, error):
+        """Raise NoEquilibrium if motion under the load that failed shows that there is none, else ``error``."""
+        try:
+            self.system.settle(self.history[-1][1].state, self.leg.controls, self.leg.load(target), f"at {self._place(target)}")
+        except NotConverged:
+            pass
+        raise error
 
     def _place(self, position):
         return ", ".join(f"{name} {value:.6g}" for name, value in

@@ -242,7 +242,7 @@ class Corrector:
         snes = create_snes(form, prefix=prefix)
         snes.setType("python")
         snes.setPythonType("contactsnes.relaxation.Fire")
-        snes.setTolerances(atol=tolerance, max_it=200000)
+        snes.setTolerances(atol=tolerance, max_it=50000)
         snes.setFromOptions()
         try:
             return self._newton(form, unknown, None, snes)[0]
