@@ -27,7 +27,7 @@ LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
 
 CYCLES = 50
-"""Most cycles by default: those that converge take up to ten."""
+"""Most cycles by default: solves that converge take four to twenty."""
 
 REFUSED = ("snes_fas_continuation", "snes_fas_full_total", "snes_fas_galerkin", "snes_fas_use_coarse_correction_linesearch")
 """Flags of PETSc that need linear transfers, or smoothers of their own."""

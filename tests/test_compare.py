@@ -32,7 +32,7 @@ PATH = "normal_displacement=1; normal_displacement=hold, tangential_displacement
 STEPS = {"initial_step": (0.5, 6.0), "largest_step": (0.5, 6.0)}
 
 NEWTON = Method("newton", {})
-WHOLE = Method("newton, whole cell", {"contact_window": "off"})
+WHOLE = Method("newton (whole cell)", {"contact_window": "off"})
 FIRE = Method("fire", {"contact_form": "force", "snes_type": "python", "snes_python_type": "contactsnes.relaxation.Fire",
                        "snes_max_it": "100000"})
 FORCE = Method("newton in force form", {"contact_form": "force"})
@@ -116,7 +116,7 @@ def test_counts(plain):
     for result in plain.results["newton"]:
         counts = result.counts
         assert 0 < counts["nonlinear_iterations"] <= counts["linear_iterations"] <= counts["jacobian_products"]
-    for small, large in zip(plain.results["newton"], plain.results["newton, whole cell"]):
+    for small, large in zip(plain.results["newton"], plain.results["newton (whole cell)"]):
         assert large.counts["transforms"] >= small.counts["transforms"] * 0.999
 
 
@@ -324,7 +324,7 @@ def test_options_of_files_and_command_line(tmp_path):
     found = methods.entries(options.read_file(tmp_path / "one.opts"))
     assert found == {"npc_snes_type": "qn", "snes_type": "anderson", "snes_monitor": "", "pc_x": "a b"}
     made = methods.read_methods([tmp_path / "one.opts", OPTIONS / "newton.opts"], {"snes_type": "ncg"})
-    assert [method.name for method in made] == ["one", "newton", "newton, whole cell"]
+    assert [method.name for method in made] == ["one", "newton", "newton (whole cell)"]
     assert all(method.entries["snes_type"] == "ncg" for method in made) and made[2].entries["contact_window"] == "off"
     assert len(methods.read_methods([OPTIONS / "newton.opts"], {"contact_window": "auto"})) == 1
 
@@ -378,7 +378,7 @@ def test_command(scene):
     (scene / "hasty.opts").write_text("-snes_max_it 1\n")
     done = call("scene.opts", OPTIONS / "newton.opts", "hasty.opts", OPTIONS / "fire.opts", "-snes_atol", "1e-7", folder=scene)
     assert done.returncode == 0 and not done.stderr, done.stdout + done.stderr
-    assert "3 of 4 methods finished the path: newton, newton, whole cell, fire" in done.stdout and "DIVERGED_MAX_IT" in done.stdout
+    assert "3 of 4 methods finished the path: newton, newton (whole cell), fire" in done.stdout and "DIVERGED_MAX_IT" in done.stdout
     assert {"comparison-scene.csv", "comparison-scene.h5", "comparison-scene.png"} <= {path.name for path in scene.iterdir()}
     _, content = tables.read_hdf5(scene / "comparison-scene.h5")
     assert all("-snes_atol 1e-7" in text for text in content["methods"]["options"])
