@@ -40,8 +40,9 @@ def call(*arguments, folder, env=ENVIRONMENT):
 
 def start(*arguments, folder, points):
     """A running process that has archived some points in run.h5."""
+    # A shell starts what it puts in the background with SIGINT ignored, and so would all its children be.
     process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     while process.poll() is None:
         time.sleep(0.02)
         if (folder / "run.h5").exists() and archive.read(folder / "run.h5").points >= points:
