@@ -1,16 +1,12 @@
-"""Damped motion of the force form in Fourier space: masses, steps and methods, without PETSc.
+"""Motion of the force form in Fourier space: masses, forces and what can be told of a state, without PETSc.
 
 The balance F(v) = 0 is reached as the rest of m v'' + m c v' = -F(v), with a mass m and a rate c for each wave. The masses are
 stiffnesses: the body's, plus the law's reference tangent, so that the fastest motion has about the frequency 1, the unit of time.
 """
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 
 from .laws import CUTOFF, SLIP
-from .settings import Options, option
 
 RESTING = {1: 0.15, 2: 0.08}
 """Stiffness of the mean displacement of a body in contact over that of the softest wave, by dimension of the interface
@@ -18,44 +14,6 @@ RESTING = {1: 0.15, 2: 0.08}
 
 LEVELLED = 6.0
 """Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12 (dimensionless)."""
-
-
-@dataclass(frozen=True)
-class MassOptions(Options):
-    """What the masses are made of: options of every method."""
-
-    masses: str = option("fourier", "fourier: stiffness of the wave + tangent; equal: the largest of these for every wave",
-                         choices=("equal", "fourier"))
-    tangent: float = option(2.0, "reference tangent of the law that the masses allow for; beyond it they grow",
-                            "phi/delta^2", above=0)
-
-
-@dataclass(frozen=True)
-class VerletOptions(MassOptions):
-    """Options of damped Verlet."""
-
-    prefix: ClassVar[str] = "snes_verlet_"
-    title: ClassVar[str] = "Dynamic relaxation: damped Verlet"
-    time_step: float = option(1.6, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
-    damping: float = option(None, "rate c of the damping m c v' of the slowest motion", kind="number", minimum=0,
-                            default_text="critical, twice its frequency")
-    damping_exponent: float = option(0.4, "the rate grows with the frequency of a wave to this power, from the softest wave on",
-                                     minimum=0, maximum=1)
-
-
-@dataclass(frozen=True)
-class FireOptions(MassOptions):
-    """Options of FIRE; Bitzek's own: growth 1.1, reduction 0.5, delay 5, mixing 0.1, mixing_decay 0.99."""
-
-    prefix: ClassVar[str] = "snes_fire_"
-    title: ClassVar[str] = "Dynamic relaxation: FIRE"
-    time_step: float = option(0.4, "first time step; the fastest motion has about the frequency 1", above=0)
-    largest_time_step: float = option(1.4, "largest time step; stable below about 1.6", above=0)
-    growth: float = option(1.2, "factor of the time step after a step downhill", minimum=1)
-    reduction: float = option(0.7, "factor of the time step after a step uphill", above=0, below=1)
-    delay: int = option(0, "steps downhill before the time step grows", minimum=0)
-    mixing: float = option(0.13, "part of the velocity that is turned towards the force, after a stop", minimum=0, below=1)
-    mixing_decay: float = option(0.99, "factor of the mixing where the time step grows", above=0, maximum=1)
 
 
 class Motion:
@@ -201,6 +159,20 @@ class Motion:
         return (-self.grid.spectral_inner(self.force, self.velocity), self.stiffening * self.grid.spectral_inner(self._work, self.velocity),
                 -self.grid.spectral_inner(self.force, self.acceleration))
 
+    def frequency_moments(self, before, time_step):
+        """Means of the second and fourth power of the frequencies in the last step, weighted by its kinetic energy.
+
+        Rayleigh quotients v' K v' / v' M v' and v' K M^-1 K v' / v' M v' with K v' dt = F - ``before``, the force before the
+        step, which is overwritten. Both are 0 for a body at rest.
+        """
+        change, inner = np.subtract(self.force, before, out=before), self.grid.spectral_inner
+        np.multiply(self.velocity, self.mass, out=self._work)
+        kinetic = self.stiffening * time_step**2 * inner(self._work, self.velocity)
+        if kinetic < np.finfo(float).tiny:
+            return 0.0, 0.0
+        np.multiply(change, self.mobility, out=self._work)
+        return time_step * inner(change, self.velocity) / kinetic, inner(self._work, change) / (self.stiffening * kinetic)
+
     def norm(self):
         """``residual_norm`` of the archive at the present state, to be sure rounded up; no transform."""
         np.multiply(self.force, 1.0 / self.form.root, out=self._work)
@@ -233,53 +205,3 @@ class Motion:
         friction = np.linalg.norm(self.form.contact.law.traction(gap)[1:], axis=0)
         slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
         return bool(slipped.all()) and self.grid.sum(friction) < mean_traction * self.grid.size
-
-
-class DampedVerlet:
-    """Verlet's scheme for a started Motion, damped in proportion to the masses (Verlet 1967; Day 1965 for the damping).
-
-    Where the law's tangent is not symmetric, fast waves need more damping than slow ones: they would flutter.
-    """
-
-    def __init__(self, motion, options):
-        frequencies = motion.frequencies()
-        self.motion, self.time_step = motion, options.time_step
-        self.damping = 2.0 * frequencies.min() if options.damping is None else options.damping
-        softest = frequencies.reshape(len(frequencies), -1)[:, 1:].min()
-        ratios = np.maximum(1.0, np.where(motion.mobility > 0.0, frequencies / softest, 1.0))
-        half = 0.5 * self.time_step * self.damping * ratios**options.damping_exponent
-        self._kept, self._impulse = (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half)
-
-    def step(self):
-        """One time step, the damping central in time."""
-        self.motion.advance(self.time_step, self._kept, self._impulse)
-
-
-class FastInertial:
-    """FIRE for a started Motion (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201): steered, and stopped where it runs uphill.
-
-    In the metric of the masses (Zhou, Moseler and Mueser 2019, Phys. Rev. B 99, 144103), by semi-implicit Euler steps and
-    with half a step back after a stop (Guenole et al. 2020, Comput. Mater. Sci. 175, 109584).
-    """
-
-    def __init__(self, motion, options):
-        self.motion, self.options = motion, options
-        self.time_step, self.mixing, self.downhill = options.time_step, options.mixing, 0
-
-    def step(self):
-        """One time step."""
-        motion, options = self.motion, self.options
-        power, velocity, force = motion.energies()
-        if power < 0.0:
-            self.downhill, self.mixing = 0, options.mixing
-            self.time_step *= options.reduction
-            motion.move(-0.5 * self.time_step)
-            motion.advance(self.time_step, 0.0, self.time_step)
-            return
-        self.downhill += 1
-        if self.downhill > options.delay:
-            self.time_step = min(self.time_step * options.growth, options.largest_time_step)
-            self.mixing *= options.mixing_decay
-        step, force = self.time_step, max(force, np.finfo(float).tiny)
-        turned = self.mixing * np.sqrt((velocity + 2.0 * step * power + step**2 * force) / force)
-        motion.advance(step, 1.0 - self.mixing, (1.0 - self.mixing) * step + turned)

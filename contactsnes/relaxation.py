@@ -1,4 +1,4 @@
-"""Dynamic relaxation of the force form as SNES types: thin contexts around the methods of ``motion``."""
+"""Dynamic relaxation of the force form as SNES types: thin contexts around the methods of ``stepping``."""
 
 from typing import ClassVar
 
@@ -6,7 +6,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from .forms import ForceForm
-from .motion import DampedVerlet, FastInertial, FireOptions, Motion, VerletOptions
+from . import stepping
+from .motion import Motion
 from .options import read
 from .settings import InputError, as_text
 
@@ -31,6 +32,7 @@ class Relaxation:
 
     options_class: ClassVar[type]
     method_class: ClassVar[type]
+    estimates: ClassVar[tuple] = ()
 
     def __init__(self):
         self.options, self.method, self.most_evaluations = self.options_class(), None, np.inf
@@ -105,8 +107,9 @@ class Relaxation:
     def view(self, snes, viewer):
         """What -snes_view prints."""
         values = dict(vars(self.options))
-        if "damping" in values and values["damping"] is None:
-            values["damping"] = "critical" if self.method is None else float(self.method.damping)
+        # What is not given is estimated: at the start, or on the way.
+        values.update({name: "estimated" if self.method is None else float(getattr(self.method, name))
+                       for name in self.estimates if values.get(name) is None})
         text = ", ".join(f"{name} {as_text(value)}" for name, value in values.items())
         viewer.printfASCII(f"  {self.options.title}: {text}\n")
 
@@ -114,10 +117,23 @@ class Relaxation:
 class Verlet(Relaxation):
     """SNES type of damped Verlet: ``-snes_type python -snes_python_type contactsnes.relaxation.Verlet``."""
 
-    options_class, method_class = VerletOptions, DampedVerlet
+    options_class, method_class, estimates = stepping.VerletOptions, stepping.DampedVerlet, ("damping",)
+
+
+class Adaptive(Relaxation):
+    """SNES type of adaptive relaxation: ``-snes_type python -snes_python_type contactsnes.relaxation.Adaptive``."""
+
+    options_class, method_class = stepping.AdaptiveOptions, stepping.AdaptiveRelaxation
+    estimates = ("time_step", "damping")
+
+
+class Kinetic(Relaxation):
+    """SNES type of kinetic damping: ``-snes_type python -snes_python_type contactsnes.relaxation.Kinetic``."""
+
+    options_class, method_class = stepping.KineticOptions, stepping.KineticDamping
 
 
 class Fire(Relaxation):
     """SNES type of FIRE: ``-snes_type python -snes_python_type contactsnes.relaxation.Fire``."""
 
-    options_class, method_class = FireOptions, FastInertial
+    options_class, method_class = stepping.FireOptions, stepping.FastInertial

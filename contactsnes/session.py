@@ -27,9 +27,10 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import motion, multigrid, preconditioners, snes
+    from . import multigrid, preconditioners, snes, stepping
 
-    return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, motion.VerletOptions, motion.FireOptions)
+    return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, stepping.VerletOptions,
+            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions)
 
 
 def start_petsc(arguments):

@@ -25,7 +25,7 @@ class Row(NamedTuple):
 
 
 PHYSICS = ("laws", "geometry", "elasticity", "contact", "reference")
-SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "relaxation", "stability")
+SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "stepping", "relaxation", "stability")
 LOAD_PATH = ("load", "scene.Steps")
 
 TABLE = (
@@ -48,7 +48,8 @@ TABLE = (
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
-    Row("motion", "damped dynamics towards the balance, without PETSc", (*LOAD_PATH, "continuation")),
+    Row("motion", "the dynamics of the balance in Fourier space, without PETSc", (*LOAD_PATH, "continuation")),
+    Row("stepping", "methods of damping a motion, without PETSc", (*LOAD_PATH, "forms", "continuation")),
     Row("multigrid", "coarser grids for the full approximation scheme", (*LOAD_PATH, "continuation")),
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
@@ -81,7 +82,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "arclength", "states",
-                 "reference", "observables", "points", "folds", "continuation", "options", "motion", "archive", "tables", "methods")
+                 "reference", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

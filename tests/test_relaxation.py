@@ -10,10 +10,11 @@ from scipy.optimize import brentq
 from contactsnes.contact import Contact
 from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.laws import Law
-from contactsnes.motion import DampedVerlet, FastInertial, FireOptions, Motion, VerletOptions
+from contactsnes.motion import Motion
 from contactsnes.scene import Scene
+from contactsnes.stepping import DampedVerlet, FastInertial, FireOptions, VerletOptions
 
-METHODS = ("Verlet", "Fire")
+METHODS = ("Verlet", "Adaptive", "Kinetic", "Fire")
 SMALL = {"points": 256, "period": 20.0, "normal_maugis": 2.0, "height": np.inf}
 REASONS = PETSc.SNES.ConvergedReason
 D, F = "displacement", "force"
