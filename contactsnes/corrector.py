@@ -284,7 +284,8 @@ class Corrector:
         snes.solve(None, solution)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
-        self.totals["linear_iterations"] += snes.getLinearSolveIterations()
+        own = snes.getPythonContext() if snes.getType() == "python" else None
+        self.totals["linear_iterations"] += getattr(own, "linear_iterations", snes.getLinearSolveIterations())
         self.totals["function_evaluations"] += form.evaluations - before
         self.totals["jacobian_products"] += form.products - products
         if reason <= 0:

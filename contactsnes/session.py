@@ -27,10 +27,10 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import multigrid, preconditioners, snes, stepping
+    from . import multigrid, preconditioners, pseudotime, snes, stepping
 
     return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, stepping.VerletOptions,
-            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions)
+            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions, pseudotime.PseudoOptions)
 
 
 def start_petsc(arguments):

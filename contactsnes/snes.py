@@ -102,7 +102,7 @@ def create_snes(form, prefix=""):
         snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
     smoothers = create_levels(snes, form, equip) if kind == "fas" else []
-    if newton and not database.hasName("ksp_rtol"):
+    if (newton or kind == "python") and not database.hasName("ksp_rtol"):
         snes.setUseEW(True)
         snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
     full_steps = kind == "newtonls" and not database.hasName("snes_linesearch_type")

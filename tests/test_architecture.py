@@ -25,7 +25,8 @@ class Row(NamedTuple):
 
 
 PHYSICS = ("laws", "geometry", "elasticity", "contact", "reference")
-SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "stepping", "relaxation", "stability")
+SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "stepping", "relaxation", "pseudotime",
+           "stability")
 LOAD_PATH = ("load", "scene.Steps")
 
 TABLE = (
@@ -56,6 +57,7 @@ TABLE = (
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),
     Row("recorder", "a corrector whose solves leave a history", LOAD_PATH),
     Row("relaxation", "damped dynamics as SNES types", (*LOAD_PATH, "continuation", "preconditioners")),
+    Row("pseudotime", "pseudo-transient continuation as a SNES type", (*LOAD_PATH, "continuation", "preconditioners")),
     Row("stability", "unstable modes of a point", LOAD_PATH),
     Row("archive", "points in a file and back", PHYSICS + SOLVERS),
     Row("tables", "tables in files", PHYSICS + SOLVERS),
@@ -73,8 +75,8 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "stability", "compare", "session",
-                 "cli"},
+    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "pseudotime", "stability", "compare",
+                 "session", "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},
     "pyfftw": {"fourier"},

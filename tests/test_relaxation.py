@@ -1,12 +1,17 @@
 """Dynamic relaxation: exact motion of springs, the equilibria of an independent Newton solve, and every way to stop."""
 
 import contextlib
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from contactsnes import archive
 from contactsnes.contact import Contact
 from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.laws import Law
@@ -14,6 +19,7 @@ from contactsnes.motion import Motion
 from contactsnes.scene import Scene
 from contactsnes.stepping import DampedVerlet, FastInertial, FireOptions, VerletOptions
 
+ROOT = Path(__file__).resolve().parents[1]
 METHODS = ("Verlet", "Adaptive", "Kinetic", "Fire")
 SMALL = {"points": 256, "period": 20.0, "normal_maugis": 2.0, "height": np.inf}
 REASONS = PETSc.SNES.ConvergedReason
@@ -373,3 +379,64 @@ def test_the_displacement_form_is_refused():
         relax(form, undeformed(form, 1.0), context=other)
     # newer petsc4py keeps the error of a Python context as the cause of its own
     assert "-contact_form force" in str(caught.value.__cause__ or caught.value)
+
+
+# The files of options
+
+FILES = {path.stem: path for path in sorted((ROOT / "options").glob("*.opts")) if "relaxation." in path.read_text(encoding="utf-8")}
+PATH = ["-scene_points", "256", "-scene_period", "20", "-scene_normal_maugis", "2", "-scene_residual_friction", "0.5",
+        "-load_path", "normal_force=1; tangential_displacement=1", "-continuation_initial_step", "0.5",
+        "-continuation_largest_step", "0.5", "-archive_fields", "all", "-archive_file", "run.h5"]
+
+
+def run(path, folder, *arguments):
+    """A finished run of a small sheared path with a file of options, in a folder of its own."""
+    folder.mkdir()
+    return subprocess.run([sys.executable, "-m", "contactsnes", "run", path, *PATH, *arguments], cwd=folder, capture_output=True,
+                          text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=60, check=False)
+
+
+@pytest.fixture(scope="module")
+def newton_archive(tmp_path_factory):
+    """What Newton's method archives of the path."""
+    folder = tmp_path_factory.mktemp("newton") / "run"
+    done = run(ROOT / "options" / "newton.opts", folder)
+    assert done.returncode == 0, done.stderr
+    return archive.read(folder / "run.h5")
+
+
+def test_each_method_has_a_file_with_each_kind_of_masses():
+    assert {f"{method.lower()}{end}" for method in METHODS for end in ("", "-equal")} | {"verlet-plain"} <= set(FILES)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_of_options_archives_what_newtons_method_does(name, newton_archive, tmp_path):
+    done = run(FILES[name], tmp_path / "run", "-snes_monitor", "ascii:monitor", "-snes_view", "ascii:view")
+    assert done.returncode == 0 and "unused" not in done.stderr, done.stderr
+    found = archive.read(tmp_path / "run" / "run.h5")
+    assert found.points == newton_archive.points and set(found) == set(newton_archive)
+    costs = ("iterations", "evaluations", "transforms", "time", "residual_norm")
+    for column in found:
+        if column.endswith(costs):
+            assert np.all(found[column] > 0) or column == "linear_iterations"
+        elif found[column].dtype.kind == "f":
+            assert np.allclose(found[column], newton_archive[column], rtol=1e-6, atol=1e-6), column
+        else:
+            assert np.array_equal(found[column], newton_archive[column]), column
+    assert np.all(found["residual_norm"] <= 1e-8)
+    last = found.points - 1
+    assert np.allclose(found.field("displacement", last), newton_archive.field("displacement", last), atol=1e-6)
+    method, kind = name.partition("-")[::2]
+    text = (tmp_path / "run" / "view").read_text()
+    assert f"masses {'equal' if kind else 'fourier'}, " in text and f"relaxation.{method.capitalize()}" in text
+    assert kind != "plain" or "damping_exponent 0\n" in text
+    # the file of the monitor is that of the last leg's SNES
+    norms = [float(line.split()[-1]) for line in (tmp_path / "run" / "monitor").read_text().splitlines()]
+    assert len(norms) > found["nonlinear_iterations"][-1] > 10 and norms[-1] <= 1e-8 < norms[-2]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_of_options_yields_to_the_command_line(name, tmp_path):
+    done = run(FILES[name], tmp_path / "run", "-snes_max_it", "5", "-load_path", "normal_displacement=0")
+    # the first solve fails, what the program does then is its own affair
+    assert "DIVERGED_MAX_IT after 5 iterations" in done.stdout + done.stderr
