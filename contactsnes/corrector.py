@@ -6,16 +6,17 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from . import states
+from . import coldstart, states
+from .arclength import ArcLength
+from .coldstart import COLD
 from .contact import APPROACH, FORCE
 from .points import NoEquilibrium, NotConverged, Point
-from .arclength import ArcLength
 from .forms import DisplacementForm, ForceForm
-from .laws import DEEPEST, SLIP, SOFTENING
+from .laws import DEEPEST, MOVING_STIFFNESS, SLIP
 from .snes import create_snes
 
-COLD, WARM = 200, 16
-"""Most Newton iterations of a first point, and of a step: a step that needs more is better made shorter."""
+WARM = 16
+"""Most Newton iterations of a step: one that needs more is better made shorter."""
 
 
 def _names(cls):
@@ -34,10 +35,11 @@ class Corrector:
     contact : Contact
     settings : Form (options ``-contact_*``)
     log : function (sentence), for what a user should know about a run
+    tolerance : of the residual norm, if not the one of -snes_atol
     """
 
-    def __init__(self, contact, settings, log=lambda sentence: None):
-        self.contact, self.settings, self.log = contact, settings, log
+    def __init__(self, contact, settings, log=lambda sentence: None, tolerance=None):
+        self.contact, self.settings, self.log, self.tolerance = contact, settings, log, tolerance
         self.form = self.snes = None
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "jacobian_products"), 0)
         self._accounted = self._spent_so_far()
@@ -103,32 +105,18 @@ class Corrector:
                            f"at {loads} is reached by the undeformed body")
 
     def cold(self, controls, load):
-        """The point at given loads that a solve from the start without overlap finds, without friction first.
-
-        Where the mean surface may move (a prescribed force, a body that gives way as a whole), cold solves at given approaches
-        first find the one that belongs to the load.
-        """
-        normal = states.with_components(states.undeformed(self.contact, controls, load), 1)
-        if controls[0] == FORCE or self.contact.rigid_compliance(1)[0] > 0.0:
-            normal = self._at_load(normal, controls[:1], load[:1])
-        point = self.solve(normal, controls[:1], load[:1], COLD)
+        """The point at given loads that the body reaches from the start without overlap, without friction first."""
+        point = coldstart.first_point(self, controls[:1], load[:1])
         return point if len(controls) == 1 else self.solve(point.state, controls, load, COLD)
 
-    def _at_load(self, state, controls, load):
-        """A state near the load in question: a few cold solves at given approaches, which a secant chooses."""
-        kept, trials = (APPROACH,), []
-        approach = float(self.contact.signs(1)[0] * state.means[0] / self.contact.ranges[0])
-        for _ in range(8):
-            values = np.array([approach])
-            point = self.solve(states.undeformed(self.contact, kept, values), kept, values, COLD)
-            reached = (point.forces if controls[0] == FORCE else point.displacements)[0]
-            trials = [*trials[-1:], (approach, reached)]
-            if abs(reached - load[0]) <= 0.02 * max(1.0, abs(load[0])):
-                break
-            (first, before), (last, now) = trials[0], trials[-1]
-            rate = (now - before) / (last - first) if len(trials) > 1 and now != before else 0.7
-            approach += float(np.clip((load[0] - now) / max(rate, 0.1), -2.0 - 0.5 * abs(approach), 2.0 + 0.5 * abs(approach)))
-        return point.state
+    def on(self, contact, tolerance):
+        """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid but its own serves it."""
+        if not (self.settings.cascade and self.settings.form == "displacement" and self.settings.first == "none"
+                and PETSc.Options().getString("snes_type", "newtonls").startswith("newton")):
+            return None
+        system = Corrector(contact, self.settings, self.log, tolerance)
+        system.totals = self.totals
+        return system
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
@@ -196,7 +184,7 @@ class Corrector:
         ahead = step * form.displacement(change.getArray(readonly=True))[0]
         gap = states.normal_gap(self.contact, state)
         # In the regularised gap a long step into overlap stays bounded.
-        moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, 1.5 * SOFTENING)) / form.root
+        moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, MOVING_STIFFNESS)) / form.root
         scalars = form.scalars(moved)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = scalars
@@ -267,7 +255,7 @@ class Corrector:
                 self.form = ForceForm(self.contact, controls)
             else:
                 self.form = DisplacementForm(self.contact, guess.window, controls)
-            self.snes = create_snes(self.form)
+            self.snes = create_snes(self.form, tolerance=self.tolerance)
         return self.form
 
     def _newton(self, form, unknown, most_iterations, snes=None):

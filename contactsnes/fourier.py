@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pyfftw
-from scipy import ndimage
 from scipy.fft import next_fast_len
 
 from .levels import area_below, crossings
@@ -330,21 +329,3 @@ def clear_padding(real, shape):
     for axis, extent in enumerate(shape, start=1):
         if extent < real.shape[axis]:
             real[(*[slice(None)] * axis, slice(extent, None))] = 0.0
-
-
-def smooth(window, values, width):
-    """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width`` (beta).
-
-    Three running means: no transform, and a cost that does not depend on the width. Periodic in directions that the
-    window fills; in others the values on its border continue outwards.
-    """
-    box = window.box(values).astype(float)
-    negligible = 1e-12 * np.max(np.abs(box))
-    for axis, (points, total, spacing) in enumerate(zip(window.shape, window.grid.shape, window.grid.spacings)):
-        # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
-        reach = min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
-        for _ in range(3 if reach else 0):
-            box = ndimage.uniform_filter1d(box, 2 * reach + 1, axis=axis, mode="wrap" if points == total else "nearest")
-    # Running sums leave rounding where they have passed the last value; there the blur is zero.
-    box[np.abs(box) < negligible] = 0.0
-    return box.reshape(-1)

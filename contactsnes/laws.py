@@ -19,6 +19,9 @@ SLIP = np.sqrt(0.5)
 SOFTENING = np.exp(-2.0)
 """Steepest normal softening, -dt_n/da at a = 2 (dimensionless)."""
 
+MOVING_STIFFNESS = 1.5 * SOFTENING
+"""kappa of the regularised gap in which states are moved along a branch or from grid to grid, phi_n/delta_n^2."""
+
 NORMAL_PEAK = np.exp(-1.0)
 """Largest adhesive traction, phi_n / delta_n (eq. 4a)."""
 

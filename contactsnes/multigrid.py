@@ -12,16 +12,13 @@ from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
-from scipy import sparse
 
 from .forms import DisplacementForm
 from .fourier import Window
-from .laws import SOFTENING
+from .grids import interpolation
+from .laws import MOVING_STIFFNESS
 from .options import read
 from .settings import InputError, Options, option
-
-STIFFNESS = 1.5 * SOFTENING
-"""kappa of the regularised gap in which grids exchange gaps, phi_n/delta_n^2 of the finer grid's law."""
 
 LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
@@ -57,21 +54,20 @@ class Transfer:
 
     def __init__(self, fine, coarse):
         self.fine, self.coarse = fine, coarse
-        lines = [_line(*sizes) for sizes in zip(fine.window.start, fine.window.shape, fine.grid.shape)]
-        self.nodes = lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
-        self.restriction = (self.nodes.T / 2 ** len(lines)).tocsr()
+        self.nodes = interpolation(fine.window)
+        self.restriction = (self.nodes.T / 2 ** len(fine.window.shape)).tocsr()
         even = [np.arange(start, start + extent) % 2 == 0 for start, extent in zip(fine.window.start, fine.window.shape)]
         self.kept = np.flatnonzero(reduce(np.logical_and.outer, even))
         self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
         self.scalars = self.ranges[fine.forced]
-        self.stiffness = STIFFNESS / self.ranges[0] ** 2
+        self.stiffness = MOVING_STIFFNESS / self.ranges[0] ** 2
         self.injected = np.zeros(coarse.size)
 
     def inject(self, unknown, out):
         """out = I unknown: every other node, the coarse gap being that of the same w."""
         fine, coarse = self.fine, self.coarse
         field = fine.gap(unknown)[:, self.kept]
-        field[0] = fine.contact.law.regularised(field[0], STIFFNESS)
+        field[0] = fine.contact.law.regularised(field[0], MOVING_STIFFNESS)
         field *= self.ranges[:, None]
         field[0] = coarse.contact.law.gap_of_regularised(field[0], self.stiffness) - coarse.initial_gap
         out[:coarse.count] = field.reshape(-1) / coarse.root
@@ -92,26 +88,9 @@ class Transfer:
         field[0] = law.regularised(gap + field[0], self.stiffness) - law.regularised(gap, self.stiffness)
         field = (field / self.ranges[:, None]) @ self.nodes.T
         gap, law = fine.gap(unknown)[0], fine.contact.law
-        field[0] = law.gap_of_regularised(law.regularised(gap, STIFFNESS) + field[0], STIFFNESS) - gap
+        field[0] = law.gap_of_regularised(law.regularised(gap, MOVING_STIFFNESS) + field[0], MOVING_STIFFNESS) - gap
         np.add(unknown[:fine.count], field.reshape(-1) / fine.root, out=out[:fine.count])
         np.add(unknown[fine.count:], change[coarse.count:] / self.scalars, out=out[fine.count:])
-
-
-def _line(start, extent, total):
-    """Cubic interpolation along a direction, from the nodes of even number in a window to all of them, sparse."""
-    first, after = (start + 1) // 2, (start + extent + 1) // 2
-    nodes = np.arange(extent)
-    below, odd = np.divmod(start + nodes, 2)
-    rows, columns, weights = [], [], []
-    for shift, weight in zip(range(-1, 3), (-0.0625, 0.5625, 0.5625, -0.0625)):
-        place = below + shift
-        rows.append(nodes)
-        columns.append(place % (total // 2) if extent == total else np.clip(place, first, after - 1) - first)
-        weights.append(np.where(odd, weight, float(shift == 0)))
-    entries = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
-    matrix = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, after - first)))
-    matrix.eliminate_zeros()
-    return matrix
 
 
 class CoarseForm(DisplacementForm):

@@ -7,7 +7,8 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from .arclength import ArcLength
-from .fourier import Transform, clear_padding, smooth
+from .fourier import Transform, clear_padding
+from .grids import extent, smooth
 from .options import read
 from .settings import InputError, option, Options
 
@@ -40,7 +41,7 @@ class CoreBlock:
     def __init__(self, form, component, weight, mean_tangent, pad):
         window, grid = form.window, form.grid
         box = window.box(weight)
-        self.window, self.core = window, tuple(_extent(box > 0.0, axis) for axis in range(box.ndim))
+        self.window, self.core = window, tuple(extent(box > 0.0, axis) for axis in range(box.ndim))
         extents = [part.stop - part.start for part in self.core]
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
@@ -72,12 +73,6 @@ def _rounded(extent):
     """The extent rounded up to a sixteenth of its power of two."""
     unit = 2 ** max(int(np.log2(extent)) - 4, 0)
     return int(np.ceil(extent / unit)) * unit
-
-
-def _extent(mask, axis):
-    """Slice along an axis that holds every True of a mask."""
-    line = np.flatnonzero(mask.any(axis=tuple(i for i in range(mask.ndim) if i != axis)))
-    return slice(int(line[0]), int(line[-1]) + 1)
 
 
 class CoreZone:

@@ -135,6 +135,8 @@ class Form(Options):
     first: str = option("none", "before each solve of the displacement form: none, or relaxation (FIRE on the cell, in the force "
                         "form, to -contact_first_tolerance; its options under the prefix -first_)", choices=("none", "relaxation"))
     first_tolerance: float = option(1e-2, "residual_norm at which the relaxation hands over", "ranges of the law", above=0)
+    cascade: bool = option(True, "first point through softer laws on coarser grids, where they lead to the same state (displacement "
+                           "form)")
     window: str = option("auto", "auto: nodes within the range of the law, enlarged on demand; off: the whole cell",
                          choices=("auto", "off"))
 
@@ -264,6 +266,7 @@ def ineffective(scene, load, names, form=Form(), output=Output()):
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
              ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
              ("contact_window", form.form == "force", "the force form is solved on the whole cell"),
+             ("contact_cascade", form.form == "force", "the force form is solved on the whole cell"),
              ("archive_fields", not output.file, "there is no -archive_file"),
              ("archive_resume", not output.file, "there is no -archive_file"),
              ("archive_overwrite", not output.file, "there is no -archive_file"))

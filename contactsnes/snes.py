@@ -82,11 +82,12 @@ def equip(snes, form):
     ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
 
 
-def create_snes(form, prefix=""):
+def create_snes(form, prefix="", tolerance=None):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the form's own
     preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
+    A ``tolerance`` stands in place of -snes_atol.
     """
     database = PETSc.Options(prefix)
     # Older petsc4py destroys objects late; their forms hold memory of the problem's size.
@@ -111,6 +112,8 @@ def create_snes(form, prefix=""):
     snes.setFromOptions()
     if full_steps:
         database.delValue("snes_linesearch_type")
+    if tolerance is not None:
+        snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)

@@ -8,7 +8,8 @@ import pyfftw
 import pytest
 import scipy.fft
 
-from contactsnes.fourier import Convolution, Grid, Operator, Transform, Window, enclosing, smooth, transform_cost
+from contactsnes.fourier import Convolution, Grid, Operator, Transform, Window, enclosing, transform_cost
+from contactsnes.grids import smooth
 from contactsnes.levels import crossings
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))

@@ -1,0 +1,127 @@
+"""First points by way of coarser grids: the state that the undeformed body reaches, for a fraction of the transforms."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from petsc4py import PETSc  # noqa: E402
+
+from contactsnes import coldstart, states  # noqa: E402
+from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.corrector import Corrector  # noqa: E402
+from contactsnes.fourier import Grid, Window  # noqa: E402
+from contactsnes.grids import resampled  # noqa: E402
+from contactsnes.points import NotConverged  # noqa: E402
+from contactsnes.scene import Form, Scene  # noqa: E402
+
+PAPER = {}
+SPHERE = {"dimension": 2, "points": 256, "period": 12.0, "geometry": "sphere", "normal_maugis": 4.0}
+
+
+def made(scene, log=lambda sentence: None, **form):
+    return Corrector(Contact(Scene(**scene)), Form(**form), log)
+
+
+def first(scene, control, value, **form):
+    """First point of one component, and what it cost."""
+    system = made(scene, **form)
+    point = system.start((control,), np.array([value]))
+    return system, point, system.account()
+
+
+@pytest.mark.parametrize("scene, control, value", [
+    (PAPER, DISPLACEMENT, 40.0), (PAPER, DISPLACEMENT, 7.3), (PAPER, FORCE, 11.0),
+    ({"normal_maugis": 5.0, "points": 2048, "poisson": 0.3, "height": 20.0}, DISPLACEMENT, 9.0),
+    ({"normal_maugis": 0.7, "points": 512, "period": 40.0}, DISPLACEMENT, 6.0),
+    ({"normal_maugis": 14.0, "points": 32768, "law": "mcgarry"}, DISPLACEMENT, 5.0),
+    ({"points": 12288, "period": 150.0, "gap_offset": 0.5}, FORCE, 3.0),
+    (SPHERE, DISPLACEMENT, 3.0), (SPHERE, FORCE, 2.0),
+    ({**SPHERE, "points": (256, 320), "period": (12.0, 14.0), "poisson": 0.2}, DISPLACEMENT, 2.5),
+    ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
+def test_the_same_state_as_on_the_grid_itself(scene, control, value):
+    system, through, cost = first(scene, control, value)
+    assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,), np.array([value])))) > 1
+    _, direct, own = first(scene, control, value, cascade=False)
+    assert states.missed(system.contact, through.state, direct.state, largest=True) < 1e-6
+    np.testing.assert_allclose(through.forces, direct.forces, rtol=1e-7, atol=1e-7)
+    assert cost["transforms"] < own["transforms"]
+
+
+@pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40), (PAPER, 17.0, 50), ({**SPHERE, "points": 512}, 2.0, 40),
+                                                ({**SPHERE, "points": 512}, 4.0, 40), ({**SPHERE, "points": 512}, 6.0, 40)])
+def test_what_a_first_point_costs(scene, value, most):
+    _, _, cost = first(scene, DISPLACEMENT, value)
+    assert cost["transforms"] <= most
+
+
+def test_all_that_is_spent_is_counted():
+    system, _, cost = first(PAPER, DISPLACEMENT, 10.0)
+    assert cost["transforms"] == pytest.approx(system.contact.grid.transforms)
+    assert cost["nonlinear_iterations"] > 15 and cost["linear_iterations"] > cost["nonlinear_iterations"]
+
+
+@pytest.mark.parametrize("scene, value", [
+    (PAPER, -2.0),                                                   # off the flat: two states may exist
+    ({"geometry": "sinusoid", "points": 2048, "normal_maugis": 4.0}, 5.0),  # full contact is another state
+    ({"points": 1024}, 10.0),                                        # edges stick between nodes
+    (PAPER, 0.0)])
+def test_grids_are_left_alone_where_they_may_lead_elsewhere(scene, value):
+    contact = Contact(Scene(**scene))
+    start = states.undeformed(contact, (DISPLACEMENT,), np.array([value]))
+    assert coldstart.levels(contact, start) == [contact]
+
+
+@pytest.mark.parametrize("settings, options", [({"cascade": False}, {}), ({"form": "force"}, {}), ({"first": "relaxation"}, {}),
+                                               ({}, {"snes_type": "anderson"})])
+def test_other_methods_start_on_the_grid_itself(settings, options):
+    database = PETSc.Options()
+    for name, value in options.items():
+        database.setValue(name, value)
+    try:
+        assert made(PAPER, **settings).on(Contact(Scene()), None) is None
+    finally:
+        for name in options:
+            database.delValue(name)
+
+
+def test_a_failure_on_coarse_grids_is_told_and_costs_only_time(monkeypatch):
+    def fails(contact, finer, state):
+        raise NotConverged("the coarse grid failed")
+
+    monkeypatch.setattr(coldstart, "refined", fails)
+    said = []
+    system = made({**PAPER, "points": 8192}, said.append)
+    point = system.start((DISPLACEMENT,), np.array([3.0]))
+    assert point.residual_norm <= 1e-8 and "the coarse grid failed" in said[0]
+
+
+def test_resampling_keeps_every_wave():
+    coarse, fine = Grid((16, 12), (3.0, 2.0)), Grid((32, 24), (3.0, 2.0))
+
+    def field(grid):
+        x, y = (2 * np.pi * axis / period for axis, period in zip(grid.coordinates(), grid.periods))
+        return np.array([1.5 + np.cos(7 * x - 5 * y) + np.sin(3 * y), np.sin(2 * x + 4 * y)])
+
+    np.testing.assert_allclose(resampled(coarse, fine, field(coarse)), field(fine), atol=1e-13)
+    assert coarse.transforms > 0 and fine.transforms > 0
+
+
+def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
+    sharp = Contact(Scene())
+    soft = sharp.coarse(2.5)
+    soft_again = soft.coarse(2.5)
+    assert soft.ranges[0] == sharp.ranges[0] and soft_again.ranges[0] < soft.ranges[0]
+    window = Window(soft_again.grid, (600,), (800,))
+    places = window.coordinates()[0]
+    gap = 3.0 * np.cos(places / 4.0) + 1.0
+    state = states.State(window, (gap - window.take(soft_again.initial_gap))[None], np.zeros(1))
+    moved = coldstart.refined(soft_again, soft, state)
+    mine = states.normal_gap(soft, moved)[::2]
+    overlap, open_ = gap < -0.3, gap > 3.5
+    ratio = soft.ranges[0] / soft_again.ranges[0]
+    tractions = [contact.law.traction(values[None])[0] for contact, values in ((soft_again, gap), (soft, mine))]
+    # In units of length: gaps over maugis, tractions times maugis; kappa leaves both only approximately as they are.
+    np.testing.assert_allclose(ratio * tractions[1][overlap], tractions[0][overlap], rtol=0.35)
+    np.testing.assert_allclose(mine[open_], gap[open_] * ratio, rtol=0.2)
