@@ -13,8 +13,11 @@ from .points import NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
-KICKS = (0.1, 0.3, 1.0, 3.0)
-"""How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back."""
+KICKS = (0.1, 0.3, -0.1, -0.3, 1.0, 3.0, -1.0, -3.0)
+"""How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back.
+
+Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
+"""
 
 
 def predict(system, history, leg, position, kind):
@@ -81,27 +84,34 @@ class Walk:
                         yield from self._fold(error)
                     except NoFold as lost:
                         if step < self.leg.smallest:
-                            self._give_up(target, lost)
+                            self._give_up(lost, f"at {self._place(1.0)}")
                         self.system.log(f"{lost}: going on with shorter steps")
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
                         failures, step, searched = 0, self.history[-1][1].step, None
                 elif step < self.leg.smallest:
-                    self._give_up(target, error)
+                    self._give_up(error, f"at {self._place(1.0)}")
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
             yield self._accept(replace(point, step=step))
 
-    def _give_up(self, target, error):
-        """Raise NoEquilibrium if motion under the load that failed shows that there is none, else ``error``."""
+    def _give_up(self, error, where):
+        """Raise NoEquilibrium where the leg's end has none, else ``error``."""
+        self._end(where)
+        raise error
+
+    def _end(self, where):
+        """Raise NoEquilibrium if motion under the load that the leg asks for shows that there is none.
+
+        Under the load of the last point a body on its way out would hardly move.
+        """
         try:
-            self.system.settle(self.history[-1][1].state, self.leg.controls, self.leg.load(target), f"at {self._place(target)}")
+            self.system.settle(self.history[-1][1].state, self.leg.controls, self.leg.load(1.0), where)
         except NotConverged:
             pass
-        raise error
 
     def _place(self, position):
         return ", ".join(f"{name} {value:.6g}" for name, value in
@@ -165,15 +175,21 @@ class Walk:
 
     def _jump(self, fold, starts, where):
         """The equilibrium at the fold's load to which motion leads from the first of some starts that does not lead back."""
+        if fold.sliding and fold.controls[self.leg.moving] == "force":
+            # Friction that has levelled off balances the fold's load for ever.
+            self._end(where)
         for start in starts:
             state = start()
-            point = self.system.settle(state, self.leg.controls, fold.load, where)
+            try:
+                point = self.system.settle(state, self.leg.controls, fold.load, where)
+            except NotConverged as error:
+                self._give_up(error, where)
             # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
             if self.system.missed(fold.state, point.state) > 0.5 * self.system.missed(fold.state, state) \
                     or self.system.progress(fold.state, state, point.state) > 0.05:
                 return point
             self.system.log(f"the motion {where} led back to it; trying again from farther away")
-        raise NotConverged(f"no other equilibrium was reached {where}: the motion led back")
+        return self._give_up(NotConverged(f"no other equilibrium was reached {where}: the motion led back"), where)
 
 
 def fold_kind(leg):

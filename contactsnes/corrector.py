@@ -13,6 +13,7 @@ from .contact import APPROACH, FORCE
 from .points import NoEquilibrium, NotConverged, Point
 from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, MOVING_STIFFNESS, SLIP
+from .scene import PINNING, resolution
 from .snes import create_snes
 
 WARM = 16
@@ -97,12 +98,14 @@ class Corrector:
     def start(self, controls, load):
         """The first point: a cold solve at given loads; where that fails, the body is relaxed dynamically."""
         try:
+            if self.settings.form == "displacement" and max(resolution(self.contact.scene, sheared=False)) > PINNING:
+                raise NotConverged("edges stick between nodes of so coarse a grid, Newton may find an unstable branch")
             return self.cold(controls, load)
         except NotConverged as error:
-            self.log(f"the first solve failed ({error}): relaxing the body dynamically")
+            self.log(f"no cold solve ({error}): relaxing the body dynamically")
         loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
-        return self.settle(states.undeformed(self.contact, controls, load), controls, load,
-                           f"at {loads} is reached by the undeformed body")
+        undeformed = states.undeformed(self.contact, controls, load)
+        return self.settle(undeformed, controls, load, f"at {loads} from the undeformed body")
 
     def cold(self, controls, load):
         """The point at given loads that the body reaches from the start without overlap, without friction first."""
@@ -185,9 +188,8 @@ class Corrector:
         gap = states.normal_gap(self.contact, state)
         # In the regularised gap a long step into overlap stays bounded.
         moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, MOVING_STIFFNESS)) / form.root
-        scalars = form.scalars(moved)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
-        means[form.forced] = scalars
+        means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
 
     def kicked(self, fold, beyond, kick):
@@ -230,7 +232,7 @@ class Corrector:
         snes = create_snes(form, prefix=prefix)
         snes.setType("python")
         snes.setPythonType("contactsnes.relaxation.Fire")
-        snes.setTolerances(atol=tolerance, max_it=50000)
+        snes.setTolerances(atol=tolerance, max_it=20000)
         snes.setFromOptions()
         try:
             return self._newton(form, unknown, None, snes)[0]
@@ -267,6 +269,8 @@ class Corrector:
         newton = snes.getType().startswith("newton")
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix() or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
+        if not np.isfinite(unknown).all():
+            raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
         before, products = form.evaluations, form.products
         snes.solve(None, solution)

@@ -8,7 +8,7 @@ from . import continuation, observables, scene as scenes
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
 from .geometry import read_heights
-from .points import Leg, Point
+from .points import Leg, NotConverged, Point
 from .corrector import Corrector
 from .states import State
 
@@ -48,8 +48,15 @@ class Branch:
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
-        return continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
-                                   at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+        points = continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
+                                     at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+        try:
+            yield from points
+        except NotConverged as error:
+            sheared = any(self._sheared)
+            if max(scenes.resolution(self.scene, sheared)) <= scenes.PINNING:
+                raise
+            raise NotConverged(f"{error}; {scenes.resolution_warning(self.scene, sheared)}") from None
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""

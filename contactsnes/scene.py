@@ -279,6 +279,8 @@ def ineffective(scene, load, names, form=Form(), output=Output()):
 
 LARGEST_RESOLUTION = 1.25
 """Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
+PINNING = math.pi / 2 * math.exp(2) / LARGEST_RESOLUTION
+"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes: no margin is left."""
 
 
 def resolution(scene, sheared):
