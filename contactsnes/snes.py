@@ -1,5 +1,7 @@
 """PETSc's nonlinear solver around a form of the contact problem: operators, defaults, and the user's options over them."""
 
+import atexit
+import weakref
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -90,9 +92,9 @@ def create_snes(form, prefix="", tolerance=None):
     A ``tolerance`` stands in place of -snes_atol.
     """
     database = PETSc.Options(prefix)
-    # Older petsc4py destroys objects late; their forms hold memory of the problem's size.
-    getattr(PETSc, "garbage_cleanup", lambda: None)()
+    _collect()
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    _alive[id(snes)] = snes
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
     equip(snes, form)
@@ -123,6 +125,22 @@ def create_snes(form, prefix="", tolerance=None):
         if regularised.gap and solver.getType() == "newtonls":
             solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
     return snes
+
+
+_alive = weakref.WeakValueDictionary()
+
+
+def _collect():
+    """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the problem's size."""
+    getattr(PETSc, "garbage_cleanup", lambda: None)()
+
+
+@atexit.register
+def _destroy_all():
+    """Destroy what a script still holds when it ends: PETSc would do so when Python's contexts can be called no more."""
+    for snes in list(_alive.values()):
+        snes.destroy()
+    _collect()
 
 
 def displacement_test(snes, iteration, norms, form):

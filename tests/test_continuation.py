@@ -407,6 +407,24 @@ def test_where_nothing_lies_beyond_the_fold_the_path_ends():
     assert points[-1].event == "fold" and points[-1].load[0] == pytest.approx(1.0, rel=2 * FOLD_TOLERANCE)
 
 
+def test_an_unstable_branch_is_left_backwards():
+    """From the middle of the cubic to its fold: beyond it, motion leads back to it, and before it on to the far branch."""
+    points, error = followed(path(System(cubic()), [0.0, 2.0], [0.0]))
+    assert error is None and events(points) == ["fold", "jump"]
+    before, after = (next(point for point in points if point.event == name) for name in ("fold", "jump"))
+    assert before.load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE) and before.state[0] == pytest.approx(-1 / np.sqrt(3), abs=2e-3)
+    assert after.state[0] == pytest.approx(2 / np.sqrt(3), abs=2e-3)
+
+
+@pytest.mark.parametrize("end, expected", [(2.0, NoEquilibrium), (0.95, NotConverged)])
+def test_where_solves_fail_the_end_of_the_leg_says_whether_there_is_anything(end, expected):
+    """tanh u = load has a solution for loads below 1, but solves fail beyond 0.9; just there a motion would settle."""
+    problem = Problem(lambda u, load: np.tanh(u) - load, lambda u, load: np.diag(np.cosh(np.minimum(u, 300.0)) ** -2.0), lambda u, load: -np.ones(1))
+    system = System(problem, fails=lambda load: 0.9 < load, arc_fails=lambda load: 0.9 < load)
+    points, error = followed(path(system, [0.0, end], [0.0]))
+    assert isinstance(error, expected) and 0.85 < points[-1].load[0] <= 0.9
+
+
 @pytest.mark.parametrize("short", [1e-2, 1e-3, 1e-4])
 @pytest.mark.parametrize("most", [3, 5, 16])
 def test_a_fold_beyond_the_end_of_a_leg_is_none_of_its(short, most):

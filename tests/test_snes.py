@@ -1,6 +1,9 @@
 """Newton's method under PETSc: defaults and the user's options, reasons, convergence, and how many iterations it takes."""
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import petsc4py
@@ -15,7 +18,7 @@ from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
-from contactsnes.points import Leg, NotConverged  # noqa: E402
+from contactsnes.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.snes import create_snes  # noqa: E402
@@ -319,6 +322,73 @@ def test_a_guess_with_heavy_overlap_does_not_overflow(approach):
             assert approach > 10.0
             return
     assert made.distance(expected.state, point.state) < 1e-6
+
+
+def law_and_body(contact, point):
+    """Eigenvalues of the tangent stiffness, law and body, at a point under a given mean displacement, ranges of the law."""
+    count = contact.grid.size
+    wave = contact.body.stiffness(contact.grid.wavevectors(), 1)[0, 0] / contact.ranges[0] ** 2
+    body = np.fft.irfft(wave[:, None] * np.fft.rfft(np.eye(count), axis=0), n=count, axis=0)
+    gap = contact.extended(point.state)[0] + contact.initial_gap
+    held = np.eye(count) - 1.0 / count
+    return np.sort(np.linalg.eigvalsh(held @ (body + np.diag(contact.law.tangent(gap.reshape(1, -1))[0, 0])) @ held))[1:]
+
+
+@pytest.mark.parametrize("points, period, maugis, approach", [(128, 30.0, 9.0, 2.0), (64, 30.0, 8.0, 2.0), (256, 60.0, 12.0, 0.3)])
+def test_a_start_on_a_grid_that_pins_is_stable(points, period, maugis, approach):
+    """Newton's own solution has a node halfway between in and out of contact, where an eigenvalue is negative."""
+    made = corrector(points=points, period=period, normal_maugis=maugis)
+    controls, load = (DISPLACEMENT,), np.array([approach])
+    assert law_and_body(made.contact, made.cold(controls, load))[0] < 0.0
+    assert law_and_body(made.contact, made.start(controls, load))[0] > 0.0
+
+
+def test_a_start_that_is_no_number_is_named():
+    made, point = solved()
+    spoiled = point.state.displacement.copy()
+    spoiled[0, 3] = np.nan
+    with pytest.raises(NotConverged, match="NaN"):
+        made.solve(states.State(point.state.window, spoiled, point.state.means), point.controls, point.load)
+
+
+def test_failures_on_a_grid_that_pins_name_it():
+    """Without iterations nothing is found anywhere: the reason is the solver's, and what the grid does comes with it."""
+    coarse = branch({**SMALL, "points": 64, "normal_maugis": 9.0}, "normal_displacement=1", "normal_displacement=2")
+    coarse.corrector.settle = coarse.corrector.solve = failing
+    with pytest.raises(NotConverged, match="made up; the grid of 64 points does not resolve"):
+        list(coarse)
+    fine = branch(SMALL, "normal_displacement=1", "normal_displacement=2")
+    fine.corrector.settle = fine.corrector.solve = failing
+    with pytest.raises(NotConverged, match="made up$"):
+        list(fine)
+
+
+def failing(*_):
+    raise NotConverged("made up")
+
+
+def test_a_force_beyond_friction_ends_the_path_at_once():
+    """Under a residual friction of 1 the whole contact slips at the fold's own load: no motion there settles or leaves."""
+    scene = {"points": 1024, "period": 30.0, "normal_maugis": 2.0, "tangential_maugis": 1.5, "poisson": 0.2, "height": 50.0}
+    sheared, points = branch(scene, "normal_displacement=5", "tangential_force=20"), []
+    with pytest.raises(NoEquilibrium, match="beyond the fold .sliding."):
+        for point in sheared:
+            points.append(point)
+    assert points[-1].sliding and sheared.contact.grid.transforms < 10000
+
+
+def test_a_script_that_holds_its_branch_ends_well(tmp_path):
+    """Objects of PETSc whose methods are Python's outlive the interpreter in a script's own variables."""
+    script = tmp_path / "script.py"
+    script.write_text(f"""import sys
+sys.path.insert(0, {str(Path(__file__).resolve().parents[1])!r})
+import petsc4py
+petsc4py.init(sys.argv)
+from contactsnes import Branch, Load, Scene
+branch = Branch(Scene(points=256, period=30, normal_maugis=2.0), Load(start="normal_displacement=1", path="normal_displacement=1"))
+points = list(branch)
+""")
+    assert subprocess.run([sys.executable, script], capture_output=True).returncode == 0
 
 
 def test_a_force_controlled_start_is_found():
