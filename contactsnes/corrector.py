@@ -170,16 +170,20 @@ class Corrector:
         unknown = form.pack(state.displacement, state.means[form.forced])
         form.linearise(unknown)
         ksp, size = self.snes.getKSP(), form.size
-        matrix = self.snes.getJacobian()[0]
+        # The second of its matrices is ours, too, where the user has products by finite differences (-snes_mf_operator).
+        matrix = self.snes.getJacobian()[1]
         matrix.assemble()
-        tolerances, forcing = ksp.getTolerances(), self.snes.getUseEW()
+        tolerances, forcing, kind = ksp.getTolerances(), self.snes.getUseEW(), ksp.getType()
         # Else the SNES would set the tolerance of this solve, too, by how its own last one went.
         self.snes.setUseEW(False)
         ksp.setOperators(matrix)
         ksp.setTolerances(rtol=1e-3, atol=1e-50)
+        if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
+            ksp.setType("fgmres")
         right, change = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
         form.load_derivative(-direction, right.getArray())
         ksp.solve(right, change)
+        ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         self.snes.setUseEW(forcing)
         self.totals["linear_iterations"] += ksp.getIterationNumber()

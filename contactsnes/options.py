@@ -24,6 +24,8 @@ residual_norm = sqrt( sum over the window's nodes and components of r^2 / (nodes
 
 LINE = re.compile(r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*""")
 
+SOLVER = re.compile(r"((npc|sub_\d+)_)*(snes|ksp|pc)_")
+
 
 def is_option(argument):
     """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5 and -inf are values."""
@@ -226,11 +228,13 @@ def check_values(classes):
 def unused_options(classes=()):
     """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those that look like one of ours.
 
+    Solvers inside others have their own: -npc_snes_ and so on for a nonlinear preconditioner, -sub_0_snes_ for a composition.
+
     To be called after the solves, since PETSc's objects ask for their options when they are set up.
     """
     names = known_options(classes)
     return ["-" + name for name in database()
-            if (name.startswith(("snes_", "ksp_", "pc_")) or nearest(name, names, cutoff=0.85)) and not _used(name)]
+            if (SOLVER.match(name) or nearest(name, names, cutoff=0.85)) and not _used(name)]
 
 
 def _used(name):

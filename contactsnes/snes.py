@@ -120,11 +120,23 @@ def create_snes(form, prefix="", tolerance=None):
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     regularised = read(NewtonOptions, prefix)
-    solvers = [(snes, form), *([(snes.getNPC(), form)] if snes.hasNPC() else []), *smoothers]
-    for solver, its_form in solvers:
+    for solver, its_form in ((snes, form), *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
         if regularised.gap and solver.getType() == "newtonls":
             solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
     return snes
+
+
+def inner_solvers(snes, form):
+    """The SNES objects inside another one on the same form, nonlinear preconditioners and the parts of compositions.
+
+    They get our function, Jacobian and preconditioner, too; all other defaults of theirs are PETSc's.
+    """
+    parts = range(snes.getCompositeNumber()) if snes.getType() == "composite" else ()
+    inner = [*([snes.getNPC()] if snes.hasNPC() else []), *map(snes.getCompositeSNES, parts)]
+    for solver in inner:
+        equip(solver, form)
+        solver.setFromOptions()
+    return inner + [deeper for solver in inner for deeper in inner_solvers(solver, form)]
 
 
 _alive = weakref.WeakValueDictionary()
