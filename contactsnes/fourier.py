@@ -25,7 +25,7 @@ class Transform:
         self.shape = shape
         self.real = pyfftw.zeros_aligned((count, *shape))
         self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)
-        plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE",)}
+        plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         if measure:
             plan["planning_timelimit"] = 1.0
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)

@@ -156,7 +156,7 @@ class Steps(Options):
                                          default_text="1/20 of the leg")
     smallest_step: float | tuple = option(None, "smallest step, below which a solve has failed", "of what moves",
                                           kind="number", above=0, many="legs", default_text="1e-6 of the leg")
-    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge)",
+    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge, where there is one spot)",
                             choices=("none", "secant", "tangent", "edge"))
     stability: str = option("off", "stability of points: not checked", choices=("off",))
 

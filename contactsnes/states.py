@@ -6,13 +6,21 @@ A state is a displacement on a window with its means over the cell, in ranges of
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+from scipy import ndimage, sparse
 from scipy.optimize import brentq
 
 from .contact import APPROACH, CERTAIN, FORCE
 from .fourier import Convolution, Window
+from .grids import extent
 from .levels import crossings
 from .laws import CUTOFF
+
+
+NEAR = 15.0
+"""Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
+
+SUPPORT = 12
+"""Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than 1e-7)."""
 
 
 @dataclass(frozen=True)
@@ -177,45 +185,89 @@ def progress(contact, origin, ahead, state):
 
 
 def edges(contact, state):
-    """Left and right end of the one stretch of a line contact, in nodes of the window; None where there is no such."""
-    if len(contact.grid.shape) > 1:
+    """First and last place, in nodes of the window, of the one spot of contact along each direction, an array (directions, 2).
+
+    In two dimensions on the lines through its middle. None where there is no such spot: none, several, one across the border.
+    """
+    box, level, ends = state.window.box(normal_gap(contact, state)), contact.scene.contact_threshold, []
+    touching = box < level
+    lines = [extent(touching, axis) for axis in range(box.ndim)]
+    if not touching.any() or any(line.start == 0 for line in lines):
         return None
-    ends, _ = crossings(normal_gap(contact, state), contact.scene.contact_threshold)
-    return ends if len(ends) == 2 and normal_gap(contact, state)[0] > contact.scene.contact_threshold else None
+    for axis, line in enumerate(lines):
+        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2 for i, other in enumerate(lines))
+        places, _ = crossings(box[through], level)
+        # The extent of all that touches is that on the line, give or take the roundness of a spot.
+        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
+            return None
+        ends.append(places)
+    return np.array(ends)
 
 
 def follow_edge(contact, states, weights):
-    """Extrapolate gaps in coordinates stretched so that the contact edges stay in place; None without two edges.
+    """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
 
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
-    at a fixed distance from the edge hardly do.
+    at a fixed distance from the edge hardly do. Where the law hardly acts, displacements are extrapolated at fixed places.
     """
     ends = [edges(contact, state) for state in states]
     if any(end is None for end in ends):
         return None
     window = states[-1].window
     # Places of all states in nodes from the first one of the last window; a wider window begins before it.
-    places = [end + _nodes_between(window, state.window) for end, state in zip(ends, states)]
-    left, right = np.asarray(weights) @ places
-    if right - left < 4.0:
+    places = [end + _nodes_between(window, state.window)[:, None] for end, state in zip(ends, states)]
+    target = np.tensordot(weights, places, axes=1)
+    if np.any(target[:, 1] - target[:, 0] < 4.0):
         return None
+    near = window.box(normal_gap(contact, states[-1])) < NEAR
+    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
     states = [wider(state, window) for state in states]
-    begins = _nodes_between(window, states[-1].window)
-    nodes = np.arange(window.size)
-    gaps = np.zeros((len(states[-1].displacement), window.size))
-    for state, weight, (begin, end) in zip(states, weights, places):
-        source = begin + (nodes - left) * (end - begin) / (right - left) - begins
-        field = state.displacement.copy()
-        field[0] = normal_gap(contact, state)
-        for gap, values in zip(gaps, field):
-            gap += weight * ndimage.map_coordinates(values, [source], order=3, mode="nearest")
+    far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
+    far[0] += window.take(contact.initial_gap)
+    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place, target, part)
+                                                for state, weight, place in zip(states, weights, places))
     # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(gaps[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=gaps[0])
-    gaps[0] -= window.take(contact.initial_gap)
-    return State(window, gaps, sum(weight * state.means for state, weight in zip(states, weights)))
+    np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
+    far[0] -= window.take(contact.initial_gap)
+    return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def _stretched(contact, state, window, ends, target, part):
+    """Normal gap and tangential displacements (components, *part) of a state where its ends have been moved to ``target``.
+
+    ``ends`` and ``target`` are counted from the first node of ``window``, of whose box ``part`` is a part.
+    """
+    known, matrices = [], []
+    for (first, last), (left, right), wanted, begin, count in \
+            zip(ends, target, part, _nodes_between(window, state.window), state.window.shape):
+        source = first + (np.arange(wanted.start, wanted.stop) - left) * (last - first) / (right - left) - begin
+        low, high = np.clip([int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2], 0, count)
+        known.append(slice(min(low, count - 2), high))
+        matrices.append(spline(source - known[-1].start, known[-1].stop - known[-1].start))
+    field = state.window.box(state.displacement)[(slice(None), *known)].copy()
+    field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
+    fields = []
+    for values in field:
+        for matrix in matrices:
+            # Each product moves its direction to the end: after all of them they are in order again.
+            values = np.moveaxis(matrix @ ndimage.spline_filter1d(values, axis=0, mode="mirror"), 0, -1)
+        fields.append(values)
+    return np.array(fields)
+
+
+def spline(places, count):
+    """Sparse matrix from coefficients of a cubic spline at ``count`` nodes to its values at places (in nodes, cut to theirs)."""
+    places = np.clip(places, 0.0, count - 1.0)
+    first = np.minimum(places.astype(int), count - 2)
+    t = places - first
+    values = np.stack([(1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3], axis=1) / 6.0
+    # Mirrored beyond the ends, as the coefficients are.
+    columns = np.abs(first[:, None] + np.arange(-1, 3))
+    columns = np.where(columns > count - 1, 2 * (count - 1) - columns, columns)
+    return sparse.csr_matrix((values.reshape(-1), columns.reshape(-1), np.arange(0, values.size + 1, 4)), shape=(len(places), count))
 
 
 def _nodes_between(window, other):
-    """Nodes from the first one of a line window to that of another near it, over the cell's border or not."""
-    total = window.grid.shape[0]
-    return (other.start[0] - window.start[0] + total // 2) % total - total // 2
+    """Nodes from the first one of a window to that of another near it in each direction, over the cell's border or not."""
+    total = np.array(window.grid.shape)
+    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2
