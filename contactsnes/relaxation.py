@@ -10,6 +10,7 @@ from . import stepping
 from .motion import Motion
 from .options import read
 from .settings import InputError, as_text
+from .snes import NOT_A_NUMBER
 
 UNBOUNDED = 1e8
 """Residual norm, in ranges and over the first one, that no motion towards a balance has (dimensionless)."""
@@ -57,7 +58,7 @@ class Relaxation:
         rtol, atol, _, _ = snes.getTolerances()
         self._first = norm if iteration == 0 else self._first
         if not np.isfinite(norm):
-            return getattr(reasons, "DIVERGED_FNORM_NAN", None) or reasons.DIVERGED_FUNCTION_NANORINF
+            return NOT_A_NUMBER
         if norm <= atol:
             return reasons.CONVERGED_FNORM_ABS
         if iteration and norm <= rtol * self._first:

@@ -13,6 +13,10 @@ from .multigrid import create_levels
 from .options import read
 from .settings import Options, option
 
+NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
+    or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
+"""Reason to stop at a norm that is no number, by its older or its newer name."""
+
 
 @dataclass(frozen=True)
 class NewtonOptions(Options):
@@ -166,7 +170,7 @@ def displacement_test(snes, iteration, norms, form):
         imbalance = form.residual(unknown, np.empty(form.size))
     norm = form.displacement_norm(unknown, imbalance) if form.name == "force" else np.linalg.norm(imbalance)
     if not np.isfinite(norm):
-        return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+        return NOT_A_NUMBER
     form.last_norm = norm
     if iteration == 0:
         form.first_norm = norm

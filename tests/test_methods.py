@@ -146,6 +146,20 @@ def test_method_follows_a_path(stem):
     assert all(states.missed(contact, one.state, other.state) < SAME for one, other in zip(found, wanted))
 
 
+@pytest.mark.parametrize("damping", ["1e3", "1e160", "1e300"])
+@pytest.mark.parametrize("entries", [
+    {"contact_form": "force", "snes_type": "nrichardson"}, {"snes_type": "nrichardson"},
+    {"snes_type": "qn", "snes_npc_side": "left", "npc_snes_type": "nrichardson", "npc_snes_max_it": "1"}])
+def test_overflow_on_the_way_is_a_failed_solve(entries, damping):
+    before = options.database()
+    options.install({**entries, "snes_linesearch_type": "basic", "snes_linesearch_damping": damping})
+    try:
+        with pytest.raises(NotConverged), np.errstate(all="ignore"):
+            Corrector(Contact(Scene(**SCENE)), options.read(Form)).cold(NORMAL, np.ones(1))
+    finally:
+        options.install(before)
+
+
 def test_scenes_are_no_methods():
     assert {path.stem for path in FILES} - {path.stem for path in METHODS} >= {"cylinder", "sphere"}
 
