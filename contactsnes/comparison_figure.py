@@ -17,7 +17,7 @@ from .tables import read_hdf5
 WIDTH, PANEL = 17.0 / 2.54, 4.6 / 2.54
 """Width of the figure and height of a row of panels, inches."""
 COLUMNS = 4
-"""Columns of the legend."""
+"""Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
 
 HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "others": "Greens",
@@ -114,4 +114,7 @@ def _legend(figure, styles):
 def _tall(styles):
     """Rows of the legend."""
     families = len({family for family, _ in styles.values()})
-    return max(3, -(-(len(styles) + 2 * families) // COLUMNS))
+    em = STYLE["legend.fontsize"] / 72
+    # A character is about half as wide as it is tall; line and blanks of an entry take the rest.
+    columns = min(COLUMNS, int(WIDTH / ((0.55 * max(map(len, styles)) + 4.9) * em)))
+    return max(3, -(-(len(styles) + 2 * families) // columns))

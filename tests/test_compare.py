@@ -295,6 +295,14 @@ def test_figure(plain, tmp_path):
     assert pixels.shape[0] > pixels.shape[1] > 1000 and pixels[..., :3].std() > 0.05
 
 
+def test_long_names_fit_into_the_figure(tmp_path):
+    several = [Method(f"a-method-with-quite-a-long-name-{number}", {}) for number in range(12)]
+    comparison, _ = compared(NEWTON, *several, path="normal_displacement=hold")
+    comparison_table.save(comparison, tmp_path / "long", {})
+    pixels = matplotlib.image.imread(comparison_figure.plot_comparison([tmp_path / "long.h5"], tmp_path / "long.png"))
+    assert pixels[:, :4, :3].min() > 0.9 and pixels[:, -4:, :3].min() > 0.9
+
+
 def test_failed_replacement_leaves_a_file(tmp_path):
     path = tmp_path / "kept.h5"
     tables.write_hdf5(path, {"a": 1}, {"x": ([1.0, 2.0], "s"), "words": ["one", "two"]})
