@@ -192,6 +192,10 @@ class Corrector:
         gap = states.normal_gap(self.contact, state)
         # In the regularised gap a long step into overlap stays bounded.
         moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, MOVING_STIFFNESS)) / form.root
+        if form.name == "displacement" and form.forced:
+            # The mean displacement belonged to another gap than this: it is balanced anew, where the law acts.
+            aside, near = form.displacement(form.residual(moved, np.empty(size))), gap < states.NEAR
+            moved[form.count:] += self.contact.grid.sum(aside[form.forced][:, near]) / max(self.contact.grid.count(near), 1)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
