@@ -3,6 +3,7 @@
 import importlib
 import os
 import platform
+import os
 import signal
 import sys
 from pathlib import Path
@@ -38,6 +39,8 @@ def start_petsc(arguments):
     import petsc4py
 
     name, *words = petsc_arguments(arguments)
+    # One process needs no daemon of Open MPI, which takes a good part of a second to start.
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     try:
         # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread.
         petsc4py.init([name, "-options_left", "no", *words])
