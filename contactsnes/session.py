@@ -3,7 +3,6 @@
 import importlib
 import os
 import platform
-import os
 import signal
 import sys
 from pathlib import Path
