@@ -7,6 +7,7 @@ Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve fa
 import argparse
 import dataclasses
 import gc
+import math
 import os
 import signal
 import sys
@@ -15,12 +16,13 @@ from functools import partial
 
 from . import __version__, observables, scene as scenes, summary
 from .archive import Archive, ArchiveError, Column
+from .grid_choice import reason
 from .methods import CompareOptions
-from .points import NoEquilibrium, NotConverged
+from .points import new_points, NoEquilibrium, NotConverged, TooCoarse, unfinished_fold
 from .options import database, database_text, help_text, read, unused_options
 from .progress import Progress
-from .session import create_branch, solver_options, start_comparison, start_petsc, versions
-from .settings import InputError, nearest
+from .session import create_branch, create_watch, solver_options, start_comparison, start_petsc, versions
+from .settings import as_text, InputError, nearest
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -118,7 +120,12 @@ class Run:
     """One run: branch, archive and progress, and what to say when it is over."""
 
     def __init__(self, settings):
-        self.settings = settings
+        self.settings, self.signal = settings, 0
+        self._set_up()
+
+    def _set_up(self, missed=math.inf):
+        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy by an error."""
+        settings = self.settings
         self.table = observables.table(settings.scene)
         self.warnings = summary.resolution_warnings(settings)
         # What PETSc prints by itself would tear a bar to pieces.
@@ -126,7 +133,9 @@ class Run:
         self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
                                  live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
         self.branch = create_branch(settings, self.progress.log)
-        self.archive, self.waiting, self.known, self.signal = None, 0, 0, 0
+        self.watch = create_watch(settings, self.branch, self.progress, missed)
+        self.table |= self.watch.columns if self.watch else {}
+        self.archive, self.waiting, self.known = None, 0, 0
         if settings.output.file:
             self.archive = self._open_archive()
             self.known = self.archive.points
@@ -165,7 +174,7 @@ class Run:
         if status == 2 and self.archive and not self.archive.points:
             self.archive.path.unlink()  # an empty one would only be in the way of the next try
         if self.progress.points:
-            print(self.progress.summary(self.known), flush=True)
+            print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()), sep="\n", flush=True)
         if self.archive and self.archive.points:
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
@@ -184,11 +193,23 @@ class Run:
                 self._accept(point)
                 if self.signal:  # PETSc may swallow what is raised in some of its callbacks
                     raise KeyboardInterrupt(self.signal)
+        except TooCoarse as found:
+            coarse = found
         except (Exception, KeyboardInterrupt) as error:
             return self._verdict(error)
+        else:
+            return 0, ""
         finally:
             self.progress.close()
-        return 0, ""
+        return self._begin_anew(coarse)
+
+    def _begin_anew(self, coarse):
+        """The path from its beginning on a finer grid, in place of the points so far."""
+        self.progress.log(f"{coarse}; the path begins anew on {as_text(coarse.scene.shape)} points")
+        output = dataclasses.replace(self.settings.output, resume=False, overwrite=True)
+        self.settings = self.settings._replace(scene=coarse.scene, output=output)
+        self._set_up(coarse.error)
+        return self._points()
 
     def _verdict(self, error):
         """Exit status and reason of what ended the path early; what is neither solver nor user is raised again."""
@@ -211,7 +232,8 @@ class Run:
     def _accept(self, point):
         """Keep and show a point."""
         measurement = observables.Measurement(self.branch.contact, point)
-        row = {name: observable.function(measurement) for name, observable in self.table.items()}
+        row = self.watch.row(point) if self.watch else {}
+        row |= {name: observable.function(measurement) for name, observable in self.table.items() if name not in row}
         if self.archive:
             fields = measurement.fields() if self.settings.output.fields != "none" else ()
             self.archive.append(row, self.branch.packed(point), *fields)
@@ -221,7 +243,9 @@ class Run:
     def _say_what_is_solved(self):
         """Before the first solve: what has no effect, what is skipped, what to beware of."""
         scene, form, load, _, output = self.settings
-        for name, why in scenes.ineffective(scene, load, database(), form, output):
+        if self.settings.auto:
+            self.progress.log(f"the grid: {reason(scene, load)}")
+        for name, why in scenes.ineffective(scene, load, database(), form, output, self.settings.estimates):
             self.progress.log(f"-{name} has no effect: {why}")
         for sentence in summary.skipped(self.settings, self.branch):
             self.progress.log(sentence)
@@ -234,28 +258,6 @@ class Run:
             return ""
         points = f"{self.archive.points} points are" if self.archive.points > 1 else "1 point is"
         return f"; {points} in {self.archive.path}, -archive_resume goes on from there"
-
-
-def unfinished_fold(history):
-    """How many of the last points (of a killed run) are a fold, with its further events, that no jump follows yet.
-
-    The state beyond a fold is not archived, so that it has to be found again.
-    """
-    events = [point.event for point in history]
-    folds = [place for place, event in enumerate(events) if event == "fold"]
-    return len(events) - folds[-1] if folds and "jump" not in events[folds[-1]:] else 0
-
-
-def new_points(branch, waiting):
-    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the archive has already."""
-    left = waiting
-    for point in branch:
-        if left == 0:
-            yield point
-        elif point.event == "fold" or left < waiting:
-            left -= 1
-    if left:
-        raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")
 
 
 # info
@@ -275,7 +277,8 @@ def info(arguments):
                 "Unknowns": summary.about_unknowns(settings, branch), "Left out": summary.skipped(settings, branch),
                 "Method": summary.about_method(settings),
                 "Without effect": [f"-{name}: {why}" for name, why in
-                                   scenes.ineffective(scene, load, database(), settings.form, settings.output)],
+                                   scenes.ineffective(scene, load, database(), settings.form, settings.output,
+                                                      settings.estimates)],
                 "All options": summary.all_options([*settings, *map(read, solver_options())])}
     for title, lines in sections.items():
         if lines:

@@ -39,6 +39,8 @@ class Corrector:
     tolerance : of the residual norm, if not the one of -snes_atol
     """
 
+    prefix = ""  # of the options of its SNES
+
     def __init__(self, contact, settings, log=lambda sentence: None, tolerance=None):
         self.contact, self.settings, self.log, self.tolerance = contact, settings, log, tolerance
         self.form = self.snes = None
@@ -265,7 +267,7 @@ class Corrector:
                 self.form = ForceForm(self.contact, controls)
             else:
                 self.form = DisplacementForm(self.contact, guess.window, controls)
-            self.snes = create_snes(self.form, tolerance=self.tolerance)
+            self.snes = create_snes(self.form, self.prefix, self.tolerance)
         return self.form
 
     def _newton(self, form, unknown, most_iterations, snes=None):

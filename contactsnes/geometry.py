@@ -81,20 +81,20 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, offs
     return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
 
 
-def read_heights(specification, shape):
+def read_heights(specification, shape=None):
     """Read heights on the grid from a file, in units of u_n,r, the highest nearest to the flat.
 
     Parameters
     ----------
     specification : str
         ``FILE.npy``, ``FILE.txt`` (numbers separated by blanks) or ``FILE.h5:dataset``.
-    shape : tuple of int
-        Points of the grid in each direction.
+    shape : tuple of int, optional
+        Points of the grid in each direction; by default those of the file.
 
     Returns
     -------
     ndarray
-        Heights of that shape, as they stand in the file.
+        Heights, as they stand in the file.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def read_heights(specification, shape):
         raise ValueError(f"{option}: cannot be read ({error}).") from error
     if heights.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
-    if heights.shape != tuple(shape):
+    if shape is not None and heights.shape != tuple(shape):
         raise ValueError(f"{option}: the heights have shape {heights.shape}, the grid has {tuple(shape)}; "
                          "set -scene_points and -scene_dimension to those of the file.")
     if not np.all(np.isfinite(heights)):

@@ -13,6 +13,20 @@ class NoFold(NotConverged):
     """The search along the arc found neither a fold nor a way past the trouble."""
 
 
+class TooCoarse(RuntimeError):
+    """A point misses the accuracy for which its grid was chosen.
+
+    Attributes
+    ----------
+    scene : Scene, on the grid to take instead
+    error : the relative error that was too large
+    """
+
+    def __init__(self, sentence, scene, error):
+        super().__init__(sentence)
+        self.scene, self.error = scene, error
+
+
 class NoEquilibrium(RuntimeError):
     """No equilibrium exists under the present loads: the body leaves, or slides without end."""
 
@@ -80,3 +94,25 @@ def lagrange_weights(nodes, target):
     nodes = np.asarray(nodes, dtype=float)
     return np.array([np.prod((target - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k)))
                      for k in range(len(nodes))])
+
+
+def unfinished_fold(history):
+    """How many of the last points (of a killed run) are a fold, with its further events, that no jump follows yet.
+
+    The state beyond a fold is not archived, so that it has to be found again.
+    """
+    events = [point.event for point in history]
+    folds = [place for place, event in enumerate(events) if event == "fold"]
+    return len(events) - folds[-1] if folds and "jump" not in events[folds[-1]:] else 0
+
+
+def new_points(branch, waiting):
+    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the archive has already."""
+    left = waiting
+    for point in branch:
+        if left == 0:
+            yield point
+        elif point.event == "fold" or left < waiting:
+            left -= 1
+    if left:
+        raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")

@@ -16,6 +16,10 @@ class Progress:
     load : Load
     show : function (text) that prints a line
     live : bool, whether there is a terminal for a bar
+
+    Attributes
+    ----------
+    columns : name -> heading of what a line shows of a point
     """
 
     def __init__(self, scene, load, show, live):
@@ -69,7 +73,7 @@ class Progress:
         for name, heading in self.columns.items():
             value, width = row[name], {"leg": 3, "event": 0}.get(name, 11 if name in self.loads else 10)
             if isinstance(value, float):
-                value = f"{value:.1f}" if name == "transforms" else f"{value:.6g}"
+                value = f"{value:.1f}" if name == "transforms" else f"{value:.1e}" if name.startswith("error") else f"{value:.6g}"
             texts.append(f"{value:>{width}}")
         return " ".join(texts).rstrip()
 

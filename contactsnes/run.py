@@ -8,6 +8,7 @@ from . import continuation, observables, scene as scenes
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
 from .geometry import read_heights
+from .grid_choice import chosen
 from .points import Leg, NotConverged, Point
 from .corrector import Corrector
 from .states import State
@@ -36,6 +37,7 @@ class Branch:
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=()):
+        scene = chosen(scene, load)
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)

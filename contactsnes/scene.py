@@ -29,8 +29,9 @@ class Scene(Options):
     prefix: ClassVar[str] = "scene_"
     title: ClassVar[str] = "Scene: body, interface and grid"
     dimension: int = option(1, "dimension of the interface", choices=(1, 2))
-    points: int | tuple = option(None, "grid points of the cell", kind="integer", minimum=16, even=True, many="directions",
-                                 default_text="8192 (two dimensions: 512,512)")
+    points: int | tuple | str = option(None, "grid points of the cell; auto: for -scene_accuracy", kind="integer", minimum=16,
+                                       even=True, many="directions", word="auto", default_text="8192 (two dimensions: 512,512)")
+    accuracy: float = option(1e-6, "relative accuracy of force and contact area that -scene_points auto aims at", above=0, below=1)
     period: float | tuple = option(100.0, "length of the periodic cell", "beta", above=0, many="directions")
     geometry: str = option("cylinder", "initial gap: cylinder x^2/2 (in two dimensions along y), sphere r^2/2, sinusoid "
                            "A (1 - cos 2 pi x/L) summed over the directions, flat 0, file -scene_geometry_file",
@@ -84,7 +85,9 @@ class Scene(Options):
 
     @property
     def shape(self):
-        """Grid points in each direction, a tuple."""
+        """Grid points in each direction, a tuple; ValueError where they have yet to be chosen (``grid_choice.chosen``)."""
+        if self.points == "auto":
+            raise ValueError("the points of this scene have yet to be chosen")
         points = self.points or {1: 8192, 2: 512}[self.dimension]
         return points if isinstance(points, tuple) else (points,) * self.dimension
 
@@ -210,6 +213,8 @@ class Output(Options):
     file: str = option("", "HDF5 file for the points of the branch", default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    errors: bool = option(False, "estimate the errors of every point by solving it again on a finer grid (-scene_points auto "
+                          "does so anyway)")
     resume: bool = option(False, "go on from an archive of the same scene")
     overwrite: bool = option(False, "replace an existing archive")
 
@@ -253,8 +258,11 @@ def tangential_legs(scene, load):
     return tuple(scene.tangential != "off" and (everywhere or any(sheared[:leg + 1])) for leg in range(len(sheared)))
 
 
-def ineffective(scene, load, names, form=Form(), output=Output()):
-    """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of (name, why)."""
+def ineffective(scene, load, names, form=Form(), output=Output(), estimates=False):
+    """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of (name, why).
+
+    `estimates`: whether the errors of points are estimated.
+    """
     sheared = any(tangential_legs(scene, load))
     mcgarry, unsheared = "the law mcgarry has none", "no tangential unknown appears"
     rules = (("scene_residual_friction", scene.law == "mcgarry", mcgarry),
@@ -265,6 +273,7 @@ def ineffective(scene, load, names, form=Form(), output=Output()):
              ("scene_work_ratio", not (sheared and scene.coupled), "normal and tangential displacements are not coupled"),
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
              ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
+             ("scene_accuracy", not estimates, "the points are given, and no errors are estimated"),
              ("contact_window", form.form == "force", "the force form is solved on the whole cell"),
              ("contact_cascade", form.form == "force", "the force form is solved on the whole cell"),
              ("archive_fields", not output.file, "there is no -archive_file"),
@@ -318,5 +327,6 @@ def attributes(scene):
     values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
     for name, directions in (("points", scene.shape), ("period", scene.periods), ("amplitude", scene.amplitudes)):
         values[name] = directions if scene.dimension == 2 else directions[0]
+    del values["accuracy"]  # an aim, which a run that is resumed may change
     unused = {"amplitude": "sinusoid", "geometry_file": "file"}
     return {name: value for name, value in values.items() if scene.geometry == unused.get(name, scene.geometry)}

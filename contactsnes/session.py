@@ -8,7 +8,11 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from . import __version__, methods, scene as scenes
+from .archive import read as read_archive
+from .grid_choice import chosen, on
 from .load import Load
 from .options import check_names, check_values, database, install, petsc_arguments, read
 from .scene import OPTION_CLASSES
@@ -23,6 +27,16 @@ class Settings(NamedTuple):
     load: Load
     steps: scenes.Steps
     output: scenes.Output
+
+    @property
+    def auto(self):
+        """Whether the points of the grid were chosen, and have to prove themselves."""
+        return database().get("scene_points") == "auto"
+
+    @property
+    def estimates(self):
+        """Whether the errors of points are estimated."""
+        return self.auto or self.output.errors
 
 
 def solver_options():
@@ -51,7 +65,20 @@ def start_petsc(arguments):
     check_classes()
     settings = Settings(*map(read, OPTION_CLASSES))
     scenes.check(settings.scene, settings.load, settings.steps)
-    return settings
+    return settings._replace(scene=_with_points(settings))
+
+
+def _with_points(settings):
+    """The scene with its points chosen where they are to be; a run that is resumed keeps those of its archive."""
+    scene, output = settings.scene, settings.output
+    if settings.auto and output.resume and Path(output.file).is_file():
+        archive = read_archive(output.file)
+        if archive.points and scene.geometry != "file":
+            return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
+    try:
+        return chosen(scene, settings.load)
+    except (OSError, ValueError) as error:
+        raise error if isinstance(error, InputError) else InputError(str(error)) from None
 
 
 def start_comparison(arguments, log):
@@ -111,6 +138,13 @@ def create_branch(settings, log=lambda sentence: None):
         raise
     except (OSError, ValueError) as error:
         raise InputError(str(error)) from None
+
+
+def create_watch(settings, branch, progress, missed):
+    """What estimates the errors of a run's points (``accuracy.Watch``); None where nobody asks for them."""
+    from .accuracy import Watch
+
+    return Watch(branch, settings.auto, progress, missed) if settings.estimates else None
 
 
 def versions():

@@ -14,7 +14,7 @@ class InputError(ValueError):
 
 
 def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
-           many=None, infinite=False, even=False, default_text=None):
+           many=None, infinite=False, even=False, word=None, default_text=None):
     """A dataclass field that is an option of the database.
 
     Parameters
@@ -27,11 +27,12 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
     infinite : whether inf is allowed
     even : whether an integer has to be even
+    word : a text that is allowed besides
     """
     if kind is None:
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
     rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
-                choices=choices, many=many, infinite=infinite, even=even,
+                choices=choices, many=many, infinite=infinite, even=even, word=word,
                 default_text=as_text(default) if default_text is None else default_text)
     return dataclasses.field(default=default, metadata=rule)
 
@@ -59,7 +60,7 @@ def allowed(rule):
         text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
     several = {None: "", "directions": "; one, or one per direction with a comma",
                "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
-    return text + several[rule["many"]]
+    return text + several[rule["many"]] + (f"; or {rule['word']}" if rule["word"] else "")
 
 
 def nearest(name, names, cutoff=0.4):
@@ -87,6 +88,8 @@ def _single(value, rule):
 
 def _checked(name, value, rule):
     """The value of option `name`, or InputError."""
+    if isinstance(value, str) and value == rule["word"]:
+        return value
     several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
     if rule["many"] == "list" and isinstance(value, str):
         value, several = tuple(part.strip() for part in value.split(",")), True

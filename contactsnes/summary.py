@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 from . import scene as scenes, states
+from .grid_choice import memory_of_solve, reason
 from .load import quantities
 from .options import database
 from .settings import as_text
@@ -63,6 +64,7 @@ def about_scene(settings):
             f"{as_text(scene.work_ratio)}",
             f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing "
             f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
+            *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
             f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
             + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
 
@@ -107,8 +109,8 @@ def about_unknowns(settings, branch):
 
 
 def _megabytes(unknowns, whole):
-    """Memory of a solve in words: 2 x 60 Krylov vectors and 20 work arrays, and 10 arrays over the cell."""
-    return f"{math.ceil(8e-6 * ((2 * 60 + 20) * unknowns + 10 * whole))} MB"
+    """Memory of a solve in words."""
+    return f"{math.ceil(1e-6 * memory_of_solve(unknowns, whole))} MB"
 
 
 def about_method(settings):

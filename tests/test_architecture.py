@@ -43,6 +43,7 @@ TABLE = (
     Row("forms", "the balance as residual and tangent, however it is solved", LOAD_PATH),
     Row("arclength", "a form with its load as one more unknown", LOAD_PATH),
     Row("states", "displacements to start from, and between windows", LOAD_PATH),
+    Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity", "contact")),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
@@ -57,6 +58,7 @@ TABLE = (
     Row("coldstart", "first points, by way of coarser grids where that serves", ("continuation", *LOAD_PATH)),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),
+    Row("accuracy", "errors of points by finer grids", ("continuation",)),
     Row("recorder", "a corrector whose solves leave a history", LOAD_PATH),
     Row("relaxation", "damped dynamics as SNES types", (*LOAD_PATH, "continuation", "preconditioners")),
     Row("pseudotime", "pseudo-transient continuation as a SNES type", (*LOAD_PATH, "continuation", "preconditioners")),
@@ -77,7 +79,7 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "pseudotime", "stability", "compare",
+    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "pseudotime", "stability", "accuracy", "compare",
                  "session", "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},
@@ -86,7 +88,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "arclength", "states",
-                 "reference", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -11,7 +11,7 @@ from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASS
 from contactsnes.settings import allowed, as_text, InputError, nearest
 
 DEFAULTS = {
-    "scene_dimension": "1", "scene_points": "", "scene_period": "100", "scene_geometry": "cylinder", "scene_amplitude": "",
+    "scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06", "scene_period": "100", "scene_geometry": "cylinder", "scene_amplitude": "",
     "scene_geometry_file": "", "scene_gap_offset": "0", "scene_law": "modified", "scene_normal_maugis": "10",
     "scene_tangential_maugis": "1", "scene_residual_friction": "1", "scene_residual_adhesion": "0", "scene_work_ratio": "1",
     "scene_poisson": "0.5", "scene_height": "2000", "scene_tangential": "auto", "scene_contact_threshold": "2.718281828",
@@ -20,7 +20,7 @@ DEFAULTS = {
     "load_start": "normal_displacement=0", "load_path": "", "load_stop": "none", "continuation_type": "natural",
     "continuation_at_fold": "jump", "continuation_initial_step": "", "continuation_largest_step": "",
     "continuation_smallest_step": "", "continuation_predictor": "edge", "continuation_stability": "off", "archive_file": "",
-    "archive_fields": "none", "archive_resume": "false", "archive_overwrite": "false"}
+    "archive_fields": "none", "archive_errors": "false", "archive_resume": "false", "archive_overwrite": "false"}
 
 
 def test_defaults_are_the_documented_ones():
@@ -58,7 +58,10 @@ BAD = [
     (Scene, dict(dimension=3), "-scene_dimension", "3", "1, 2"),
     (Scene, dict(points=17), "-scene_points", "17", "even"),
     (Scene, dict(points=14), "-scene_points", "14", "at least 16"),
-    (Scene, dict(points="auto"), "-scene_points", "auto", "even"),
+    (Scene, dict(points="automatic"), "-scene_points", "automatic", "or auto"),
+    (Scene, dict(points=("auto", 64)), "-scene_points", "auto,64", "even"),
+    (Scene, dict(accuracy=0), "-scene_accuracy", "0", "above 0"),
+    (Scene, dict(accuracy=1), "-scene_accuracy", "1", "below 1"),
     (Scene, dict(points=512.5), "-scene_points", "512.5", "even"),
     (Scene, dict(points=(64, 64)), "-scene_points", "64,64", "one dimension"),
     (Scene, dict(dimension=2, points=(64, 64, 64)), "-scene_points", "64,64,64", "one per direction"),

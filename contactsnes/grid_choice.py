@@ -1,0 +1,146 @@
+"""Points of the grid for a wanted accuracy (-scene_points auto), and what memory holds.
+
+What is predicted here is only where to begin: estimates of the errors at every point (``accuracy``) tell what was reached.
+"""
+
+import math
+import os
+import resource
+from dataclasses import replace
+
+from .geometry import read_heights
+from .scene import LARGEST_RESOLUTION, resolution, tangential_legs
+from .settings import as_text, InputError
+
+FEWEST = 32
+"""Points of a direction, at least."""
+
+MARGIN = 0.5
+"""Part of the wanted accuracy at which predictions aim."""
+
+FINEST = 1e-9
+"""Smallest errors that a finer grid still lowers: what solves to the usual tolerance leave."""
+
+USABLE = 0.8
+"""Part of the machine's memory that a run may take."""
+
+
+def chosen(scene, load):
+    """The scene on the grid for its accuracy; itself where the points are given.
+
+    InputError, with the size that it would take and the best that can be done, where no grid in memory reaches it.
+    """
+    if scene.points != "auto":
+        return scene
+    if scene.geometry == "file":
+        points = read_heights(scene.geometry_file).shape
+        return replace(scene, points=points if len(points) > 1 else points[0])
+    sheared = any(tangential_legs(scene, load))
+    points = tuple(_points(scene, sheared, axis, scene.accuracy) for axis in range(scene.dimension))
+    if scene.accuracy < FINEST or memory_needed(scene, points) > memory():
+        raise InputError(_too_large(scene, sheared, points))
+    return on(scene, points)
+
+
+def on(scene, points):
+    """The scene on a grid of ``points``, a tuple."""
+    return replace(scene, points=points if scene.dimension == 2 else points[0])
+
+
+def reason(scene, load):
+    """Why the grid of a scene is what it is, in words."""
+    if scene.geometry == "file":
+        return f"{as_text(scene.shape)} points, those of the file"
+    sheared = any(tangential_legs(scene, load))
+    error = max(predicted(scene, sheared, axis, n) for axis, n in enumerate(scene.shape))
+    return (f"{as_text(scene.shape)} points, from which the law's cohesive length and the shape promise errors of about {error:.1g} "
+            f"(-scene_accuracy {as_text(scene.accuracy)})")
+
+
+def next_grid(scene, load, error):
+    """The scene on the next grid, where its points had an error above its accuracy; None where there is none in memory.
+
+    At most four times finer: the errors of the contact area fall with the fourth power of the spacing, those of corners of the
+    law that nodes cross under shear with the second.
+    """
+    if scene.geometry == "file":
+        return None
+    sheared = any(tangential_legs(scene, load))
+    factor = min(4.0, (error / (MARGIN * scene.accuracy)) ** (1 / 2 if sheared else 1 / 4))
+    points = tuple(_nice(factor * n) if predicted(scene, sheared, axis, n) > 0.0 else n for axis, n in enumerate(scene.shape))
+    fits = points != scene.shape and memory_needed(scene, points) <= memory()
+    return on(scene, points) if fits else None
+
+
+def predicted(scene, sheared, axis, points):
+    """Relative error of force and area to be expected of a direction's number of points; 0 where nothing varies along it.
+
+    With l = dx/x the cohesive length of the law, x the spacing in units of it (at most 1.25 in a grid that resolves it): the
+    force's error falls as a wave's, 300 l exp(-17.7/x); the edge of contact, interpolated by a cubic, has 9e-4 l x^4, and corners
+    of the law under shear 3e-5 l x^2. A law of long range is smooth on the scale on which the initial gap, of curvature c, goes
+    through it: exp(-c lambda x^2/2) has waves up to exp(-(pi/dx)^2/(c lambda)). Measured on lines at lambda = 3 to 10.
+    """
+    grid = on(replace(scene, points="auto"), tuple(points if i == axis else FEWEST for i in range(scene.dimension)))
+    x = LARGEST_RESOLUTION * resolution(grid, sheared)[axis]
+    if x == 0.0:
+        return 0.0
+    spacing = grid.spacings[axis]
+    length = min(spacing / x, 1.0)
+    law = length * (300.0 * math.exp(-17.7 / x) + 9e-4 * x ** 4 + (3e-5 * x ** 2 if sheared else 0.0))
+    width = 1.0 / math.sqrt(scene.normal_maugis * _curvature(scene, axis))
+    shape = math.exp(-(math.pi * width / spacing) ** 2) + 1e-3 * (spacing / width) ** 4
+    return min(1.0, law + shape)
+
+
+def _curvature(scene, axis):
+    """Of the initial gap at the apex, u_n,r/beta^2."""
+    return scene.amplitudes[axis] * (2 * math.pi / scene.periods[axis]) ** 2 if scene.geometry == "sinusoid" else 1.0
+
+
+def _points(scene, sheared, axis, accuracy):
+    """The fewest points of a direction that promise an accuracy."""
+    points = FEWEST
+    while predicted(scene, sheared, axis, points) > MARGIN * accuracy:
+        points = _nice(points + 1)
+    return points
+
+
+def _nice(points):
+    """The smallest number that is not below ``points`` and 4, 5 or 6 times a power of 2: even often enough for coarser grids."""
+    power = 2 ** max(2, math.floor(math.log2(points)) - 2)
+    return next(n * power for n in (4, 5, 6, 8) if n * power >= points)
+
+
+def memory_of_solve(unknowns, whole):
+    """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over the cell."""
+    return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
+
+
+def memory_needed(scene, points):
+    """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its errors are estimated on."""
+    values = scene.components * math.prod(points)
+    return 5 * memory_of_solve(values, values)
+
+
+def memory():
+    """Bytes that a run may take on this machine."""
+    total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return USABLE * (total if limit == resource.RLIM_INFINITY else min(total, limit))
+
+
+def _too_large(scene, sheared, points):
+    """One sentence with the size that an accuracy would take, and the best accuracy there is memory for."""
+    needed, best = points, max(scene.accuracy, FINEST)
+    while best < 1.0:
+        points = tuple(_points(scene, sheared, axis, best) for axis in range(scene.dimension))
+        if memory_needed(scene, points) <= memory():
+            break
+        best *= 1.25
+    size = f"{as_text(needed)} points and {memory_needed(scene, needed) / 1e9:.3g} GB of memory"
+    place = math.ceil(-math.log10(best))
+    reach = f"the best that it can do is -scene_accuracy {math.ceil(best * 10 ** place) / 10 ** place:.1g}, with {as_text(points)} points" if best < 1.0 else \
+        "no grid that resolves the cohesive zone fits; give -scene_points, or a softer law or a smaller -scene_period"
+    digits = f", and what solves leave is about {as_text(FINEST)}" if scene.accuracy < FINEST else ""
+    return (f"-scene_accuracy is '{as_text(scene.accuracy)}': that takes {size}, and this machine has "
+            f"{memory() / USABLE / 1e9:.3g} GB{digits}; {reach}")

@@ -1,0 +1,238 @@
+"""Estimates of errors, and grids for an accuracy: against finer grids, on scenes that no constant was chosen by."""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from contactsnes import accuracy, grid_choice
+from contactsnes.coldstart import refined
+from contactsnes.corrector import Corrector
+from contactsnes.grid_choice import chosen, memory_needed, next_grid, predicted, reason
+from contactsnes.load import Load
+from contactsnes.observables import Measurement
+from contactsnes.points import NotConverged, TooCoarse
+from contactsnes.run import Branch
+from contactsnes.scene import Form, ineffective, Output, Scene, Steps
+from contactsnes.settings import InputError
+
+
+LINE = dict(normal_maugis=2.0, period=20.0)
+PRESS = Load(path="normal_displacement=1")
+
+
+def errors_against(scene, load, ratio, steps=Steps()):
+    """Estimates and errors against a grid finer by a ratio, of force (or displacement), area and slip: array (points, 2, 3)."""
+    branch = Branch(scene, load, steps)
+    estimator = accuracy.Estimator(branch.contact)
+    finer = accuracy.finer_contact(branch.contact, ratio)
+    exact = Corrector(finer, Form(), tolerance=1e-10)
+    found, trusted = [], []
+    for point in branch:
+        if point.event == "fold":
+            continue
+        better = exact.solve(refined(branch.contact, finer, point.state), point.controls, point.load)
+        numbers = []
+        for contact, its in ((branch.contact, point), (finer, better)):
+            measurement = Measurement(contact, its)
+            normal = its.displacements if its.controls[0] == "force" else its.forces
+            numbers.append(np.array([normal[0], measurement.contact_area(), measurement.mean(1)]))
+        estimate = estimator(point)
+        found.append([estimate[:3], abs(numbers[0] - numbers[1]) / np.maximum(abs(numbers[0]), 1.0)])
+        trusted.append(estimate.trusted)
+        branch.corrector.account()
+    return np.array(found), np.array(trusted)
+
+
+def honest(found, least=1e-9):
+    """Which estimates are within a factor 3 of errors that are not rounding."""
+    estimates, errors = np.maximum(found, least).transpose(1, 0, 2)
+    return (estimates < 3 * errors) & (estimates > errors / 3)
+
+
+@pytest.mark.parametrize("points", [128, 192])
+def test_estimates_of_normal_paths_are_within_a_factor_three(points):
+    load = Load(start="normal_displacement=2", path="normal_displacement=-0.5; normal_force=1")
+    found, trusted = errors_against(Scene(points=points, **LINE), load, 8)
+    assert trusted.all() and len(found) > 10 and honest(found).all()
+    assert found[:, 1, :2].max() > 1e-5
+
+
+@pytest.mark.parametrize("friction", [0.5, 1.0])
+def test_estimates_of_sheared_paths_are_within_a_factor_three(friction):
+    scene = Scene(points=256, residual_friction=friction, height=4.0, **LINE)
+    found, trusted = errors_against(scene, Load(start="normal_displacement=1.5", path="tangential_displacement=3"), 8)
+    assert len(found) > 15 and trusted.all()
+    assert np.mean(honest(found)) >= 0.95
+
+
+def test_estimates_on_an_interface_of_two_dimensions():
+    scene = Scene(dimension=2, geometry="sphere", points=32, period=8.0, normal_maugis=1.5, height=3.0)
+    load = Load(path="normal_displacement=0.7; tangential_displacement_x=0.5")
+    found, trusted = errors_against(scene, load, 3, Steps(largest_step=0.5, initial_step=0.5))
+    assert trusted.all() and honest(found).all()
+
+
+def test_a_grid_that_does_not_resolve_the_law_is_not_trusted():
+    scene = Scene(points=512, period=100.0, normal_maugis=5.0)
+    point = next(iter(Branch(scene, Load(start="normal_displacement=2", path="normal_displacement=2"))))
+    assert not accuracy.Estimator(Branch(scene, PRESS).contact)(point).trusted
+
+
+def test_a_point_that_the_finer_grid_does_not_have_is_not_trusted(monkeypatch):
+    branch = Branch(Scene(points=128, **LINE), PRESS)
+    point = next(iter(branch))
+
+    def fails(*arguments):
+        raise NotConverged("no such point")
+
+    monkeypatch.setattr(accuracy.Reference, "solve", fails)
+    errors = accuracy.Estimator(branch.contact)(point)
+    assert not errors.trusted and np.isnan(errors[:3]).all() and errors.largest() == 0.0
+
+
+SCENES = {
+    "line": (Scene(points="auto", accuracy=1e-5, **LINE), "normal_displacement=1"),
+    "sharp line": (Scene(points="auto", accuracy=1e-6, normal_maugis=7.0, period=30.0), "normal_force=1"),
+    "soft line": (Scene(points="auto", accuracy=1e-6, normal_maugis=0.4, period=30.0), "normal_displacement=3"),
+    "thin layer": (Scene(points="auto", accuracy=1e-5, normal_maugis=2.0, period=20.0, height=0.5, poisson=0.3), "normal_displacement=0.5"),
+    "sinusoid": (Scene(points="auto", accuracy=1e-6, geometry="sinusoid", period=6.0, normal_maugis=1.0), "normal_displacement=0.8"),
+    "sheared": (Scene(points="auto", accuracy=1e-5, height=4.0, **LINE), "normal_displacement=1; tangential_displacement=1.5"),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_chosen_grids_reach_the_accuracy_against_four_times_finer_ones(name):
+    scene, path = SCENES[name]
+    load = Load(path=path)
+    grid = chosen(scene, load)
+    found, trusted = errors_against(grid, load, 4)
+    assert trusted.all() and found[:, 1, :2].max() <= scene.accuracy
+    if grid.points >= 64:  # nor is it a waste: four times coarser would not do
+        coarse, _ = errors_against(grid_choice.on(scene, (grid.points // 4,)), load, 8)
+        assert coarse[:, 1, :2].max() > scene.accuracy
+
+
+def test_where_nothing_varies_the_fewest_points_do():
+    flat = chosen(Scene(points="auto", geometry="flat", period=10.0), PRESS)
+    cylinder = chosen(Scene(points="auto", dimension=2, accuracy=1e-3, period=(20.0, 5.0), normal_maugis=2.0), PRESS)
+    assert flat.shape == (grid_choice.FEWEST,)
+    assert cylinder.shape[1] == grid_choice.FEWEST and cylinder.shape[0] > 2 * grid_choice.FEWEST
+    assert "32" in reason(flat, PRESS)
+
+
+@pytest.mark.parametrize("count", [33, 100, 1000, 1025, 5000, 7000])
+def test_points_have_small_prime_factors_and_coarser_grids(count):
+    points = grid_choice._nice(count)
+    assert count <= points <= 4 / 3 * count and points % 4 == 0
+    odd = points // (points & -points)
+    assert odd in (1, 3, 5)
+
+
+def test_prediction_falls_with_the_points_and_the_next_grid_is_finer():
+    scene = Scene(points=256, accuracy=1e-8, **LINE)
+    errors = [predicted(scene, False, 0, n) for n in (64, 128, 256, 512)]
+    assert errors == sorted(errors, reverse=True)
+    assert 256 < next_grid(scene, PRESS, 1e-7).points <= 1024
+
+
+def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypatch):
+    monkeypatch.setattr(grid_choice, "memory", lambda: 0.8 * 1e8)
+    scene = Scene(points="auto", dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0)
+    with pytest.raises(InputError) as error:
+        chosen(scene, PRESS)
+    sentence = str(error.value)
+    assert "-scene_accuracy is '1e-06'" in sentence and "GB" in sentence and "best" in sentence and "\n" not in sentence
+    best = float(sentence.split("-scene_accuracy ")[2].split(",")[0])
+    small = chosen(Scene(points="auto", accuracy=best, dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0), PRESS)
+    assert memory_needed(small, small.shape) <= 0.8 * 1e8
+    monkeypatch.setattr(grid_choice, "memory", lambda: 1e3)
+    with pytest.raises(InputError, match="no grid"):
+        chosen(scene, PRESS)
+
+
+@pytest.mark.parametrize("value", [1e-14, 1e-11])
+def test_accuracy_below_what_solves_leave_is_refused(value):
+    with pytest.raises(InputError, match="GB.*best"):
+        chosen(Scene(points="auto", accuracy=value, **LINE), PRESS)
+
+
+def test_accuracy_without_effect():
+    names = {"scene_accuracy"}
+    assert [name for name, _ in ineffective(Scene(), PRESS, names)] == ["scene_accuracy"]
+    assert not ineffective(Scene(), PRESS, names, output=Output(errors=True), estimates=True)
+
+
+ROOT = Path(__file__).resolve().parents[1]
+RUN = ["run", "-scene_normal_maugis", "2", "-scene_period", "20", "-load_path", "normal_displacement=1",
+       "-continuation_largest_step", "0.25"]
+
+
+def run(folder, *arguments, before="pass"):
+    """What a process of the command says, which ends well and leaves run.h5 in a folder; ``before``: Python to execute first."""
+    code = f"import sys; {before}; from contactsnes.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = [*RUN, *arguments, "-archive_file", str(folder / "run.h5")]
+    done = subprocess.run([sys.executable, "-c", code, *words], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True,
+                          text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_a_run_on_a_chosen_grid_keeps_its_errors_and_can_be_resumed(tmp_path):
+    said = run(tmp_path, "-scene_points", "auto", "-scene_accuracy", "1e-4")
+    assert "the grid: " in said and "errors " in said
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        points, options = int(file["scene"].attrs["points"]), file.attrs["options"]
+        branch = {name: column[:] for name, column in file["branch"].items()}
+        assert file["branch/error_contact_area"].attrs["unit"] == "relative"
+        file.attrs["complete"] = False
+    assert "-scene_points auto" in options and points % 4 == 0
+    assert (branch["error_normal_force"] <= 1e-4).all() and (branch["error_contact_area"] <= 1e-4).all()
+    assert (branch["error_trusted"] == 1).all()
+    # Resumed on the grid of the archive, though another one would be chosen now.
+    run(tmp_path, "-scene_points", "auto", "-scene_accuracy", "1e-3", "-archive_resume")
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["scene"].attrs["points"] == points and file.attrs["complete"]
+        assert len(file["branch/leg"]) == len(branch["leg"])
+
+
+def test_a_grid_that_misses_is_refined_and_the_path_begins_anew(tmp_path):
+    lax = "import contactsnes.grid_choice as g; real = g.predicted; g.predicted = lambda *words: 1e-2 * real(*words)"
+    said = run(tmp_path, "-scene_points", "auto", "-scene_accuracy", "1e-6", "-archive_fields", "all", before=lax)
+    assert "the path begins anew on" in said
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["branch/leg"][0] == 0 and (file["branch/leg"][1:] == 1).all()
+        assert max(file["branch/error_contact_area"][:].max(), file["branch/error_normal_force"][:].max()) <= 1e-6
+        assert file["fields/displacement"].shape[-1] == file["scene"].attrs["points"]
+
+
+def test_errors_on_a_given_grid_are_estimated_on_request(tmp_path):
+    said = run(tmp_path, "-scene_points", "96", "-archive_errors", "-scene_accuracy", "1e-6")
+    assert "missed at" in said
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["scene"].attrs["points"] == 96 and file["branch/error_contact_area"][:].max() > 1e-6
+
+
+def test_without_estimates_there_are_no_columns_for_them(tmp_path):
+    assert "-scene_accuracy has no effect" in run(tmp_path, "-scene_points", "96", "-scene_accuracy", "1e-6")
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert not [name for name in file["branch"] if name.startswith("error")]
+
+
+def test_too_coarse_names_the_grid_to_take():
+    branch = Branch(Scene(points=64, accuracy=1e-6, **LINE), PRESS)
+
+    class Lines:
+        columns = {"event": "event"}
+
+    watch = accuracy.Watch(branch, True, Lines(), math.inf)
+    with pytest.raises(TooCoarse, match="normal_displacement") as found:
+        watch.row(next(iter(branch)))
+    assert found.value.scene.points > 64 and found.value.error > 1e-6
+    given_up = accuracy.Watch(branch, True, Lines(), found.value.error)
+    assert given_up.row(next(iter(branch)))["error_trusted"] in (0, 1) and given_up.above == 1
