@@ -175,8 +175,8 @@ class Walk:
 
     def _jump(self, fold, starts, where):
         """The equilibrium at the fold's load to which motion leads from the first of some starts that does not lead back."""
-        if fold.sliding and fold.controls[self.leg.moving] == "force":
-            # Friction that has levelled off balances the fold's load for ever.
+        if fold.controls[self.leg.moving] == "force" and fold.fold_kind != "jump_in":
+            # Under the fold's own load a body that is on its way out hardly moves, or for ever.
             self._end(where)
         for start in starts:
             state = start()

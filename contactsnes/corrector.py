@@ -217,7 +217,7 @@ class Corrector:
         unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
         imbalance = form.residual(unknown, np.empty(form.size))
         first = min(1e-3, 0.03 * form.displacement_norm(unknown, imbalance))
-        for tolerance in (first, 1e-2 * first, 1e-8):
+        for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
             unknown = self._relaxed(form, unknown, tolerance, where)
             relaxed = self._state(form, unknown)
             try:

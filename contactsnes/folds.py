@@ -89,7 +89,10 @@ class Turn:
         return replace(point, leg=self.leg.number, position=position)
 
     def _natural(self, trail, target):
-        """The point at a given place of the leg, between two of a trail that is refined until a solve succeeds."""
+        """The point at a given place of the leg, between two of a trail that is refined until a solve succeeds.
+
+        Where none does, the trail's own last point before that place; NoFold if that is no way ahead.
+        """
         after = next((k for k, (place, _) in enumerate(trail) if place >= target and k), len(trail) - 1)
         pair = trail[after - 1:after + 1]
         for _ in range(12):
@@ -98,13 +101,25 @@ class Turn:
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
                 if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)):
-                    reached = min(self.leg.initial, target - self.history[-1][0])
-                    return replace(point, leg=self.leg.number, position=target, step=max(reached, self.leg.smallest))
+                    return self._passed(point, target)
             except NotConverged:
                 pass
-            half = self._at(first, before, second, behind, -0.5 * self.system.distance(first.state, second.state))
+            try:
+                half = self._at(first, before, second, behind, -0.5 * self.system.distance(first.state, second.state))
+            except NotConverged:
+                break
             pair = [pair[0], (half.position, half)] if half.position >= target else [(half.position, half), pair[1]]
-        raise NotConverged(f"the branch goes on beyond {target:.6g} of the leg, but no solve there succeeded")
+        begin = self.history[-1][0]
+        ahead = [(place, point) for place, point in trail if begin + self.leg.smallest < place <= target]
+        if not ahead:
+            raise NoFold(f"the branch goes on beyond {target:.6g} of the leg, but no solve there succeeded")
+        place, point = max(ahead, key=lambda item: item[0])
+        return self._passed(point, place)
+
+    def _passed(self, point, place):
+        """A point with which the walk goes on."""
+        reached = min(self.leg.initial, place - self.history[-1][0])
+        return replace(point, leg=self.leg.number, position=place, step=max(reached, self.leg.smallest))
 
     def _locate(self, trail):
         """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its end, by parabolas.

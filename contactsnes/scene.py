@@ -288,8 +288,8 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
 
 LARGEST_RESOLUTION = 1.25
 """Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
-PINNING = math.pi / 2 * math.exp(2) / LARGEST_RESOLUTION
-"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes: no margin is left."""
+PINNING = 2.2
+"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes (measured on a line)."""
 
 
 def resolution(scene, sheared):

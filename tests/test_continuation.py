@@ -7,7 +7,7 @@ import pytest
 
 from contactsnes.continuation import Walk, branch, fold_kind, grown, leg_history, predict, with_events
 from contactsnes.folds import FOLD_TOLERANCE, Turn
-from contactsnes.points import Leg, NoEquilibrium, NotConverged, Point, lagrange_weights
+from contactsnes.points import Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
 PREDICTORS = ("none", "secant", "tangent", "edge")
@@ -489,6 +489,18 @@ def test_the_search_leaves_the_fold_behind_before_it_jumps():
             history.append((0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load)))
         fold, beyond, _ = Turn(system, leg, history).search(NotConverged("a step"))
         assert fold.state[0] < beyond[0] and beyond[0] ** 3 - beyond[0] < fold.load[0] * (1 - 1e-6)
+
+
+def test_a_point_of_the_arc_serves_where_no_solve_does():
+    """The places of a trail are points of the branch: the last one before the place in question, or none beyond the leg's last."""
+    system, leg = System(explicit(np.sin, np.cos)), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
+    trail = [(place, system.solve(np.zeros(1), ("displacement",), leg.load(place))) for place in (0.1, 0.2, 0.33, 0.47)]
+    system.fails = system.arc_fails = lambda load: True
+    turn = Turn(system, leg, trail[:2])
+    found = turn._natural(trail, 0.4)
+    assert found.position == 0.33 and found.state is trail[2][1].state and found.leg == 1 and 0.0 < found.step <= 0.05
+    with pytest.raises(NoFold):
+        turn._natural(trail, 0.3)
 
 
 def test_kinds_of_folds():

@@ -343,6 +343,13 @@ def test_a_start_on_a_grid_that_pins_is_stable(points, period, maugis, approach)
     assert law_and_body(made.contact, made.start(controls, load))[0] > 0.0
 
 
+def test_a_body_far_apart_is_at_rest_at_once():
+    """Motion from a balance of 1e-18 ends there: its tolerance is a part of the first imbalance, but none below the solver's."""
+    made, load = corrector(), np.array([-14.0])
+    point = made.settle(states.undeformed(made.contact, (DISPLACEMENT,), load), (DISPLACEMENT,), load, "far apart")
+    assert point.residual_norm <= 1e-8 and made.contact.grid.transforms < 100
+
+
 def test_a_start_that_is_no_number_is_named():
     made, point = solved()
     spoiled = point.state.displacement.copy()
