@@ -10,6 +10,7 @@ machine is in the same mood. The first pass over the path counts, the following 
 """
 
 import re
+import time
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -37,7 +38,8 @@ ERRORS = ("displacement_error", "force_error", "area_error")
 class Result:
     """What became of one method at one point.
 
-    counts : name -> count in the first pass; times : seconds in each of the following; errors : see ``Target.errors``
+    counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that is timed
+    errors : see ``Target.errors``
     histories : for each pass an array (iterations, 3) of transforms, seconds and residual norm, at the points that are watched
     """
 
@@ -45,6 +47,7 @@ class Result:
     reason: str = ""
     counts: dict = field(default_factory=dict)
     times: list = field(default_factory=list)
+    first: float = np.nan
     errors: tuple = (np.nan,) * len(ERRORS)
     residual_norm: float = np.nan
     histories: list = field(default_factory=list)
@@ -174,7 +177,7 @@ class Comparison:
         self.contact = branch.contact
         self.meter = self.contact.grid.counter = Meter(self.contact.grid.size)
         # Watched are the solves of the first point and of the middle one of each leg.
-        self.targets, self.watched, self.path_failure, self.passes = [], [], "", 0
+        self.targets, self.watched, self.path_failure, self.passes, self.slow = [], [], "", 0, set()
         self.results = {method.name: [] for method in methods}
         names = [method.name for method in methods]
         self.base = "newton" if "newton" in names else names[0]
@@ -191,12 +194,23 @@ class Comparison:
         for number in range(1 + self.settings.repeats if self.targets else 0):
             turn = number % len(self.methods)
             for method in [*self.methods[turn:], *self.methods[:turn]]:
+                if method.name in self.slow:
+                    continue
+                began = time.perf_counter()
                 self._follow(method, timed=number > 0)
                 if not number:
                     self.log(self.verdict(method))
+                    self._time_slow(method, time.perf_counter() - began)
                 save()
             self.passes = number
         save()
+
+    def _time_slow(self, method, seconds):
+        """Take the first pass of a method for the timed one if it took too long for others."""
+        if seconds > self.settings.seconds:
+            self.slow.add(method.name)
+            for result in self.results[method.name]:
+                result.times = [result.first] if result.outcome == CONVERGED else []
 
     def stages(self):
         """Lists of the places of targets that belong together: the first point, then a list for each leg."""
@@ -223,6 +237,7 @@ class Comparison:
                 result.times.append(spent["wall_time"])
             else:
                 result.reason, result.counts = reason, {name: spent[name] for name in COUNTS}
+                result.first = spent["wall_time"]
                 self._judge(target, result, point)
 
     def _judge(self, target, result, point):

@@ -20,13 +20,13 @@ COLUMNS = 4
 """Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
 
-HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "others": "Greens",
-        "dynamic relaxation": "Oranges"}
+HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "compositions": "RdPu",
+        "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr", "others": "copper_r", "dynamic relaxation": "Reds"}
 """Family -> colours of its methods, dark to light; kinds of lines tell them apart, too."""
 LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
 
-def plot_comparison(paths, output):
+def plot_comparison(paths, output, shown=None):
     """Draw the histories of comparisons, a row of panels for each solve that was watched; the path of the figure.
 
     One curve a method: the smallest residual norm so far against transforms (left) and time (right); a cross ends the curve of
@@ -36,13 +36,14 @@ def plot_comparison(paths, output):
     ----------
     paths : paths of comparisons' HDF5 files
     output : path of the figure
+    shown : names of the methods that are drawn, all by default
     """
     records = []
     for path in paths:
         attributes, record = read_hdf5(path)
         records.append({**record, "name": attributes["name"]})
     rows = [(record, place) for record in records for place in sorted(record["histories"], key=int)]
-    styles = _styles(records)
+    styles = _styles(records, shown)
     with matplotlib.rc_context(STYLE):
         below = 0.3 + 0.155 * _tall(styles)
         figure = Figure((WIDTH, len(rows) * PANEL + below), layout="constrained")
@@ -57,12 +58,12 @@ def plot_comparison(paths, output):
     return Path(output)
 
 
-def _styles(records):
-    """Name -> (family, look of the curve) of all methods, in the order of families."""
+def _styles(records, shown):
+    """Name -> (family, look of the curve) of the methods that are drawn, in the order of families."""
     families = defaultdict(list)
     for record in records:
         for name, family in zip(record["methods"]["name"], record["methods"]["family"]):
-            if name not in families[family]:
+            if name not in families[family] and (shown is None or name in shown):
                 families[family].append(name)
     styles = {}
     for family in (family for family in HUES if family in families):
@@ -79,7 +80,7 @@ def _draw_row(panels, record, place, styles):
     histories, names = record["histories"][place], list(record["methods"]["name"])
     outcomes = record["results"]["outcome"][:, int(place)]
     for number, name in enumerate(names):
-        if str(number) not in histories or not len(histories[str(number)]):
+        if name not in styles or str(number) not in histories or not len(histories[str(number)]):
             continue
         transforms, seconds, norms = histories[str(number)].T
         # What a solve costs before its first evaluation ends is the first point's place; zero has none on this axis.
@@ -92,7 +93,8 @@ def _draw_row(panels, record, place, styles):
         axes.grid(True, which="major", linewidth=0.3, color="0.88")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_major_locator(LogLocator(numticks=8))
-    first = max((history[0, 2] for name, history in histories.items() if name != "title" and len(history)), default=1.0)
+    drawn = [histories[str(number)] for number, name in enumerate(names) if name in styles and str(number) in histories]
+    first = max((history[0, 2] for history in drawn if len(history)), default=1.0)
     panels[0].set_ylim(1e-10, 10.0 * first if np.isfinite(first) else 1e3)
     panels[0].set_ylabel("residual norm")
     panels[0].set_title(f"{record['name']}: {str(histories['title']).replace('_', ' ')}", loc="left")

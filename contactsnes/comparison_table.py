@@ -90,7 +90,7 @@ def lines(comparison):
     base = comparison.base
     heading = (f"  {'':{width}} {'found':>7} {'transforms':>10} {'ratio':>7} {'evaluations':>11} {'products':>8} {'time/ms':>8} "
                f"{'(least-most)':>15} {'ratio':>6} {'(least-most)':>13} {'error: u':>8} {'force':>7} {'area':>7}")
-    text = [f"Means for a point; ratios to {base}; times are medians of {comparison.passes} passes; errors are the largest: "
+    text = [f"Means for a point; ratios to {base}; times are medians of {comparison.passes} passes (slow methods: one); errors are the largest: "
             "displacement in ranges of the law, force, contact area."]
     for stage in dict.fromkeys(row["stage"] for row in table):
         text += ["", stage, heading, *(_line(row, width) for row in table if row["stage"] == stage)]

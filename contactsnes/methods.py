@@ -20,10 +20,17 @@ class CompareOptions(Options):
     prefix: ClassVar[str] = "compare_"
     title: ClassVar[str] = "Comparison of methods"
     repeats: int = option(3, "passes over the path that are timed, the methods in turn in each", minimum=1)
+    seconds: float = option(60.0, "a method whose first pass takes longer is not timed again: its times are those of that pass", "s",
+                            minimum=0)
     transforms: float = option(50000.0, "a method that needs more transforms at a point has failed there", above=0)
     failures: int = option(3, "failed points of a method, after which it is not tried any more", minimum=1)
     file: str = option("", "name of the files: FILE.csv, FILE.h5 and FILE.png", default_text="comparison-SCENE")
     overwrite: bool = option(False, "replace existing files")
+
+
+FAMILIES = {"fas": "multigrid", "qn": "quasi-Newton", "composite": "compositions",
+            **dict.fromkeys(("ngmres", "anderson", "ncg", "nrichardson"), "nonlinear Krylov")}
+"""Type of SNES -> what kind of method it is, in words."""
 
 
 class Method(NamedTuple):
@@ -40,7 +47,7 @@ class Method(NamedTuple):
             return "dynamic relaxation" if "relaxation" in self.entries.get("snes_python_type", "") else "others"
         if kind.startswith("newton"):
             return "Newton after relaxation" if self.entries.get("contact_first") == "relaxation" else "Newton"
-        return "multigrid" if kind == "fas" else "others"
+        return FAMILIES.get(kind, "others")
 
 
 def split(arguments):

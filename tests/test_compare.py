@@ -238,6 +238,19 @@ def test_another_branch_is_marked(monkeypatch):
     assert any("another branch" in sentence for sentence in said)
 
 
+# Times
+
+
+def test_a_slow_method_is_timed_once():
+    """Its times are those of its first pass, and the others' passes go on."""
+    comparison, _ = compared(NEWTON, FIRE, repeats=3, seconds=0.0)
+    for method in (NEWTON, FIRE):
+        results = comparison.results[method.name]
+        assert all(result.times == [result.first] and len(result.histories) <= 1 for result in results)
+    row = comparison_table.rows(comparison)[1]
+    assert row["time"] == row["time_low"] == row["time_high"] > 0.0 and row["time_ratio"] > 0.0
+
+
 # Ratios
 
 
@@ -339,7 +352,8 @@ def test_options_of_files_and_command_line(tmp_path):
 
 @pytest.mark.parametrize("entries, family", [
     ({}, "Newton"), ({"snes_type": "newtontr"}, "Newton"), ({"contact_first": "relaxation"}, "Newton after relaxation"),
-    (FIRE.entries, "dynamic relaxation"), ({"snes_type": "fas"}, "multigrid"), ({"snes_type": "qn"}, "others")])
+    (FIRE.entries, "dynamic relaxation"), ({"snes_type": "fas"}, "multigrid"), ({"snes_type": "qn"}, "quasi-Newton"),
+    ({"snes_type": "ngmres"}, "nonlinear Krylov"), ({"snes_type": "composite"}, "compositions"), ({"snes_type": "ms"}, "others")])
 def test_families(entries, family):
     assert Method("any", entries).family == family
 
@@ -443,17 +457,22 @@ def script():
 
 
 def test_script_reports_what_was_measured(tmp_path):
-    equal = Method("equal", {**FIRE.entries, "snes_python_type": "contactsnes.relaxation.Verlet", "snes_verlet_masses": "equal"})
-    comparison, _ = compared(NEWTON, FIRE, equal, HASTY)
+    plain = Method("verlet-plain", {**FIRE.entries, "snes_python_type": "contactsnes.relaxation.Verlet", "snes_verlet_masses": "equal"})
+    comparison, _ = compared(NEWTON, FIRE, plain, HASTY)
     comparison_table.save(comparison, tmp_path / "small", {})
     text = script().report({"small": tables.read_hdf5(tmp_path / "small.h5")[1]})
     lines = {line.split("|")[1].strip(): line for line in text.splitlines() if line.startswith("|")}
     rows = {row["method"]: row for row in comparison_table.rows(comparison) if row["stage"].startswith("leg 2")}
-    assert f"{rows['equal']['transforms']:.0f} / " in lines["equal"] and lines["hasty"].count("fails") == 3
-    assert f"{rows['equal']['transforms_ratio']:.3g} (equal)" in lines["Verlet with equal masses, transforms"]
-    best = min(rows["fire"]["transforms_ratio"], rows["equal"]["transforms_ratio"])
+    assert f"{rows['verlet-plain']['transforms']:.0f} / " in lines["verlet-plain"] and lines["hasty"].count("fails") == 3
+    assert f"{rows['verlet-plain']['transforms_ratio']:.3g} (verlet-plain)" in lines["damped Verlet as in the paper, transforms"]
+    best = min(rows["fire"]["transforms_ratio"], rows["verlet-plain"]["transforms_ratio"])
     assert f"{best:.3g} (" in lines["the best relaxation, transforms"]
     assert "- hasty: small, cold start, at normal displacement 0: SNES DIVERGED_MAX_IT" in text
+
+
+def test_the_figure_shows_methods_that_there_are():
+    names = {path.stem for path in OPTIONS.glob("*.opts")} | {"newton (whole cell)"}
+    assert set(script().SHOWN) <= names
 
 
 def test_readme_has_the_marks_of_the_script():
