@@ -187,14 +187,16 @@ class Window:
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, its edge interpolated between nodes.
 
-        Cubic in one dimension; in two, linear on the triangles of either diagonal (second order). Beyond the window nothing
-        is below; a window that is the whole cell closes on itself.
+        Cubic in each direction. Beyond the window nothing is below; a window that is the whole cell closes on itself.
         """
-        box = self.box(values)
+        box, plane = self.box(values), len(self.shape) == 2
         for axis, (extent, total) in enumerate(zip(self.shape, self.grid.shape)):
-            if extent == total:
-                box = np.concatenate([box, box.take([0], axis=axis)], axis=axis)
-        if box.ndim == 2:
+            before, after = ([-1], [0, 1]) if extent == total else ([0], [-1])
+            if plane:
+                box = np.concatenate([box.take(before, axis), box, box.take(after, axis)], axis)
+            elif extent == total:
+                box = np.append(box, box[0])
+        if plane:
             return area_below(box, level) * self.grid.node_area
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level else [])]

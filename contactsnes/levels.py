@@ -26,13 +26,38 @@ def crossings(values, level):
 
 
 def area_below(box, level):
-    """Area below a level of the piecewise linear surface through a box of nodes, in squares of the grid."""
-    corners = box[:-1, :-1], box[1:, :-1], box[1:, 1:], box[:-1, 1:]
+    """Area below a level of the surface through a box of nodes without its outermost ring, in squares of the grid.
+
+    Squares that the level cuts are divided by bicubic interpolation, and the parts by triangles; what is left of these falls with
+    the square of the division, which two divisions tell. Fourth order.
+    """
+    corners = _corners(box[1:-1, 1:-1])
     lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    cut = (lowest < level) & (highest >= level)
-    a, b, c, d = (corner[cut] - level for corner in corners)
+    cut = np.nonzero((lowest < level) & (highest >= level))
+    patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
+    coarse, fine = (_triangles_below(weights @ patches @ weights.T) / (len(weights) - 1) ** 2 for weights in map(_cubic, (4, 8)))
+    return np.count_nonzero(highest < level) + (4.0 * fine - coarse) / 3.0
+
+
+def _cubic(parts):
+    """Weights of four nodes at the ends of equal parts of the middle one of the steps between them."""
+    places, nodes = np.arange(parts + 1) / parts, np.arange(-1, 3)
+    return np.array([[np.prod((place - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
+                     for place in places])
+
+
+def _corners(values):
+    """Values at the corners of the squares between nodes (last two axes), in their order around them."""
+    return values[..., :-1, :-1], values[..., 1:, :-1], values[..., 1:, 1:], values[..., :-1, 1:]
+
+
+def _triangles_below(values):
+    """Area where values are negative, by the triangles of either diagonal, in squares between nodes (last two axes)."""
+    corners = _corners(values)
+    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
+    a, b, c, d = (corner[(lowest < 0.0) & (highest >= 0.0)] for corner in corners)
     triangles = ((a, b, c), (a, c, d), (b, c, d), (b, d, a))
-    return np.count_nonzero(highest < level) + 0.25 * sum(_part_below(triangle).sum() for triangle in triangles)
+    return np.count_nonzero(highest < 0.0) + 0.25 * sum(_part_below(triangle).sum() for triangle in triangles)
 
 
 def _part_below(corners):

@@ -449,3 +449,15 @@ def test_crossings_where_a_node_is_on_the_level():
         assert len(places) == np.count_nonzero(above[1:] != above[:-1]) == len(signs)
         if above[2] != above[4]:
             assert 3.0 in places
+
+
+def test_area_below_a_level_is_of_fourth_order_in_the_spacing():
+    errors = []
+    for points in (32, 64, 128):
+        grid = Grid((points, points), (6.0, 6.0))
+        x, y = grid.coordinates()
+        # A disc of radius 1, whose rim is not straight to third order, over the cell's border.
+        radius = np.hypot((x - 2.7 + 3.0) % 6.0 - 3.0, y - 0.123)
+        gap = radius + 0.1 * np.exp(-3.0 * (radius - 1.0) ** 2) - 0.1
+        errors.append(abs(grid.whole.area_below(gap.reshape(-1), 1.0) / np.pi - 1.0))
+    assert errors[0] < 2e-3 and errors[2] < 1e-5 and errors[2] < errors[0] / 100
