@@ -7,13 +7,19 @@ import math
 import os
 import resource
 from dataclasses import replace
+from functools import lru_cache
 
+from . import states
+from .contact import Contact
 from .geometry import read_heights
 from .scene import LARGEST_RESOLUTION, resolution, tangential_legs
 from .settings import as_text, InputError
 
 FEWEST = 32
 """Points of a direction, at least."""
+
+FEW = {1: (2048,), 2: (128, 128)}
+"""Points on which the size of windows is found out, by dimension."""
 
 MARGIN = 0.5
 """Part of the wanted accuracy at which predictions aim."""
@@ -37,8 +43,8 @@ def chosen(scene, load):
         return replace(scene, points=points if len(points) > 1 else points[0])
     sheared = any(tangential_legs(scene, load))
     points = tuple(_points(scene, sheared, axis, scene.accuracy) for axis in range(scene.dimension))
-    if scene.accuracy < FINEST or memory_needed(scene, points) > memory():
-        raise InputError(_too_large(scene, sheared, points))
+    if scene.accuracy < FINEST or memory_needed(scene, load, points) > memory():
+        raise InputError(_too_large(scene, load, points))
     return on(scene, points)
 
 
@@ -53,8 +59,8 @@ def reason(scene, load):
         return f"{as_text(scene.shape)} points, those of the file"
     sheared = any(tangential_legs(scene, load))
     error = max(predicted(scene, sheared, axis, n) for axis, n in enumerate(scene.shape))
-    return (f"{as_text(scene.shape)} points, from which the law's cohesive length and the shape promise errors of about {error:.1g} "
-            f"(-scene_accuracy {as_text(scene.accuracy)})")
+    return (f"{as_text(scene.shape)} points, from which the law's cohesive length and the shape promise errors of about "
+            f"{error:.1g} (-scene_accuracy {as_text(scene.accuracy)})")
 
 
 def next_grid(scene, load, error):
@@ -68,7 +74,7 @@ def next_grid(scene, load, error):
     sheared = any(tangential_legs(scene, load))
     factor = min(4.0, (error / (MARGIN * scene.accuracy)) ** (1 / 2 if sheared else 1 / 4))
     points = tuple(_nice(factor * n) if predicted(scene, sheared, axis, n) > 0.0 else n for axis, n in enumerate(scene.shape))
-    fits = points != scene.shape and memory_needed(scene, points) <= memory()
+    fits = points != scene.shape and memory_needed(scene, load, points) <= memory()
     return on(scene, points) if fits else None
 
 
@@ -116,10 +122,24 @@ def memory_of_solve(unknowns, whole):
     return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
 
 
-def memory_needed(scene, points):
+def memory_needed(scene, load, points):
     """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its errors are estimated on."""
-    values = scene.components * math.prod(points)
-    return 5 * memory_of_solve(values, values)
+    cell = scene.components * math.prod(points)
+    return 5 * memory_of_solve(window_part(scene, load) * cell, cell)
+
+
+@lru_cache(maxsize=8)
+def window_part(scene, load):
+    """The largest part of the cell on which the law acts where the path begins and at the ends of its legs.
+
+    That of the body bent without a law, on few points: the window of a contact with adhesion is somewhat larger.
+    """
+    contact = Contact(on(scene, FEW[scene.dimension]))
+    legs = load.legs(scene.dimension) if load.path else ()
+    controls = [load.initial(scene.dimension)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]
+    windows = [contact.window(states.normal_gap(contact, states.undeformed(contact, (its.control,), [its.value]))
+                              .reshape(contact.grid.shape)) for its in controls if its.value is not None]
+    return min(1.0, 1.2 * max(window.size for window in windows) / contact.grid.size)
 
 
 def memory():
@@ -129,15 +149,15 @@ def memory():
     return USABLE * (total if limit == resource.RLIM_INFINITY else min(total, limit))
 
 
-def _too_large(scene, sheared, points):
+def _too_large(scene, load, points):
     """One sentence with the size that an accuracy would take, and the best accuracy there is memory for."""
-    needed, best = points, max(scene.accuracy, FINEST)
+    needed, best, sheared = points, max(scene.accuracy, FINEST), any(tangential_legs(scene, load))
     while best < 1.0:
         points = tuple(_points(scene, sheared, axis, best) for axis in range(scene.dimension))
-        if memory_needed(scene, points) <= memory():
+        if memory_needed(scene, load, points) <= memory():
             break
         best *= 1.25
-    size = f"{as_text(needed)} points and {memory_needed(scene, needed) / 1e9:.3g} GB of memory"
+    size = f"{as_text(needed)} points and {memory_needed(scene, load, needed) / 1e9:.3g} GB of memory"
     place = math.ceil(-math.log10(best))
     reach = f"the best that it can do is -scene_accuracy {math.ceil(best * 10 ** place) / 10 ** place:.1g}, with {as_text(points)} points" if best < 1.0 else \
         "no grid that resolves the cohesive zone fits; give -scene_points, or a softer law or a smaller -scene_period"

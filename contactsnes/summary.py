@@ -104,8 +104,9 @@ def about_unknowns(settings, branch):
     if math.prod(window) < math.prod(scene.shape):
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = scene.components * math.prod(scene.shape)
+    estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
     return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
-                    "cell, besides Python and its libraries"]
+                    f"cell{estimates}, besides Python and its libraries"]
 
 
 def _megabytes(unknowns, whole):

@@ -150,10 +150,18 @@ def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypat
     assert "-scene_accuracy is '1e-06'" in sentence and "GB" in sentence and "best" in sentence and "\n" not in sentence
     best = float(sentence.split("-scene_accuracy ")[2].split(",")[0])
     small = chosen(Scene(points="auto", accuracy=best, dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0), PRESS)
-    assert memory_needed(small, small.shape) <= 0.8 * 1e8
+    assert memory_needed(small, PRESS, small.shape) <= 0.8 * 1e8
     monkeypatch.setattr(grid_choice, "memory", lambda: 1e3)
     with pytest.raises(InputError, match="no grid"):
         chosen(scene, PRESS)
+
+
+def test_memory_is_that_of_the_window():
+    load = Load(path="normal_force=2")
+    parts = [grid_choice.window_part(Scene(points="auto", normal_maugis=3.0, period=period), load) for period in (5.0, 50.0, 500.0)]
+    assert parts[0] == 1.0 and 0.05 < parts[1] < 0.5 and parts[2] < 0.2 * parts[1]
+    still = Load(start="normal_displacement=2", path="normal_displacement=hold, tangential_displacement=1")
+    assert grid_choice.window_part(Scene(points="auto", normal_maugis=3.0, period=50.0), still) > 0.05
 
 
 @pytest.mark.parametrize("value", [1e-14, 1e-11])

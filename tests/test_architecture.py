@@ -43,7 +43,7 @@ TABLE = (
     Row("forms", "the balance as residual and tangent, however it is solved", LOAD_PATH),
     Row("arclength", "a form with its load as one more unknown", LOAD_PATH),
     Row("states", "displacements to start from, and between windows", LOAD_PATH),
-    Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity", "contact")),
+    Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
