@@ -28,7 +28,7 @@ class PseudoOptions(Options):
 
     prefix: ClassVar[str] = "snes_pseudo_"
     title: ClassVar[str] = "Pseudo-transient continuation"
-    first_change: float = option(1.0, "how far the first step would lead at the rate that it begins with, root mean square",
+    first_change: float = option(3.0, "how far the first step would lead at the rate that it begins with, root mean square",
                                  "ranges of the law", above=0)
     exponent: float = option(1.5, "the time step grows as the residual's norm falls, by its inverse to this power", above=0)
     growth: float = option(10.0, "largest factor of the time step from one step to the next", minimum=1)

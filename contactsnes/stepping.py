@@ -20,14 +20,14 @@ class MassOptions(Options):
 
 @dataclass(frozen=True)
 class VerletOptions(MassOptions):
-    """Options of damped Verlet."""
+    """Options of damped Verlet; longer time steps are cheaper where they settle, but may end in an oscillation."""
 
     prefix: ClassVar[str] = "snes_verlet_"
     title: ClassVar[str] = "Dynamic relaxation: damped Verlet"
-    time_step: float = option(1.6, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
+    time_step: float = option(1.5, "time step; the fastest motion has about the frequency 1, stable below 2", above=0)
     damping: float = option(None, "rate c of the damping m c v' of the slowest motion", kind="number", minimum=0,
                             default_text="critical, twice its frequency")
-    damping_exponent: float = option(0.4, "the rate grows with the frequency of a wave to this power, from the softest wave on",
+    damping_exponent: float = option(0.6, "the rate grows with the frequency of a wave to this power, from the softest wave on",
                                      minimum=0, maximum=1)
 
 
@@ -42,7 +42,7 @@ class FireOptions(MassOptions):
     growth: float = option(1.2, "factor of the time step after a step downhill", minimum=1)
     reduction: float = option(0.7, "factor of the time step after a step uphill", above=0, below=1)
     delay: int = option(0, "steps downhill before the time step grows", minimum=0)
-    mixing: float = option(0.13, "part of the velocity that is turned towards the force, after a stop", minimum=0, below=1)
+    mixing: float = option(0.1, "part of the velocity that is turned towards the force, after a stop", minimum=0, below=1)
     mixing_decay: float = option(0.99, "factor of the mixing where the time step grows", above=0, maximum=1)
 
 
@@ -54,7 +54,7 @@ class AdaptiveOptions(MassOptions):
     title: ClassVar[str] = "Dynamic relaxation: time step and damping estimated on the way"
     stability: float = option(0.85, "time step over the largest that is stable for the fastest frequency seen", above=0, below=1)
     memory: float = option(0.9998, "what remains of the fastest frequency seen, at each step", above=0, maximum=1)
-    damping_factor: float = option(0.9, "rate of the damping over the critical one, twice the frequency that the motion has",
+    damping_factor: float = option(0.8, "rate of the damping over the critical one, twice the frequency that the motion has",
                                    minimum=0)
     damping_exponent: float = option(0.2, "the rate grows with the frequency of a wave to this power, from the softest wave on",
                                      minimum=0, maximum=1)
