@@ -77,12 +77,12 @@ def _at_load(system, state, controls, load):
 def levels(contact, start):
     """The contact and coarser ones through which its first point may be reached, the finest first; none but itself if none.
 
-    One equilibrium is there for a cylinder or a sphere that is pressed until it overlaps the flat, where the cell's grid
-    resolves its law.
+    One equilibrium is there for a cylinder or a sphere that is pressed until it overlaps the flat, where its edge hardly
+    sticks between nodes.
     """
     found, touching = [contact], contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
     directions = len(contact.grid.shape)
-    if not contact.convex or max(resolution(contact.scene, False)) > 1.01:
+    if not contact.convex or max(resolution(contact.scene, False)) > 1.01 * SPACING / LARGEST_RESOLUTION:
         return found
     while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
         found.append(found[-1].coarse(SPACING))
