@@ -21,11 +21,12 @@ from .contact import Contact, FORCE
 from .corrector import Corrector
 from .fourier import Transform
 from .grids import resampled
+from .cohesive import resolution
 from .grid_choice import next_grid
 from .laws import NORMAL_PEAK
 from .observables import Measurement, Observable
 from .points import NoEquilibrium, NotConverged, TooCoarse
-from .scene import Form, resolution, tangential_legs
+from .scene import Form, tangential_legs
 from .settings import as_text
 
 ASTRAY = 1.0

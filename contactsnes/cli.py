@@ -143,13 +143,13 @@ class Run:
     def _open_archive(self):
         """The archive to append to, created or resumed; the branch gets the history it goes on from."""
         scene, output = self.settings.scene, self.settings.output
-        grid = self.branch.contact.grid
         content = {"scene": scenes.attributes(scene), "options": database_text(), "versions": versions(),
                    "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
                    "fields": output.fields, "components": scene.components, "warnings": self.warnings}
         if output.fields != "none":
-            content["coordinates"] = tuple(axis.ravel() for axis in grid.coordinates())
-            content["initial_gap"] = self.branch.contact.initial_gap / self.branch.contact.ranges[0]
+            contact = self.branch.contact
+            content["coordinates"] = tuple(axis.ravel() for axis in contact.widest.coordinates())
+            content["initial_gap"] = contact.widest.box(contact.widest.take(contact.initial_gap)) / contact.ranges[0]
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)
@@ -271,7 +271,7 @@ def info(arguments):
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
     # Without a path there is still a contact to tell of.
-    still = dataclasses.replace(load, path="normal_displacement=hold")
+    still = dataclasses.replace(load, path="normal_force=hold" if scene.isolated else "normal_displacement=hold")
     branch = create_branch(settings if legs else settings._replace(load=still, steps=scenes.Steps()))
     sections = {"Scene": summary.about_scene(settings), "Load path": summary.about_path(settings, legs),
                 "Unknowns": summary.about_unknowns(settings, branch), "Left out": summary.skipped(settings, branch),

@@ -8,12 +8,12 @@ equilibrium only, all levels lead to it.
 import numpy as np
 
 from . import states
+from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import APPROACH, FORCE
 from .fourier import Window
 from .grids import interpolation, resampled
 from .laws import MOVING_STIFFNESS
 from .points import NotConverged
-from .scene import LARGEST_RESOLUTION, resolution
 
 COLD = 200
 """Most Newton iterations of a solve from the start without overlap."""
@@ -36,6 +36,9 @@ def first_point(system, controls, load):
     system : Corrector
     controls, load : of the normal component
     """
+    if system.contact.isolated and load[0] == 0.0:
+        # Without a force an isolated body stays where it starts, outside the law's range.
+        return system.solve(states.apart(system.contact), controls, load)
     try:
         guess = through_grids(system, states.undeformed(system.contact, controls, load), controls, load)
         if guess is not None:

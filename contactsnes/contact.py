@@ -38,7 +38,12 @@ class Contact:
     ranges : (lambda_n, lambda_t, ...), one a component of the scene
     initial_gap : array over the cell, delta_n
     convex : whether the gap only grows away from a window around the contact
+    datum : 0 where the displacement of the body as a whole is defined, nan where it is not
+    isolated : whether means are to be told as displacements of the far surface
+    widest : the largest window, on whose nodes fields are known
     """
+
+    datum, isolated = 0.0, False
 
     def __init__(self, scene, heights=None, counter=None):
         self.scene = scene
@@ -56,6 +61,12 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=12)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
+        self.widest = self.grid.whole
+
+    @property
+    def periodic(self):
+        """The contact in a cell, whose damped motion can be followed: this one."""
+        return self
 
     def signs(self, components):
         """-1 for the normal, +1 for tangential components: load = sign x displacement of the body."""
@@ -91,9 +102,14 @@ class Contact:
         softened = replace(scene, points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
                            tangential_maugis=min(scene.tangential_maugis, sharpest),
                            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis)
-        coarse = Contact(softened, -self.initial_gap[kept], self.grid.counter)
+        coarse = self._coarser(softened)
         coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
         return coarse
+
+    def _coarser(self, scene):
+        """The contact of a scene on every other node."""
+        kept = (slice(None, None, 2),) * len(self.grid.shape)
+        return Contact(scene, -self.initial_gap[kept], self.grid.counter)
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""

@@ -7,13 +7,13 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import coldstart, states
+from .cohesive import PINNING, resolution
 from .arclength import ArcLength
 from .coldstart import COLD
 from .contact import APPROACH, FORCE
 from .points import NoEquilibrium, NotConverged, Point
 from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, MOVING_STIFFNESS, SLIP
-from .scene import PINNING, resolution
 from .snes import create_snes
 
 WARM = 16
@@ -212,7 +212,7 @@ class Corrector:
 
         Raises NoEquilibrium where the body leaves or slides without end, NotConverged where the motion does not settle.
         """
-        form = ForceForm(self.contact, controls)
+        form = ForceForm(self.contact.periodic, controls)
         form.set_load(load)
         unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
         imbalance = form.residual(unknown, np.empty(form.size))
@@ -254,9 +254,8 @@ class Corrector:
     def _fitted(self, state):
         """The state on the window that the settings and the law ask for."""
         if self.settings.window == "off" or self.settings.form == "force":
-            whole = self.contact.grid.whole
-            return state if state.window.is_whole else \
-                states.State(whole, self.contact.extended(state).reshape(len(state.displacement), -1), state.means)
+            widest = self.contact.widest
+            return state if state.window == widest else states.State(widest, widest.take(self.contact.extended(state)), state.means)
         return states.fitted(self.contact, state)
 
     def _form_for(self, guess, controls):
@@ -337,7 +336,7 @@ class Corrector:
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
         forces = factor * grid.sum(traction)
         far = state.means + contact.rigid_compliance(components) * grid.mean(traction)
-        displacements = contact.signs(components) * far / ranges
+        displacements = contact.signs(components) * far / ranges + contact.datum
         for i, control in enumerate(form.controls):
             if control != APPROACH:
                 (forces if control == FORCE else displacements)[i] = form.load[i]

@@ -303,10 +303,13 @@ class Body:
         anisotropy = max(self.poisson, abs(c.longitudinal / c.transverse - 1))
         return self.couples(smallest), anisotropy > _VANISHING
 
+    def surface(self, wavenumber):
+        """Surface compliance at wave numbers, arbitrary at q = 0, of which `compliance` is made."""
+        return layer_compliance(wavenumber, self.poisson, self.height)
+
     def _compliance_blocks(self, waves, components):
         """Blocks of the compliance, arbitrary at q = 0."""
-        surface = layer_compliance(waves.wavenumber, self.poisson, self.height)
-        return self._blocks(surface, 1.0, waves, components, self._nonzero(waves))
+        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components, self._nonzero(waves))
 
     def _blocks(self, surface, sign, waves, components, nonzero):
         """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign s e_a."""

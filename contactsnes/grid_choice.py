@@ -10,9 +10,10 @@ from dataclasses import replace
 from functools import lru_cache
 
 from . import states
+from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import Contact
 from .geometry import read_heights
-from .scene import LARGEST_RESOLUTION, resolution, tangential_legs
+from .scene import tangential_legs
 from .settings import as_text, InputError
 
 FEWEST = 32

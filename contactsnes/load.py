@@ -96,8 +96,8 @@ class Load(Options):
 
     prefix: ClassVar[str] = "load_"
     title: ClassVar[str] = "Load path"
-    start: str = option("normal_displacement=0", "controlled values where the path begins, the others zero: "
-                        "quantity=value, with commas")
+    start: str = option(None, "controlled values where the path begins, the others zero: quantity=value, with commas",
+                        kind="text", default_text="normal_displacement=0; isolated: no force")
     path: str = option("", "legs separated by ;, their quantities by commas: normal_displacement, normal_force, "
                        "tangential_displacement, tangential_force (two dimensions: tangential ones with _x or _y) = end value "
                        "or hold", default_text="none: run needs one")
@@ -115,10 +115,10 @@ class Load(Options):
         """Events that end the path, a tuple of names; empty for none."""
         return tuple(name for name in self.stop.split(",") if name != "none")
 
-    def initial(self, dimension):
-        """Component -> Control where the path begins, for every component; what is not named: displacement 0."""
-        unloaded = {component: Control("displacement", 0.0) for component in range(1 + dimension)}
-        return unloaded | _controls(self.start, "-load_start", dimension, hold=False)
+    def initial(self, dimension, isolated=False):
+        """Component -> Control where the path begins, for every component; what is not named: displacement 0, isolated force 0."""
+        unloaded = {component: Control("force" if isolated else "displacement", 0.0) for component in range(1 + dimension)}
+        return unloaded if self.start is None else unloaded | _controls(self.start, "-load_start", dimension, hold=False)
 
     def legs(self, dimension):
         """The legs of the path, a tuple of Leg. InputError for an empty path and for pieces that cannot be read."""

@@ -58,7 +58,9 @@ class Measurement:
         return float(values[index]) if index < self.components else 0.0
 
     def mean(self, index):
-        """Mean displacement over the cell, u_n,r or u_t,r."""
+        """Mean displacement over the cell, u_n,r or u_t,r; around an isolated contact that is the displacement far away."""
+        if self.contact.isolated:
+            return self.component(self.contact.signs(self.components) * self.point.displacements, index)
         return self.component(self.state.means, index) / self.contact.ranges[index]
 
     def contact_area(self):
@@ -86,13 +88,13 @@ class Measurement:
         return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
 
     def fields(self):
-        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r) over the cell, (components of the scene, *grid)."""
+        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r) over the widest window, (components of the scene, *box)."""
         count = self.contact.scene.components
         displacement, traction = np.zeros((2, count, *self.grid.shape))
         displacement[:self.components] = self.contact.extended(self.state)
         displacement /= self.contact.ranges.reshape(-1, *[1] * len(self.grid.shape))
         self.window.put(self.traction, traction[:self.components])
-        return displacement, traction
+        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in (displacement, traction))
 
 
 def table(scene):

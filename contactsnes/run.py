@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import continuation, observables, scene as scenes
+from . import cohesive, continuation, observables, scene as scenes
+from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
 from .geometry import read_heights
 from .grid_choice import chosen
+from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .corrector import Corrector
 from .states import State
@@ -41,9 +43,14 @@ class Branch:
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)
-        heights = read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None
-        self.contact = Contact(scene, heights)
-        self.corrector = Corrector(self.contact, scenes.Form() if form is None else form, log)
+        form = scenes.Form() if form is None else form
+        if scene.isolated:
+            check_form(form)
+            self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
+        else:
+            self.contact = Contact(scene, read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None)
+        self.corrector = Corrector(self.contact, form, log)
+        self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
         self.legs = load.legs(scene.dimension)
         self._sheared = scenes.tangential_legs(scene, load)
@@ -56,9 +63,9 @@ class Branch:
             yield from points
         except NotConverged as error:
             sheared = any(self._sheared)
-            if max(scenes.resolution(self.scene, sheared)) <= scenes.PINNING:
+            if max(cohesive.resolution(self.scene, sheared)) <= cohesive.PINNING:
                 raise
-            raise NotConverged(f"{error}; {scenes.resolution_warning(self.scene, sheared)}") from None
+            raise NotConverged(f"{error}; {cohesive.resolution_warning(self.scene, sheared)}") from None
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""
@@ -82,9 +89,9 @@ class Branch:
 
     def _start(self):
         """The first point, at -load_start: a cold solve without tangential load, then steps to the one asked for."""
-        initial = self.load.initial(self.scene.dimension)
+        initial = self.load.initial(self.scene.dimension, self.scene.isolated)
         count = self.scene.components if self._sheared[0] else 1
-        controls = (initial[0].control, *[DISPLACEMENT] * (count - 1))
+        controls = (initial[0].control, *[self._resting] * (count - 1))
         values = np.array([initial[0].value, *[0.0] * (count - 1)])
         point = replace(self.corrector.start(controls, values), spent=self.corrector.account())
         leg = self._leg_to(0, initial, count, [point], lambda length: (0.1 * length, 0.25 * length, 1e-6 * length))
@@ -104,7 +111,7 @@ class Branch:
     def _leg_to(self, number, named, count, points, sizes):
         """A leg from the last point to named controls and values (None: held), or None where nothing moves."""
         last = points[-1]
-        controls = [*last.controls, *[DISPLACEMENT] * (count - len(last.controls))]
+        controls = [*last.controls, *[self._resting] * (count - len(last.controls))]
         reached = {DISPLACEMENT: last.displacements, FORCE: last.forces}
         reached = {control: np.append(values, np.zeros(count - len(values))) for control, values in reached.items()}
         for component in set(named) & set(range(count)):

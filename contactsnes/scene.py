@@ -15,6 +15,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from . import alone
+from .cohesive import default_spacing
 from .load import Load
 from .settings import InputError, Options, as_text, option
 
@@ -32,7 +34,10 @@ class Scene(Options):
     points: int | tuple | str = option(None, "grid points of the cell; auto: for -scene_accuracy", kind="integer", minimum=16,
                                        even=True, many="directions", word="auto", default_text="8192 (two dimensions: 512,512)")
     accuracy: float = option(1e-6, "relative accuracy of force and contact area that -scene_points auto aims at", above=0, below=1)
-    period: float | tuple = option(100.0, "length of the periodic cell", "beta", above=0, many="directions")
+    period: float | tuple = option(100.0, "length of the periodic cell; inf: an isolated cylinder (one dimension) or sphere",
+                                   "beta", above=0, many="directions", infinite=True)
+    spacing: float | tuple = option(None, "distance of the nodes of an isolated contact", "beta", kind="number", above=0,
+                                    many="directions", default_text="resolves the cohesive zone")
     geometry: str = option("cylinder", "initial gap: cylinder x^2/2 (in two dimensions along y), sphere r^2/2, sinusoid "
                            "A (1 - cos 2 pi x/L) summed over the directions, flat 0, file -scene_geometry_file",
                            choices=("cylinder", "sphere", "sinusoid", "flat", "file"))
@@ -59,7 +64,7 @@ class Scene(Options):
 
     def __post_init__(self):
         super().__post_init__()
-        for name in ("points", "period"):
+        for name in ("points", "period", "spacing"):
             if self.dimension == 1 and isinstance(getattr(self, name), tuple):
                 raise InputError(f"-scene_{name} is '{as_text(getattr(self, name))}': one dimension takes one number; "
                                  "give one, or -scene_dimension 2")
@@ -67,6 +72,7 @@ class Scene(Options):
             raise InputError("-scene_geometry is 'sphere': it needs two dimensions; add -scene_dimension 2 or take cylinder")
         if self.geometry == "file" and not self.geometry_file:
             raise InputError("-scene_geometry is 'file' without a file: name it by -scene_geometry_file")
+        alone.check_scene(self)
         self._check_edge()
 
     def _check_edge(self):
@@ -97,8 +103,16 @@ class Scene(Options):
         return self.period if isinstance(self.period, tuple) else (self.period,) * self.dimension
 
     @property
+    def isolated(self):
+        """Whether the contact is the only one: no cell, no period."""
+        return math.inf in self.periods
+
+    @property
     def spacings(self):
         """Distance of the nodes in each direction, a tuple, in beta."""
+        if self.isolated:
+            spacing = self.spacing or default_spacing(self)
+            return spacing if isinstance(spacing, tuple) else (spacing,) * self.dimension
         return tuple(period / points for period, points in zip(self.periods, self.shape))
 
     @property
@@ -123,6 +137,8 @@ class Scene(Options):
 
         At Poisson ratio 1/2 the coupling is k^2/sinh(k)^2 of the diagonal, k = 2 pi H/L, so only thin layers have it.
         """
+        if self.isolated:
+            return self.poisson < 0.5 or alone.strains(self)
         k = 2 * math.pi * self.height / max(self.periods)
         return self.poisson < 0.5 or (k < 30 and (k / math.sinh(k)) ** 2 > 1e-16)
 
@@ -229,9 +245,11 @@ OPTION_CLASSES = (Scene, Form, Load, Steps, Output)
 
 def check(scene, load, steps=Steps()):
     """InputError unless load path and steps fit the scene. A path that is not set is not missed here."""
+    if scene.isolated:
+        alone.check_load(scene, load)
     sheared = _sheared(scene, load)
     if scene.tangential == "off" and any(sheared):
-        text = [load.start, *load.path.split(";")][sheared.index(True)].strip()
+        text = [load.start or "", *load.path.split(";")][sheared.index(True)].strip()
         raise InputError(f"-scene_tangential is 'off', but the load has '{text}': allowed are auto and on, or a load without "
                          "tangential quantities")
     if load.path and steps.legs not in (None, len(sheared) - 1):
@@ -240,10 +258,10 @@ def check(scene, load, steps=Steps()):
 
 
 def _sheared(scene, load):
-    """Whether the start and each leg name a tangential quantity (at the start: other than displacement 0), a list."""
-    initial = load.initial(scene.dimension)
+    """Whether the start and each leg name a tangential quantity (at the start: other than what holds without), a list."""
+    initial, resting = load.initial(scene.dimension, scene.isolated), "force" if scene.isolated else "displacement"
     legs = load.legs(scene.dimension) if load.path else ()
-    return [any(control != ("displacement", 0.0) for component, control in initial.items() if component),
+    return [any(control != (resting, 0.0) for component, control in initial.items() if component),
             *(max(leg.controls) > 0 for leg in legs)]
 
 
@@ -274,6 +292,7 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
              ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
              ("scene_accuracy", not estimates, "the points are given, and no errors are estimated"),
+             ("contact_cascade", scene.isolated and not load.start, "the path begins without a contact"),
              ("contact_window", form.form == "force", "the force form is solved on the whole cell"),
              ("contact_cascade", form.form == "force", "the force form is solved on the whole cell"),
              ("archive_fields", not output.file, "there is no -archive_file"),
@@ -286,47 +305,12 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     return list(found.items())
 
 
-LARGEST_RESOLUTION = 1.25
-"""Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
-PINNING = 2.2
-"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes (measured on a line)."""
-
-
-def resolution(scene, sheared):
-    """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is resolved), a tuple.
-
-    The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
-    well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
-    between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
-    s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
-    (1 - nu)/2 for waves transverse to the slip in two dimensions. Directions without an edge of contact give 0.
-    """
-    normal = scene.normal_maugis ** 2
-    softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
-    stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
-    tangential = scene.tangential_maugis ** 2 * (softening / math.exp(-2)) * (0.5 / stiffness) if sheared else 0.0
-    uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
-    return tuple(0.0 if same else spacing * max(normal, tangential) / LARGEST_RESOLUTION
-                 for spacing, same in zip(scene.spacings, uniform))
-
-
-def resolution_warning(scene, sheared):
-    """One sentence with the number of points to take where the grid does not resolve the cohesive zone, else None."""
-    ratios = resolution(scene, sheared)
-    if max(ratios) <= 1:
-        return None
-    needed = tuple(points if ratio <= 1 else 2 ** math.ceil(math.log2(points * ratio))
-                   for points, ratio in zip(scene.shape, ratios))
-    return (f"the grid of {as_text(scene.shape)} points does not resolve the cohesive zone: its spacing is {max(ratios):.3g} "
-            "times the largest that does, and results may depend on where nodes lie; "
-            f"try -scene_points {as_text(needed)}")
-
-
 def attributes(scene):
     """Name -> value of a scene for the archive, with defaults filled in; two directions give a tuple."""
     values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
-    for name, directions in (("points", scene.shape), ("period", scene.periods), ("amplitude", scene.amplitudes)):
+    grid = (("spacing", scene.spacings),) if scene.isolated else (("points", scene.shape), ("amplitude", scene.amplitudes))
+    for name, directions in (("period", scene.periods), *grid):
         values[name] = directions if scene.dimension == 2 else directions[0]
     del values["accuracy"]  # an aim, which a run that is resumed may change
     unused = {"amplitude": "sinusoid", "geometry_file": "file"}
-    return {name: value for name, value in values.items() if scene.geometry == unused.get(name, scene.geometry)}
+    return {name: value for name, value in values.items() if value is not None and scene.geometry == unused.get(name, scene.geometry)}

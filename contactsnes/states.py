@@ -66,10 +66,16 @@ def undeformed(contact, controls, load):
     return State(grid.whole, displacement, grid.mean(displacement))
 
 
+def apart(contact):
+    """The undeformed body, far outside the law's range; the normal component."""
+    displacement = np.full((1, contact.grid.size), 2.0 * CUTOFF - contact.grid.minimum(contact.initial_gap))
+    return State(contact.grid.whole, displacement, displacement[:, 0].copy())
+
+
 def _carried(contact, depth):
     """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth), ranges of the law."""
     displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
-    traction = Convolution(contact.grid.whole, contact.operator(1, "stiffness"), 1).apply(displacement, displacement)
+    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"), 1).apply(displacement, displacement)
     return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 

@@ -3,7 +3,9 @@
 import dataclasses
 import math
 
-from . import scene as scenes, states
+import numpy as np
+
+from . import cohesive, scene as scenes, states
 from .grid_choice import memory_of_solve, reason
 from .load import quantities
 from .options import database
@@ -13,13 +15,13 @@ from .settings import as_text
 def resolution_warnings(settings):
     """Sentences on a grid that is too coarse, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
-    sentence = scenes.resolution_warning(settings.scene, sheared)
+    sentence = cohesive.resolution_warning(settings.scene, sheared)
     return (sentence,) if sentence else ()
 
 
 def start_window(settings, branch):
     """Nodes on which the law acts when the path begins, in each direction."""
-    contact, initial = branch.contact, settings.load.initial(settings.scene.dimension)
+    contact, initial = branch.contact, settings.load.initial(settings.scene.dimension, settings.scene.isolated)
     if settings.form.form == "force" or settings.form.window == "off":
         return contact.grid.shape
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
@@ -40,7 +42,12 @@ def skipped(settings, branch):
     if any(sheared) and not scene.coupled:
         sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
     window, cell = start_window(settings, branch), branch.contact.grid.shape
-    if form.form == "force":
+    if np.isnan(branch.contact.datum):
+        sentences.append("no displacement of the body as a whole (nan): that of a half-plane under a force has no bound")
+    if scene.isolated:
+        sentences.append(f"nodes beyond the law's range: the window has {_by(window)} nodes at the start; there is room for "
+                         f"{_by(n // 2 for n in cell)}")
+    elif form.form == "force":
         sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
     elif math.prod(window) == math.prod(cell):
         sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
@@ -56,14 +63,15 @@ def _by(shape):
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
-    resolved = scenes.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
+    resolved = cohesive.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
     return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
             f"normal Maugis parameter {as_text(scene.normal_maugis)}, tangential {as_text(scene.tangential_maugis)}; "
             f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",
             f"Poisson ratio {as_text(scene.poisson)}, height {as_text(scene.height)} beta, ratio of works of adhesion "
             f"{as_text(scene.work_ratio)}",
-            f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing "
-            f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
+            ("isolated contact, spacing " if scene.isolated else
+             f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing ")
+            + f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
             *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
             f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
             + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
@@ -80,7 +88,7 @@ def about_path(settings, legs):
             name, unit = names[component, control]
             yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {unit}"
 
-    lines = ["start: " + ", ".join(words(settings.load.initial(dimension), "="))]
+    lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated), "="))]
     lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]
     stops = " or ".join(settings.load.stops)
     return lines + ([] if legs else ["no legs: run needs a -load_path"]) + ([f"ends at the first {stops}"] if stops else [])
@@ -90,7 +98,7 @@ def about_unknowns(settings, branch):
     """Unknowns of each leg, on the window at the start, and an estimate of the memory."""
     scene, window = settings.scene, start_window(settings, branch)
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
-    controls = settings.load.initial(scene.dimension)
+    controls = settings.load.initial(scene.dimension, scene.isolated)
     lines, largest = [], 0
     for number, sheared in enumerate(scenes.tangential_legs(scene, settings.load)):
         if number:
@@ -101,9 +109,9 @@ def about_unknowns(settings, branch):
         largest = max(largest, count)
         lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(window)} displacements"
                      + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
-    if math.prod(window) < math.prod(scene.shape):
+    if math.prod(window) < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
-    whole = scene.components * math.prod(scene.shape)
+    whole = scene.components * branch.contact.grid.size
     estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
     return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
                     f"cell{estimates}, besides Python and its libraries"]

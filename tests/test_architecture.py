@@ -32,6 +32,8 @@ LOAD_PATH = ("load", "scene.Steps")
 TABLE = (
     Row("settings", "options as checked fields of dataclasses"),
     Row("load", "load paths and their text form"),
+    Row("alone", "what an isolated contact asks of scene and load"),
+    Row("cohesive", "spacings that resolve the cohesive zone"),
     Row("scene", "what is to be solved, as frozen data with units and checks"),
     Row("laws", "tractions and tangents at a gap, node by node", ("scene",)),
     Row("levels", "where interpolated values cross a level", ("scene", "laws")),
@@ -39,6 +41,7 @@ TABLE = (
     Row("grids", "fields on finer grids, and blurred", ("scene", "laws")),
     Row("geometry", "initial gap of a shape on the grid", ("laws",)),
     Row("elasticity", "stiffness and compliance of the body in Fourier space", ("laws",)),
+    Row("freespace", "compliance of the body on the unbounded line and plane", ("scene", "laws")),
     Row("contact", "a scene on its grid: law, gap and body"),
     Row("forms", "the balance as residual and tangent, however it is solved", LOAD_PATH),
     Row("arclength", "a form with its load as one more unknown", LOAD_PATH),
@@ -47,6 +50,7 @@ TABLE = (
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
@@ -87,7 +91,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "contact", "forms", "arclength", "states",
+FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "contact", "isolated", "forms", "arclength", "states",
                  "reference", "grid_choice", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 

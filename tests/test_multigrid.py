@@ -19,7 +19,8 @@ from contactsnes.laws import MOVING_STIFFNESS, SOFTENING  # noqa: E402
 from contactsnes.multigrid import CoarseForm, Transfer  # noqa: E402
 from contactsnes.options import read_file, unused_options  # noqa: E402
 from contactsnes.points import NotConverged  # noqa: E402
-from contactsnes.scene import Form, Scene, resolution  # noqa: E402
+from contactsnes.cohesive import resolution  # noqa: E402
+from contactsnes.scene import Form, Scene  # noqa: E402
 from contactsnes.session import solver_options  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
 from contactsnes.snes import create_snes  # noqa: E402

@@ -6,18 +6,19 @@ import math
 import numpy as np
 import pytest
 
+from contactsnes.cohesive import resolution, resolution_warning
 from contactsnes.load import Control, Load, quantities
-from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASSES, Output, resolution, resolution_warning, Scene, Steps, tangential_legs
+from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASSES, Output, Scene, Steps, tangential_legs
 from contactsnes.settings import allowed, as_text, InputError, nearest
 
 DEFAULTS = {
-    "scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06", "scene_period": "100", "scene_geometry": "cylinder", "scene_amplitude": "",
+    "scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06", "scene_period": "100", "scene_spacing": "", "scene_geometry": "cylinder", "scene_amplitude": "",
     "scene_geometry_file": "", "scene_gap_offset": "0", "scene_law": "modified", "scene_normal_maugis": "10",
     "scene_tangential_maugis": "1", "scene_residual_friction": "1", "scene_residual_adhesion": "0", "scene_work_ratio": "1",
     "scene_poisson": "0.5", "scene_height": "2000", "scene_tangential": "auto", "scene_contact_threshold": "2.718281828",
     "scene_units": "dimensionless", "contact_form": "displacement", "contact_cascade": "true", "contact_window": "auto",
     "contact_first": "none", "contact_first_tolerance": "0.01",
-    "load_start": "normal_displacement=0", "load_path": "", "load_stop": "none", "continuation_type": "natural",
+    "load_start": "", "load_path": "", "load_stop": "none", "continuation_type": "natural",
     "continuation_at_fold": "jump", "continuation_initial_step": "", "continuation_largest_step": "",
     "continuation_smallest_step": "", "continuation_predictor": "edge", "continuation_stability": "off", "archive_file": "",
     "archive_fields": "none", "archive_errors": "false", "archive_resume": "false", "archive_overwrite": "false"}
@@ -66,7 +67,7 @@ BAD = [
     (Scene, dict(points=(64, 64)), "-scene_points", "64,64", "one dimension"),
     (Scene, dict(dimension=2, points=(64, 64, 64)), "-scene_points", "64,64,64", "one per direction"),
     (Scene, dict(points=()), "-scene_points", "", "even"),
-    (Scene, dict(period=math.inf), "-scene_period", "inf", "above 0"),
+    (Scene, dict(period=-math.inf), "-scene_period", "-inf", "above 0"),
     (Scene, dict(period=0), "-scene_period", "0", "above 0"),
     (Scene, dict(period=None), "-scene_period", "", "above 0"),
     (Scene, dict(period=(50, 60)), "-scene_period", "50,60", "one dimension"),

@@ -1,0 +1,59 @@
+"""What an isolated contact asks of a scene and its load: one body, pressed by forces."""
+
+import math
+
+from .load import quantities
+from .settings import InputError, as_text
+
+
+def check_scene(scene):
+    """InputError unless a scene with an infinite period is a cylinder or sphere on a grid of given spacing, and only such one."""
+    if not scene.isolated:
+        if scene.spacing is not None:
+            raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}': it belongs to -scene_period inf; in a cell of finite "
+                             "period set -scene_points")
+        return
+    if any(map(math.isfinite, scene.periods)):
+        raise InputError(f"-scene_period is '{as_text(scene.period)}': allowed are finite numbers, or inf for every direction; "
+                         "an isolated cylinder has -scene_dimension 1")
+    if scene.geometry != {1: "cylinder", 2: "sphere"}[scene.dimension]:
+        raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period inf allowed are cylinder (-scene_dimension 1) "
+                         "and sphere (-scene_dimension 2)")
+    if scene.points is not None:
+        raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of an isolated contact (-scene_period inf) follows "
+                         "from the load and from -scene_spacing; set that instead")
+
+
+def strains(scene):
+    """Whether a layer of Poisson ratio 1/2 moves the interface sideways: strains are force/H on a line, force x length/H^2 in a plane."""
+    return scene.height < {1: math.inf, 2: 1000.0}[scene.dimension]
+
+
+def check_load(scene, load):
+    """InputError where the load of an isolated contact prescribes a displacement."""
+    names = {(row.component, row.control): name for name, row in quantities(scene.dimension).items()}
+    for controls in _prescribed(scene, load):
+        for component, control in controls.items():
+            if control.control == "displacement":
+                raise InputError(f"-scene_period is 'inf', but the load prescribes {names[component, 'displacement']}: the surface of "
+                                 f"an isolated contact has no mean; prescribe {names[component, 'force']} instead")
+
+
+def check_form(form):
+    """InputError for forms of the equations that an isolated contact has not."""
+    for name, value, allowed in (("form", form.form, "displacement"), ("first", form.first, "none")):
+        if value != allowed:
+            raise InputError(f"-contact_{name} is '{value}': it needs a cell, which an isolated contact (-scene_period inf) has not; "
+                             f"allowed is {allowed}")
+
+
+def largest_force(scene, load):
+    """The largest normal force that a load prescribes, at least 0."""
+    forces = (controls[0].value for controls in _prescribed(scene, load) if 0 in controls and controls[0].control == "force")
+    return max([0.0, *(force for force in forces if force is not None)])
+
+
+def _prescribed(scene, load):
+    """What is controlled at the start and in each leg: mappings of component to Control."""
+    return (load.initial(scene.dimension, scene.isolated),
+            *(leg.controls for leg in (load.legs(scene.dimension) if load.path else ())))

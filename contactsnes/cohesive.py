@@ -1,0 +1,50 @@
+"""Spacings of a grid that resolve the cohesive zone of a scene."""
+
+import dataclasses
+import math
+
+from .settings import as_text
+
+LARGEST_RESOLUTION = 1.25
+"""Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
+PINNING = 2.2
+"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes (measured on a line)."""
+
+
+def resolution(scene, sheared):
+    """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is resolved), a tuple.
+
+    The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
+    well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
+    between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
+    s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
+    (1 - nu)/2 for waves transverse to the slip in two dimensions. Directions without an edge of contact give 0.
+    """
+    normal = scene.normal_maugis ** 2
+    softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
+    stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
+    tangential = scene.tangential_maugis ** 2 * (softening / math.exp(-2)) * (0.5 / stiffness) if sheared else 0.0
+    uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
+    return tuple(0.0 if same else spacing * max(normal, tangential) / LARGEST_RESOLUTION
+                 for spacing, same in zip(scene.spacings, uniform))
+
+
+def default_spacing(scene):
+    """Spacing of an isolated contact unless one is given: resolves the cohesive zone, and what a soft law spans."""
+    sharp = resolution(dataclasses.replace(scene, spacing=1.0), scene.tangential != "off")
+    return min(0.976 / max(sharp), 0.5 / math.sqrt(scene.normal_maugis))
+
+
+def resolution_warning(scene, sheared):
+    """One sentence with the number of points to take where the grid does not resolve the cohesive zone, else None."""
+    ratios = resolution(scene, sheared)
+    if max(ratios) <= 1:
+        return None
+    if scene.isolated:
+        return (f"the spacing of {as_text(scene.spacing)} beta does not resolve the cohesive zone: it is {max(ratios):.3g} times the "
+                f"largest that does, and results may depend on where nodes lie; try -scene_spacing {0.976 * min(scene.spacings) / max(ratios):.3g}")
+    needed = tuple(points if ratio <= 1 else 2 ** math.ceil(math.log2(points * ratio))
+                   for points, ratio in zip(scene.shape, ratios))
+    return (f"the grid of {as_text(scene.shape)} points does not resolve the cohesive zone: its spacing is {max(ratios):.3g} "
+            "times the largest that does, and results may depend on where nodes lie; "
+            f"try -scene_points {as_text(needed)}")
