@@ -156,6 +156,8 @@ class Walk:
         if lowered is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
             starts = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
+            lowered = None if fold is None else self.system.lowered(fold)
+            starts = starts if lowered is None else [lambda: lowered, *starts]
         else:
             # A body off the flat under a force has no branch to follow.
             fold, passed, starts = replace(last, leg=self.leg.number, position=place, step=self.leg.initial), None, [lambda: lowered]

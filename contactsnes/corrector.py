@@ -215,8 +215,7 @@ class Corrector:
         form = ForceForm(self.contact.periodic, controls)
         form.set_load(load)
         unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
-        imbalance = form.residual(unknown, np.empty(form.size))
-        first = min(1e-3, 0.03 * form.displacement_norm(unknown, imbalance))
+        first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
         for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
             unknown = self._relaxed(form, unknown, tolerance, where)
             relaxed = self._state(form, unknown)
@@ -225,7 +224,9 @@ class Corrector:
             except NotConverged as error:
                 reason = error
                 continue
-            if states.missed(self.contact, relaxed, point.state) < 0.1:
+            # Off the flat the balance hardly says where the body is.
+            far = states.distance(self.contact, relaxed, point.state) if not point.in_contact else 0.0
+            if max(states.missed(self.contact, relaxed, point.state), 0.1 * far) < 0.1:
                 return point
             reason = "Newton's solution is not where the motion led"
         raise NotConverged(f"the motion {where} settled, but {reason}")

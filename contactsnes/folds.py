@@ -129,6 +129,8 @@ class Turn:
         trail = self._bracketed(trail)
         if trail[-1][0] >= trail[-2][0]:
             return None, None, trail
+        if self._returns(trail):
+            return None, None, trail[:-1]
         beyond, known, three = trail[-1][1], trail[:-2], trail[-3:]
         for _ in range(12):
             arc, slopes = self._slopes(three)
@@ -147,6 +149,19 @@ class Turn:
             three = between[best - 1:best + 2]
         place, fold = max(three, key=lambda item: item[0])
         return replace(fold, step=self.leg.initial), beyond.state, [*known, (place, fold)]
+
+    def _returns(self, trail):
+        """Whether the last point lies on the way to the one before it: the arc turned, not the branch.
+
+        Beyond a fold, the state at a load is as far from the one on the way there as twice the way from the fold.
+        """
+        place, point = trail[-1]
+        after = next(k for k, (ahead, _) in enumerate(trail) if ahead >= place)
+        if after == 0:
+            return False
+        (before, first), (behind, second) = trail[after - 1:after + 1]
+        passed = self.system.extrapolate([first, second], lagrange_weights([before, behind], place))
+        return self.system.missed(passed, point.state) < 0.5 * self.system.missed(trail[-2][1].state, point.state)
 
     def _bracketed(self, trail):
         """The trail, gone on along the arc until the load falls, or for eight steps."""

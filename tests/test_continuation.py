@@ -491,6 +491,17 @@ def test_the_search_leaves_the_fold_behind_before_it_jumps():
         assert fold.state[0] < beyond[0] and beyond[0] ** 3 - beyond[0] < fold.load[0] * (1 - 1e-6)
 
 
+def test_an_arc_that_turns_on_a_straight_branch_is_no_fold():
+    """A poor direction may lead the arc back along the branch: the last point is then where the branch has been."""
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    for problem, states, back in ((explicit(lambda load: load, lambda load: 1.0), (0.1, 0.2, 0.3, 0.27), True),
+                                  (cubic(), (-0.7, -0.64, -0.58, -0.54), False)):
+        system = System(problem)
+        loads = [problem.residual(np.array([u]), 0.0) for u in states]
+        trail = [(0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load)) for u, load in zip(states, loads)]
+        assert trail[3][0] < trail[2][0] and Turn(system, leg, trail[:2])._returns(trail) is back
+
+
 def test_a_point_of_the_arc_serves_where_no_solve_does():
     """The places of a trail are points of the branch: the last one before the place in question, or none beyond the leg's last."""
     system, leg = System(explicit(np.sin, np.cos)), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
@@ -523,7 +534,7 @@ def test_history_ends_with_the_leg_and_with_a_jump():
     assert len(system.used) > 20
     for used in system.used:
         numbers = [order[id(point.state)] for point in used if id(point.state) in order]
-        for border in (jump, turn):
+        for border in (jump, turn) if numbers else ():  # none: two points of an arc
             assert min(numbers) >= border or max(numbers) <= border
         assert numbers == sorted(numbers)
 

@@ -1,5 +1,6 @@
 """Newton's method under PETSc: defaults and the user's options, reasons, convergence, and how many iterations it takes."""
 
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -348,6 +349,13 @@ def test_a_body_far_apart_is_at_rest_at_once():
     made, load = corrector(), np.array([-14.0])
     point = made.settle(states.undeformed(made.contact, (DISPLACEMENT,), load), (DISPLACEMENT,), load, "far apart")
     assert point.residual_norm <= 1e-8 and made.contact.grid.transforms < 100
+
+
+def test_a_soft_law_under_control_of_the_force_comes_back_to_the_flat():
+    """Pulled at a distance and then let go, the body drifts off along an unstable branch whose force vanishes far away."""
+    scene = {"points": 1024, "period": 30.0, "normal_maugis": 0.3, "height": math.inf}
+    points = list(branch(scene, "normal_displacement=-6", "normal_force=2"))
+    assert points[-1].in_contact and points[-1].forces[0] == 2.0 and min(point.displacements[0] for point in points) > -1e3
 
 
 def test_a_start_that_is_no_number_is_named():
