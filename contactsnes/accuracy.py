@@ -35,6 +35,9 @@ ASTRAY = 1.0
 COARSEST = 2.0
 """Spacing, over the largest one that resolves the cohesive zone, beyond which edges of contact stick between nodes."""
 
+MOST = 5
+"""Grids that are given up for finer ones, at most."""
+
 SLOWEST = 0.5
 """Largest ratio of the traction's shortest waves on the finer grid to those on the grid itself where an estimate holds."""
 
@@ -190,12 +193,12 @@ class Watch:
     ----------
     branch : Branch
     auto : whether the points of the grid were chosen, and may be chosen again
-    progress : Progress, which gets columns for the errors
-    missed : the error for which a coarser grid was given up
+    progress : Progress, which gets columns for the errors and the sentence on the first that is too large
+    missed : what a coarser grid was given up for each time, TooCoarse
     """
 
-    def __init__(self, branch, auto, progress, missed=np.inf):
-        self.branch, self.auto, self.missed = branch, auto, missed
+    def __init__(self, branch, auto, progress, missed=()):
+        self.branch, self.auto, self.missed, self.log = branch, auto, missed, progress.log
         self.estimator = Estimator(branch.contact, branch.corrector.settings)
         about = {"normal_force": "force (of the displacement, where the force is controlled)",
                  "contact_area": "contact area", "slip": "mean slip"}
@@ -210,23 +213,30 @@ class Watch:
 
     def row(self, point):
         """Name -> value of the columns for a point; TooCoarse where its grid was chosen and another one may do better."""
-        errors, scene = self.estimator(point), self.branch.scene
-        if errors.largest() > scene.accuracy:
-            # Where a finer grid did not help, its spacing is not what is wrong.
-            again = self.auto and errors.largest() < 0.5 * self.missed
-            finer = next_grid(scene, self.branch.load, errors.largest()) if again else None
-            if finer is not None:
-                raise TooCoarse(f"the error of {self._where(point)} is about {errors.largest():.1e}, above -scene_accuracy "
-                                f"{as_text(scene.accuracy)}", finer, errors.largest())
-            self.above += 1
+        errors = self.estimator(point)
+        if errors.largest() > self.branch.scene.accuracy:
+            self._too_large(point, errors.largest())
         self.points += 1
         self.doubtful += not errors.trusted
         self.largest = max(self.largest, errors.largest())
         return dict(zip(self.columns, [*errors[:3], int(errors.trusted)]))
 
-    def _where(self, point):
-        return "the point at " + ", ".join(f"{name} {value:.6g}" for name, value in
-                                           zip(self.branch.corrector.names(point.controls), point.load))
+    def _too_large(self, point, error):
+        """Raise TooCoarse if another grid may help against an error; else count it, and tell of the first."""
+        scene, names = self.branch.scene, self.branch.corrector.names(point.controls)
+        sentence = (f"the error at {', '.join(f'{name} {value:.6g}' for name, value in zip(names, point.load))} is about {error:.1e}, "
+                    f"above -scene_accuracy {as_text(scene.accuracy)}")
+        # Where a coarser grid was as good, the spacing is not what is wrong.
+        helps = not self.above and len(self.missed) < MOST and not any(np.array_equal(before.load, point.load) and error > 0.5 * before.error
+                                                    for before in self.missed)
+        finer = next_grid(scene, self.branch.load, error) if self.auto and helps else None
+        if finer is not None:
+            raise TooCoarse(sentence, finer, point.load, error)
+        self.above += 1
+        if self.above == 1:
+            why = "" if not self.auto else ": there is no memory for a finer grid" if helps else \
+                ", and a finer grid did not help: a smaller -snes_atol may"
+            self.log(sentence + why)
 
     def summary(self):
         """Lines on the errors of all points."""

@@ -7,7 +7,6 @@ Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve fa
 import argparse
 import dataclasses
 import gc
-import math
 import os
 import signal
 import sys
@@ -123,8 +122,8 @@ class Run:
         self.settings, self.signal = settings, 0
         self._set_up()
 
-    def _set_up(self, missed=math.inf):
-        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy by an error."""
+    def _set_up(self, missed=()):
+        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy."""
         settings = self.settings
         self.table = observables.table(settings.scene)
         self.warnings = summary.resolution_warnings(settings)
@@ -194,7 +193,7 @@ class Run:
                 if self.signal:  # PETSc may swallow what is raised in some of its callbacks
                     raise KeyboardInterrupt(self.signal)
         except TooCoarse as found:
-            coarse = found
+            coarse = found.with_traceback(None)  # a traceback would hold PETSc objects
         except (Exception, KeyboardInterrupt) as error:
             return self._verdict(error)
         else:
@@ -208,7 +207,7 @@ class Run:
         self.progress.log(f"{coarse}; the path begins anew on {as_text(coarse.scene.shape)} points")
         output = dataclasses.replace(self.settings.output, resume=False, overwrite=True)
         self.settings = self.settings._replace(scene=coarse.scene, output=output)
-        self._set_up(coarse.error)
+        self._set_up((*self.watch.missed, coarse))
         return self._points()
 
     def _verdict(self, error):

@@ -19,12 +19,12 @@ class TooCoarse(RuntimeError):
     Attributes
     ----------
     scene : Scene, on the grid to take instead
-    error : the relative error that was too large
+    load, error : of the point; the relative error is too large
     """
 
-    def __init__(self, sentence, scene, error):
+    def __init__(self, sentence, scene, load, error):
         super().__init__(sentence)
-        self.scene, self.error = scene, error
+        self.scene, self.load, self.error = scene, load, error
 
 
 class NoEquilibrium(RuntimeError):

@@ -1,6 +1,5 @@
 """Estimates of errors, and grids for an accuracy: against finer grids, on scenes that no constant was chosen by."""
 
-import math
 import os
 import subprocess
 import sys
@@ -232,15 +231,27 @@ def test_without_estimates_there_are_no_columns_for_them(tmp_path):
         assert not [name for name in file["branch"] if name.startswith("error")]
 
 
-def test_too_coarse_names_the_grid_to_take():
-    branch = Branch(Scene(points=64, accuracy=1e-6, **LINE), PRESS)
+class Lines:
+    """Stands for a Progress."""
 
-    class Lines:
-        columns = {"event": "event"}
+    def __init__(self):
+        self.columns, self.said = {"event": "event"}, []
+        self.log = self.said.append
 
-    watch = accuracy.Watch(branch, True, Lines(), math.inf)
+
+def test_too_coarse_names_the_grid_to_take(monkeypatch):
+    branch, lines = Branch(Scene(points=64, accuracy=1e-6, **LINE), PRESS), Lines()
+    point = next(iter(branch))
     with pytest.raises(TooCoarse, match="normal_displacement") as found:
-        watch.row(next(iter(branch)))
-    assert found.value.scene.points > 64 and found.value.error > 1e-6
-    given_up = accuracy.Watch(branch, True, Lines(), found.value.error)
-    assert given_up.row(next(iter(branch)))["error_trusted"] in (0, 1) and given_up.above == 1
+        accuracy.Watch(branch, True, lines).row(point)
+    assert found.value.scene.points > 64 and found.value.error > 1e-6 and not lines.said
+    # No finer grid where the last one did not help, where none fits, and where the grid is given.
+    for auto, missed, room, why in ((True, (found.value,), 1e12, "snes_atol"), (True, (), 1e3, "memory"),
+                                    (False, (), 1e12, "above -scene_accuracy 1e-06")):
+        monkeypatch.setattr(grid_choice, "memory", lambda room=room: room)
+        lines = Lines()
+        watch = accuracy.Watch(branch, auto, lines, missed)
+        rows = [watch.row(point), watch.row(point)]
+        assert rows[0]["error_trusted"] in (0, 1) and watch.above == 2
+        assert len(lines.said) == 1 and why in lines.said[0]
+        assert "missed at 2 of 2 points" in watch.summary()[1]
