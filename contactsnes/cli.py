@@ -21,7 +21,7 @@ from .points import new_points, NoEquilibrium, NotConverged, TooCoarse, unfinish
 from .options import database, database_text, help_text, read, unused_options
 from .progress import Progress
 from .session import create_branch, create_watch, solver_options, start_comparison, start_petsc, versions
-from .settings import as_text, InputError, nearest
+from .settings import InputError, nearest
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -204,7 +204,7 @@ class Run:
 
     def _begin_anew(self, coarse):
         """The path from its beginning on a finer grid, in place of the points so far."""
-        self.progress.log(f"{coarse}; the path begins anew on {as_text(coarse.scene.shape)} points")
+        self.progress.log(f"{coarse}; the path begins anew with {reason(coarse.scene, self.settings.load)}")
         output = dataclasses.replace(self.settings.output, resume=False, overwrite=True)
         self.settings = self.settings._replace(scene=coarse.scene, output=output)
         self._set_up((*self.watch.missed, coarse))

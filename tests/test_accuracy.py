@@ -211,7 +211,7 @@ def test_a_run_on_a_chosen_grid_keeps_its_errors_and_can_be_resumed(tmp_path):
 def test_a_grid_that_misses_is_refined_and_the_path_begins_anew(tmp_path):
     lax = "import contactsnes.grid_choice as g; real = g.predicted; g.predicted = lambda *words: 1e-2 * real(*words)"
     said = run(tmp_path, "-scene_points", "auto", "-scene_accuracy", "1e-6", "-archive_fields", "all", before=lax)
-    assert "the path begins anew on" in said
+    assert "the path begins anew with" in said
     with h5py.File(tmp_path / "run.h5") as file:
         assert file["branch/leg"][0] == 0 and (file["branch/leg"][1:] == 1).all()
         assert max(file["branch/error_contact_area"][:].max(), file["branch/error_normal_force"][:].max()) <= 1e-6

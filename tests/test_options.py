@@ -195,7 +195,7 @@ def test_flags(petsc, text, value):
 @pytest.mark.parametrize("cls, name, text", [
     (Scene, "poisson", "soft"), (Scene, "poisson", "0.3 0.4"), (Scene, "poisson", "0.3,0.4"), (Scene, "poisson", ""),
     (Scene, "points", "autos"), (Scene, "points", "1e3"), (Scene, "points", "64,,64"), (Scene, "dimension", "2.0"),
-    (Scene, "height", "high"), (Scene, "law", ""), (Scene, "period", "inf"), (Output, "resume", "maybe"), (Output, "file", ""),
+    (Scene, "height", "high"), (Scene, "law", ""), (Scene, "period", "infinite"), (Output, "resume", "maybe"), (Output, "file", ""),
     (Load, "stop", "never"), (Load, "path", ""), (Steps, "initial_step", "1,x"), (Form, "form", "Force")])
 def test_wrong_types_are_named_with_value_and_what_is_allowed(petsc, cls, name, text):
     petsc[f"contactsnes_w_{cls.prefix}{name}"] = text
