@@ -125,7 +125,7 @@ def memory_of_solve(unknowns, whole):
 
 def memory_needed(scene, load, points):
     """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its errors are estimated on."""
-    cell = scene.components * math.prod(points)
+    cell = (scene.components if any(tangential_legs(scene, load)) else 1) * math.prod(points)
     return 5 * memory_of_solve(window_part(scene, load) * cell, cell)
 
 

@@ -101,6 +101,8 @@ SCENES = {
     "soft line": (Scene(points="auto", accuracy=1e-6, normal_maugis=0.4, period=30.0), "normal_displacement=3"),
     "thin layer": (Scene(points="auto", accuracy=1e-5, normal_maugis=2.0, period=20.0, height=0.5, poisson=0.3), "normal_displacement=0.5"),
     "sinusoid": (Scene(points="auto", accuracy=1e-6, geometry="sinusoid", period=6.0, normal_maugis=1.0), "normal_displacement=0.8"),
+    "sphere": (Scene(points="auto", accuracy=1e-3, dimension=2, geometry="sphere", period=8.0, normal_maugis=1.7),
+               "normal_displacement=0.3"),
     "sheared": (Scene(points="auto", accuracy=1e-5, height=4.0, **LINE), "normal_displacement=1; tangential_displacement=1.5"),
 }
 
@@ -112,8 +114,8 @@ def test_chosen_grids_reach_the_accuracy_against_four_times_finer_ones(name):
     grid = chosen(scene, load)
     found, trusted = errors_against(grid, load, 4)
     assert trusted.all() and found[:, 1, :2].max() <= scene.accuracy
-    if grid.points >= 64:  # nor is it a waste: four times coarser would not do
-        coarse, _ = errors_against(grid_choice.on(scene, (grid.points // 4,)), load, 8)
+    if min(grid.shape) >= 64:  # nor is it a waste: four times coarser would not do
+        coarse, _ = errors_against(grid_choice.on(scene, tuple(n // 4 for n in grid.shape)), load, 8)
         assert coarse[:, 1, :2].max() > scene.accuracy
 
 
@@ -141,7 +143,7 @@ def test_prediction_falls_with_the_points_and_the_next_grid_is_finer():
 
 
 def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypatch):
-    monkeypatch.setattr(grid_choice, "memory", lambda: 0.8 * 1e8)
+    monkeypatch.setattr(grid_choice, "memory", lambda: 0.8 * 5e7)
     scene = Scene(points="auto", dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0)
     with pytest.raises(InputError) as error:
         chosen(scene, PRESS)
@@ -149,7 +151,7 @@ def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypat
     assert "-scene_accuracy is '1e-06'" in sentence and "GB" in sentence and "best" in sentence and "\n" not in sentence
     best = float(sentence.split("-scene_accuracy ")[2].split(",")[0])
     small = chosen(Scene(points="auto", accuracy=best, dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0), PRESS)
-    assert memory_needed(small, PRESS, small.shape) <= 0.8 * 1e8
+    assert memory_needed(small, PRESS, small.shape) <= 0.8 * 5e7
     monkeypatch.setattr(grid_choice, "memory", lambda: 1e3)
     with pytest.raises(InputError, match="no grid"):
         chosen(scene, PRESS)
