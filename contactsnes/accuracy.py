@@ -21,7 +21,7 @@ from .contact import Contact, FORCE
 from .corrector import Corrector
 from .fourier import Transform
 from .grids import resampled
-from .cohesive import resolution
+from .cohesive import PINNING, resolution
 from .grid_choice import next_grid
 from .laws import NORMAL_PEAK
 from .observables import Measurement, Observable
@@ -31,9 +31,6 @@ from .settings import as_text
 
 ASTRAY = 1.0
 """Ranges of the law, root mean square, that the finer grid's solution may be away where the law acts."""
-
-COARSEST = 2.0
-"""Spacing, over the largest one that resolves the cohesive zone, beyond which edges of contact stick between nodes."""
 
 MOST = 5
 """Grids that are given up for finer ones, at most."""
@@ -115,7 +112,7 @@ class Estimator:
         # Below its own tolerance the finer solution is not exact either.
         errors = [max(np.linalg.norm(np.subtract(value, better)) / max(np.linalg.norm(value), least), system.tolerance)
                   for value, better, least in zip(values, finer, self._least(point))]
-        resolved = max(resolution(self.contact.scene, len(point.controls) > 1)) <= COARSEST
+        resolved = max(resolution(self.contact.scene, len(point.controls) > 1)) <= PINNING
         near = states.missed(system.contact, guess, exact.state) < ASTRAY
         errors[2] *= len(point.controls) > 1
         return Errors(*map(float, errors), bool(resolved and near and self._decays(exact, system.contact)))
