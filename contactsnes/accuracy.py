@@ -23,6 +23,7 @@ from .fourier import Transform
 from .grids import resampled
 from .cohesive import PINNING, resolution
 from .grid_choice import next_grid
+from .isolated import IsolatedContact
 from .laws import NORMAL_PEAK
 from .observables import Measurement, Observable
 from .points import NoEquilibrium, NotConverged, TooCoarse
@@ -89,7 +90,7 @@ class Estimator:
     def transforms(self):
         """Transforms of estimates so far, in units of one of the contact's whole cell."""
         weights = {ratio: ratio ** len(self.contact.grid.shape) for ratio in self._finer}
-        return sum(weights[ratio] * system.contact.grid.transforms for ratio, (system, _) in self._finer.items())
+        return sum(weights[ratio] * system.contact.grid.counter.transforms for ratio, (system, _) in self._finer.items())
 
     def __call__(self, point):
         """The errors of a point; those of a fold are not known, since other grids have it at other loads."""
@@ -145,7 +146,8 @@ class Estimator:
         """Whether the spectrum of the traction goes on to fall beyond the shortest waves of the grid itself."""
         grid, components = contact.grid, len(point.controls)
         transform = Transform(grid, grid.shape, components)
-        transform.real[...] = Measurement(contact, point).fields()[1][:components]
+        measurement = Measurement(contact, point)
+        measurement.window.put(measurement.traction, transform.real)
         transform.forward()
         amplitudes = np.abs(transform.spectrum)
         waves = [abs(q) * spacing / np.pi for q, spacing in zip(grid.wavevectors(), self.contact.grid.spacings)]
@@ -162,7 +164,13 @@ def _waves(amplitudes):
 
 
 def _values_at(point, measurement, area):
-    """Force or the displacement that it belongs to, contact area, and mean slip (all its components)."""
+    """Force or the displacement that it belongs to, contact area, and mean slip (all its components).
+
+    Around an isolated contact displacements are means over its cell, which even a half-plane has.
+    """
+    if measurement.contact.isolated:
+        means = point.state.means / measurement.contact.ranges[:measurement.components]
+        return means[0], area, means[1:] if means.size > 1 else [0.0]
     normal = point.displacements[0] if point.controls[0] == FORCE else point.forces[0]
     return normal, area, [measurement.mean(i) for i in range(1, measurement.components)] or [0.0]
 
@@ -177,7 +185,7 @@ def finer_contact(contact, ratio):
     points = tuple(ratio * n for n in contact.grid.shape)
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
     if scene.geometry != "file":
-        return Contact(scene)
+        return IsolatedContact(scene) if contact.isolated else Contact(scene)
     finer = Contact(scene, np.zeros(points))
     finer.initial_gap = np.ascontiguousarray(resampled(contact.grid, finer.grid, contact.initial_gap[None])[0])
     return finer

@@ -19,9 +19,11 @@ def check_scene(scene):
     if scene.geometry != {1: "cylinder", 2: "sphere"}[scene.dimension]:
         raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period inf allowed are cylinder (-scene_dimension 1) "
                          "and sphere (-scene_dimension 2)")
-    if scene.points is not None:
+    if scene.points not in (None, "auto"):
         raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of an isolated contact (-scene_period inf) follows "
-                         "from the load and from -scene_spacing; set that instead")
+                         "from the load and from -scene_spacing; set that instead, or auto points")
+    if scene.points and scene.spacing:
+        raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}', but -scene_points auto chooses it: give one of them")
 
 
 def strains(scene):

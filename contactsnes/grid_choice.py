@@ -10,9 +10,11 @@ from dataclasses import replace
 from functools import lru_cache
 
 from . import states
+from .alone import largest_force
 from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import Contact
 from .geometry import read_heights
+from .isolated import lay_out
 from .scene import tangential_legs
 from .settings import as_text, InputError
 
@@ -42,6 +44,8 @@ def chosen(scene, load):
     if scene.geometry == "file":
         points = read_heights(scene.geometry_file).shape
         return replace(scene, points=points if len(points) > 1 else points[0])
+    if scene.isolated:
+        return _unbounded(scene, chosen(replace(_cell(scene, load), points="auto"), load))
     sheared = any(tangential_legs(scene, load))
     points = tuple(_points(scene, sheared, axis, scene.accuracy) for axis in range(scene.dimension))
     if scene.accuracy < FINEST or memory_needed(scene, load, points) > memory():
@@ -54,13 +58,27 @@ def on(scene, points):
     return replace(scene, points=points if scene.dimension == 2 else points[0])
 
 
+def _cell(scene, load):
+    """The scene in a cell; of an isolated one, that which its nodes are laid out in."""
+    if not scene.isolated:
+        return scene
+    sheared = any(tangential_legs(scene, load))
+    return replace(lay_out(replace(scene, points=None), largest_force(scene, load)), tangential="on" if sheared else "off")
+
+
+def _unbounded(scene, cell):
+    """The scene on the grid of its cell."""
+    return replace(scene, points=None, spacing=cell.spacings if scene.dimension == 2 else cell.spacings[0]) if scene.isolated else cell
+
+
 def reason(scene, load):
     """Why the grid of a scene is what it is, in words."""
     if scene.geometry == "file":
         return f"{as_text(scene.shape)} points, those of the file"
-    sheared = any(tangential_legs(scene, load))
-    error = max(predicted(scene, sheared, axis, n) for axis, n in enumerate(scene.shape))
-    return (f"{as_text(scene.shape)} points, from which the law's cohesive length and the shape promise errors of about "
+    sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
+    error = max(predicted(cell, sheared, axis, n) for axis, n in enumerate(cell.shape))
+    grid = f"spacing {as_text(scene.spacings)} beta" if scene.isolated else f"{as_text(cell.shape)} points"
+    return (f"{grid}, from which the law's cohesive length and the shape promise errors of about "
             f"{error:.1g} (-scene_accuracy {as_text(scene.accuracy)})")
 
 
@@ -72,11 +90,11 @@ def next_grid(scene, load, error):
     """
     if scene.geometry == "file":
         return None
-    sheared = any(tangential_legs(scene, load))
+    sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
     factor = min(4.0, (error / (MARGIN * scene.accuracy)) ** (1 / 2 if sheared else 1 / 4))
-    points = tuple(_nice(factor * n) if predicted(scene, sheared, axis, n) > 0.0 else n for axis, n in enumerate(scene.shape))
-    fits = points != scene.shape and memory_needed(scene, load, points) <= memory()
-    return on(scene, points) if fits else None
+    points = tuple(_nice(factor * n) if predicted(cell, sheared, axis, n) > 0.0 else n for axis, n in enumerate(cell.shape))
+    fits = points != cell.shape and memory_needed(cell, load, points) <= memory()
+    return _unbounded(scene, on(cell, points)) if fits else None
 
 
 def predicted(scene, sheared, axis, points):

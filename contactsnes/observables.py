@@ -119,7 +119,7 @@ def table(scene):
         "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction, "largest shear traction", "p_t,r"),
         "residual_norm": Observable(lambda m: m.point.residual_norm, "residual", "ranges of the law")})
     for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""), ("function_evaluations", ""),
-                       ("transforms", "real FFTs of the cell"), ("wall_time", "s")):
+                       ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"), ("wall_time", "s")):
         rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "), unit,
                                 "f8" if unit else "i8")
     rows["stable"] = Observable(lambda m: -1, "stable (1, 0, -1: not checked)", "", "i8")

@@ -32,7 +32,7 @@ class Progress:
                         "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
         self.points, self.events, self.began = 0, [], time.monotonic()
-        self.show, self.live = show, live
+        self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
         self.bar, self.legs = None, load.path.count(";") + 1
 
     def log(self, sentence):
@@ -89,7 +89,7 @@ class Progress:
         lines += [f"  {'event':13} {event}" for event in self.events]
         for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
             lines.append(f"  {unit:13} {self.counts[name]} iterations")
-        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the whole cell")
+        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")
         lines.append(f"  time          {time.monotonic() - self.began:.1f} s")
         return "\n".join(["", *lines])
 

@@ -5,6 +5,7 @@ import os
 import platform
 import signal
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -73,6 +74,8 @@ def _with_points(settings):
     scene, output = settings.scene, settings.output
     if settings.auto and output.resume and Path(output.file).is_file():
         archive = read_archive(output.file)
+        if archive.points and scene.isolated:
+            return replace(scene, points=None, spacing=np.atleast_1d(archive.scene["spacing"]).tolist())
         if archive.points and scene.geometry != "file":
             return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
     try:

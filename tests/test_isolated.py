@@ -255,3 +255,19 @@ def test_comparison_refuses_relaxation_with_a_reason(tmp_path):
     done = call(tmp_path, "compare", "scene.opts", "newton.opts", "fire.opts", "-compare_repeats", "1")
     assert done.returncode == 0, done.stderr
     assert "need a cell" in done.stdout and "newton: " in done.stdout
+
+
+@pytest.mark.parametrize("more", [["-scene_height", "inf"], ["-scene_poisson", "0.3"]])
+def test_automatic_spacing_and_its_errors(tmp_path, more):
+    words = ["-scene_period", "inf", "-scene_normal_maugis", "4", *more, "-load_start", "normal_force=2", "-load_path", "normal_force=2.2",
+             "-continuation_initial_step", "0.2", "-continuation_largest_step", "0.2"]
+    done = call(tmp_path, "run", *words, "-scene_points", "auto", "-scene_accuracy", "1e-5", "-archive_file", "auto.h5")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "auto.h5") as file:
+        spacing = file["scene"].attrs["spacing"]
+        area, error = (file["branch"][name][-1] for name in ("contact_area", "error_contact_area"))
+    exact = numbers(Scene(period=math.inf, normal_maugis=4.0, spacing=float(spacing) / 6, **{"height": math.inf} if "inf" in more else
+                          {"poisson": 0.3}), Load(start="normal_force=2", path="normal_force=2.2"))["contact_area"]
+    assert error < 1e-5 and abs(area / exact - 1) < max(3 * error, 1e-7)
+    again = call(tmp_path, "run", *words, "-scene_points", "auto", "-archive_file", "auto.h5", "-archive_resume")
+    assert again.returncode == 0 and "complete" in again.stdout, again.stderr
