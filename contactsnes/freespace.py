@@ -118,9 +118,10 @@ def _line_integrals(body, x, band):
 
 def _integral_of_j0(x):
     """Integral of J_0 from 0 to x, to rounding: SciPy's own is that beyond 50 only, Struve functions are below."""
-    near = np.minimum(x, 50.0)
-    near = near * j0(near) + np.pi * near / 2 * (j1(near) * struve(0, near) - j0(near) * struve(1, near))
-    return np.where(x < 50.0, near, itj0y0(x)[0])
+    result, close = itj0y0(x)[0], x < 50.0
+    near = x[close]
+    result[close] = near * j0(near) + np.pi * near / 2 * (j1(near) * struve(0, near) - j0(near) * struve(1, near))
+    return result
 
 
 class _CutHalfspace(Body):

@@ -65,7 +65,7 @@ class IsolatedContact(Contact):
     """
 
     def __init__(self, cell, counter=None):
-        super().__init__(cell, counter=SimpleNamespace(size=math.prod(cell.shape), transforms=0.0) if counter is None else counter)
+        super().__init__(cell, counter=SimpleNamespace(size=math.prod(n // 2 for n in cell.shape), transforms=0.0) if counter is None else counter)
         defined = cell.dimension == 2 or np.isfinite(cell.height)
         self.datum = 0.0 if defined else np.nan
         self.isolated = True
