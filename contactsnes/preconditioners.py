@@ -69,6 +69,13 @@ class CoreBlock:
         clear_padding(plan.real, inner.shape)
 
 
+def _inverse(matrix):
+    """Inverse of a small matrix; where nothing responds (a body off the flat, or sliding everywhere) means are left as they are."""
+    if matrix.size == 1 and matrix[0, 0] != 0.0:
+        return 1.0 / matrix
+    return np.linalg.pinv(matrix, rcond=1e-13)
+
+
 def _rounded(extent):
     """The extent rounded up to a sixteenth of its power of two."""
     unit = 2 ** max(int(np.log2(extent)) - 4, 0)
@@ -86,7 +93,7 @@ class CoreZone:
         self.form, self.grid = form, form.grid
         zones = [core_weight(form, i, options) for i in range(form.components)]
         self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
-        self.forced = np.isin(np.arange(form.components), form.forced)
+        self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
         # M^-1 of a component's unit is nonzero in that component only.
@@ -100,8 +107,7 @@ class CoreZone:
             if not self.forced[i]:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
-        # Where nothing responds (a body off the flat, or sliding everywhere) a mean is left as it is.
-        self.inverse = np.linalg.pinv(self.matrix, rcond=1e-13)
+        self.inverse = _inverse(self.matrix)
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
