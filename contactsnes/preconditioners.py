@@ -21,7 +21,7 @@ class CoreOptions(Options):
     title: ClassVar[str] = "Preconditioner: core zone, where the law is stiff"
     threshold: float = option(0.1, "tangent that counts as stiff, over the component's largest (at most 1)", above=0, below=1)
     width: float = option(0.3, "blur of the core's edge over 1/lambda_n", minimum=0)
-    pad: float = option(1.0, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
+    pad: float = option(1.25, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
 
 
 def core_weight(form, component, options):
