@@ -335,13 +335,15 @@ def law_and_body(contact, point):
     return np.sort(np.linalg.eigvalsh(held @ (body + np.diag(contact.law.tangent(gap.reshape(1, -1))[0, 0])) @ held))[1:]
 
 
-@pytest.mark.parametrize("points, period, maugis, approach", [(128, 30.0, 9.0, 2.0), (64, 30.0, 8.0, 2.0), (256, 60.0, 12.0, 0.3)])
-def test_a_start_on_a_grid_that_pins_is_stable(points, period, maugis, approach):
-    """Newton's own solution has a node halfway between in and out of contact, where an eigenvalue is negative."""
-    made = corrector(points=points, period=period, normal_maugis=maugis)
-    controls, load = (DISPLACEMENT,), np.array([approach])
-    assert law_and_body(made.contact, coldstart.on_grid(made, controls, load))[0] < 0.0
-    assert law_and_body(made.contact, made.start(controls, load))[0] > 0.0
+@pytest.mark.parametrize("points, period, maugis", [(128, 30.0, 12.0), (256, 60.0, 12.0)])
+def test_starts_on_a_grid_that_pins_are_stable(points, period, maugis):
+    """Newton's own solutions have a node halfway between in and out of contact now and then, where an eigenvalue is negative."""
+    controls, newton, started = (DISPLACEMENT,), [], []
+    for approach in np.linspace(0.0, 3.0, 10):
+        made, load = corrector(points=points, period=period, normal_maugis=maugis), np.array([approach])
+        newton.append(law_and_body(made.contact, coldstart.on_grid(made, controls, load))[0])
+        started.append(law_and_body(made.contact, made.start(controls, load))[0])
+    assert min(newton) < 0.0 < min(started)
 
 
 def test_a_body_far_apart_is_at_rest_at_once():
