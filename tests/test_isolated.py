@@ -138,6 +138,19 @@ def test_displacement_of_a_half_plane_is_none_and_of_all_others_a_number():
     assert numbers(replace(SPHERE, spacing=0.25), still(1))["normal_displacement"] > 0
 
 
+def test_offset_of_the_gap_is_one_of_the_approach():
+    scene = replace(LINE, height=30.0, spacing=0.1)
+    near, far = (numbers(replace(scene, gap_offset=offset), still(1)) for offset in (0.0, 1.5))
+    assert far["normal_displacement"] - near["normal_displacement"] == pytest.approx(1.5, abs=1e-7)
+    assert far["contact_area"] == pytest.approx(near["contact_area"], rel=1e-8)
+
+
+def test_spacings_of_two_directions():
+    even, uneven = (numbers(replace(SPHERE, normal_maugis=1.0, spacing=spacing), still(2)) for spacing in (0.4, (0.3, 0.4)))
+    assert uneven["normal_displacement"] == pytest.approx(even["normal_displacement"], rel=1e-5)
+    assert uneven["contact_area"] == pytest.approx(even["contact_area"], rel=2e-3)
+
+
 def test_displacements_do_not_depend_on_the_box():
     scene = replace(LINE, height=30.0, spacing=0.1)
     small, large = (numbers(scene, Load(start="normal_force=1", path=path)) for path in ("normal_force=1", "normal_force=20; normal_force=1"))
