@@ -10,24 +10,24 @@ def check_scene(scene):
     """InputError unless a scene with an infinite period is a cylinder or sphere on a grid of given spacing, and only such one."""
     if not scene.isolated:
         if scene.spacing is not None:
-            raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}': it belongs to -scene_period inf; in a cell of finite "
-                             "period set -scene_points")
+            raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}': it belongs to -scene_period inf; in a cell of "
+                             "finite period set -scene_points")
         return
     if any(map(math.isfinite, scene.periods)):
         raise InputError(f"-scene_period is '{as_text(scene.period)}': allowed are finite numbers, or inf for every direction; "
                          "an isolated cylinder has -scene_dimension 1")
     if scene.geometry != {1: "cylinder", 2: "sphere"}[scene.dimension]:
-        raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period inf allowed are cylinder (-scene_dimension 1) "
-                         "and sphere (-scene_dimension 2)")
+        raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period inf allowed are cylinder (-scene_dimension "
+                         "1) and sphere (-scene_dimension 2)")
     if scene.points not in (None, "auto"):
-        raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of an isolated contact (-scene_period inf) follows "
-                         "from the load and from -scene_spacing; set that instead, or auto points")
+        raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of an isolated contact (-scene_period inf) "
+                         "follows from the load and from -scene_spacing; set that instead, or auto points")
     if scene.points and scene.spacing:
         raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}', but -scene_points auto chooses it: give one of them")
 
 
 def strains(scene):
-    """Whether a layer of Poisson ratio 1/2 moves the interface sideways: strains are force/H on a line, force x length/H^2 in a plane."""
+    """Whether a layer of Poisson ratio 1/2 moves the interface sideways: strains are force/H, in a plane force x length/H^2."""
     return scene.height < {1: math.inf, 2: 1000.0}[scene.dimension]
 
 
@@ -37,16 +37,16 @@ def check_load(scene, load):
     for controls in _prescribed(scene, load):
         for component, control in controls.items():
             if control.control == "displacement":
-                raise InputError(f"-scene_period is 'inf', but the load prescribes {names[component, 'displacement']}: the surface of "
-                                 f"an isolated contact has no mean; prescribe {names[component, 'force']} instead")
+                raise InputError(f"-scene_period is 'inf', but the load prescribes {names[component, 'displacement']}: the "
+                                 f"surface of an isolated contact has no mean; prescribe {names[component, 'force']} instead")
 
 
 def check_form(form):
     """InputError for forms of the equations that an isolated contact has not."""
     for name, value, allowed in (("form", form.form, "displacement"), ("first", form.first, "none")):
         if value != allowed:
-            raise InputError(f"-contact_{name} is '{value}': it needs a cell, which an isolated contact (-scene_period inf) has not; "
-                             f"allowed is {allowed}")
+            raise InputError(f"-contact_{name} is '{value}': it needs a cell, which an isolated contact (-scene_period inf) has "
+                             f"not; allowed is {allowed}")
 
 
 def largest_force(scene, load):

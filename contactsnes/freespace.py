@@ -132,7 +132,7 @@ class _CutHalfspace(Body):
         object.__setattr__(self, "distance", distance)
 
     def surface(self, wavenumber):
-        """Transforms of 1/(pi r), -cos 2 theta/(pi r) and beta_D cos theta/(pi r) up to the distance, of the half-space's factors."""
+        """Transforms of 1/(pi r), -cos 2 theta/(pi r) and beta_D cos theta/(pi r), cut off, with the half-space's factors."""
         shear, phase = 1 / (1 - self.poisson), wavenumber * self.distance
         even = 2 / wavenumber * _integral_of_j0(phase)
         bent = even - 4 / wavenumber * j1(phase)
@@ -176,7 +176,7 @@ def _add_layer(body, axes, distance, kernels, components):
 
 
 def _layer_splines(body, distance, places=3001):
-    """Layer less half-space as splines over r: 1/(2 pi) times the integrals of C_nn, the tangential mean, half difference, and c."""
+    """Splines over r of 1/(2 pi) times the integrals of C_nn, tangential mean, half difference and c: layer less half-space."""
     q, weights = _panels(THICK / body.height, distance)
     layer, half = (layer_compliance(q, body.poisson, height) for height in (body.height, math.inf))
     change = Surface(*(first - second for first, second in zip(layer, half)))

@@ -68,7 +68,9 @@ def _cell(scene, load):
 
 def _unbounded(scene, cell):
     """The scene on the grid of its cell."""
-    return replace(scene, points=None, spacing=cell.spacings if scene.dimension == 2 else cell.spacings[0]) if scene.isolated else cell
+    if not scene.isolated:
+        return cell
+    return replace(scene, points=None, spacing=cell.spacings if scene.dimension == 2 else cell.spacings[0])
 
 
 def reason(scene, load):

@@ -1,7 +1,7 @@
 """An isolated contact: one body on an unbounded flat, on a box of nodes that the largest force of a load chooses.
 
-Its cell is a circle of lags (`freespace`): a window of up to half of it is convolved with the unbounded body's own kernel. Nothing
-is periodic, but whatever needs a cell, as damped motion does, finds a periodic contact on the same nodes in ``periodic``.
+Its cell is a circle of lags (`freespace`): a window of up to half of it is convolved with the unbounded body's own kernel.
+Nothing is periodic, but what needs a cell, as damped motion does, finds a periodic contact on the same nodes in ``periodic``.
 """
 
 import math
@@ -65,7 +65,8 @@ class IsolatedContact(Contact):
     """
 
     def __init__(self, cell, counter=None):
-        super().__init__(cell, counter=SimpleNamespace(size=math.prod(n // 2 for n in cell.shape), transforms=0.0) if counter is None else counter)
+        own = SimpleNamespace(size=math.prod(n // 2 for n in cell.shape), transforms=0.0)
+        super().__init__(cell, counter=own if counter is None else counter)
         defined = cell.dimension == 2 or np.isfinite(cell.height)
         self.datum = 0.0 if defined else np.nan
         self.isolated = True
@@ -83,8 +84,8 @@ class IsolatedContact(Contact):
     def operator(self, components, kind="compliance"):
         """Operator of the unbounded body's compliance among components; InputError for the stiffness."""
         if kind != "compliance":
-            raise InputError("forms of the equations with a stiffness (-contact_form force, -contact_first relaxation) need a cell, "
-                             "which an isolated contact (-scene_period inf) has not; allowed are displacement and none")
+            raise InputError("forms of the equations with a stiffness (-contact_form force, -contact_first relaxation) need a "
+                             "cell, which an isolated contact (-scene_period inf) has not; allowed are displacement and none")
         if (components, kind) not in self._operators:
             symbols = free_space(self.body, self.grid, components)
             for i in range(components):
@@ -99,7 +100,7 @@ class IsolatedContact(Contact):
         return self._rigid[:components] * self.ranges[:components] ** 2
 
     def window(self, normal_gap):
-        """The window around the nodes within the law's range, whose nodes become the unit of the count; OutOfBox beyond the box."""
+        """The window around the nodes within the law's range, the unit of the count from now on; OutOfBox beyond the box."""
         window = super().window(normal_gap)
         if self._guesses:
             return window

@@ -132,7 +132,7 @@ def draw_approach(record):
     """Figure of the normal force against the displacements of the mean surface and, if another, of the top."""
     top, surface, force = record["normal_displacement"], record["approach"], record["normal_force"]
     part = unsheared(record)
-    if record.points > 1 and not (varies(force[part]) and (varies(top[part]) or varies(surface[part]))):
+    if record.points > 1 and not (varies(force[part]) and (varies(top[part]) or varies(surface[part]) or np.isnan(top).any())):
         raise NothingToShow("the normal load does not move")
     figure = Figure((WIDTH, 0.8 * WIDTH), layout="constrained")
     axes = figure.subplots()
@@ -225,6 +225,8 @@ def draw_maps(record, chosen):
 def draw_branch(axes, record, x, y, part, shown=EVENTS):
     """Draw column `y` against column `x` at `part` (slice) of the points: jumps dashed, events and start marked."""
     horizontal, vertical, events = record[x][part], record[y][part], record["event"][part]
+    if np.isnan(horizontal).any():
+        raise NothingToShow("a half-plane under a force has no displacement as a whole")
     dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
     for piece in pieces(events):
         axes.plot(horizontal[piece], vertical[piece], color=BLUE, **dots)
@@ -334,7 +336,8 @@ def colours(count):
 def shear(record):
     """Direction of the tangential load ('', '_x' or '_y'), and the points from where it begins (slice)."""
     axes = [axis for axis in directions(record) if np.any(record[f"tangential_force{axis}"])]
-    loads = [record[f"tangential_displacement{axis}"] for axis in axes]
+    kind = "force" if np.isnan(record["normal_displacement"]).any() else "displacement"
+    loads = [record[f"tangential_{kind}{axis}"] for axis in axes]
     if not any(map(np.any, loads)):
         raise NothingToShow("there is no tangential load")
     axis, load = max(zip(axes, loads), key=lambda pair: np.max(np.abs(pair[1])))
@@ -394,8 +397,7 @@ def fields(record, chosen):
         raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
     if record.initial_gap is None:
         raise NothingToShow("the initial gap is not stored")
-    return [(record.initial_gap + record.field("displacement", point)[0], record.field("traction", point))
-            for point in chosen]
+    return [(record.initial_gap + record.field("displacement", point)[0], record.field("traction", point)) for point in chosen]
 
 
 def contact_region(coordinates, gaps, tractions):
@@ -415,13 +417,11 @@ def contact_region(coordinates, gaps, tractions):
 
 def names(record, chosen):
     """What tells the chosen points apart: symbol of the first load that differs, and its values with the events."""
-    columns = [f"tangential_displacement{axis}" for axis in directions(record)]
-    columns += ["normal_force", "normal_displacement"]
-    differing = [name for name in columns if varies(record[name][chosen])]
-    name = differing[0] if differing else "normal_force"
-    values = [number(record[name][point], 4) for point in chosen]
-    events = [record["event"][point] for point in chosen]
-    texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in zip(values, events)]
+    columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force", "normal_displacement",
+               *(f"tangential_force{axis}" for axis in directions(record))]
+    name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
+    values = [(number(record[name][point], 4), record["event"][point]) for point in chosen]
+    texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
     return label("", word_and_symbol(name)[1], record.units[name]), texts
 
 

@@ -96,8 +96,9 @@ def test_plane_is_the_integral(poisson, height):
         slope = plane_integral(body, lambda c: c.coupling, 1, r)
         mean = plane_integral(body, lambda c: (c.longitudinal + c.transverse) / 2, 0, r)
         bent = plane_integral(body, lambda c: (c.longitudinal - c.transverse) / 2, 2, r)
-        expected = {"nn": plane_integral(body, lambda c: c.normal, 0, r), "xn": -slope * cosine / ratio, "yn": -slope * sine / ratio,
-                    "nx": slope * cosine * ratio, "xx": mean - bent * (cosine ** 2 - sine ** 2), "yx": -2 * bent * cosine * sine,
+        expected = {"nn": plane_integral(body, lambda c: c.normal, 0, r), "xn": -slope * cosine / ratio,
+                    "yn": -slope * sine / ratio, "nx": slope * cosine * ratio, "xx": mean - bent * (cosine ** 2 - sine ** 2),
+                    "yx": -2 * bent * cosine * sine,
                     "ny": slope * sine * ratio, "xy": -2 * bent * cosine * sine, "yy": mean + bent * (cosine ** 2 - sine ** 2)}
         found = {f"{row}{column}": field[k][i, j] for column, field in (("n", normal), ("x", along), ("y", across))
                  for k, row in enumerate("nxy")}

@@ -153,7 +153,8 @@ def test_spacings_of_two_directions():
 
 def test_displacements_do_not_depend_on_the_box():
     scene = replace(LINE, height=30.0, spacing=0.1)
-    small, large = (numbers(scene, Load(start="normal_force=1", path=path)) for path in ("normal_force=1", "normal_force=20; normal_force=1"))
+    small, large = (numbers(scene, Load(start="normal_force=1", path=path))
+                    for path in ("normal_force=1", "normal_force=20; normal_force=1"))
     for name in ("normal_displacement", "contact_area", "minimum_gap"):
         assert small[name] == pytest.approx(large[name], rel=1e-7)
 
@@ -237,7 +238,8 @@ def call(folder, *arguments):
 @pytest.mark.parametrize("more", [[], ["-scene_dimension", "2", "-scene_geometry", "sphere"]])
 def test_archive_has_the_box_and_can_be_resumed_and_plotted(tmp_path, more):
     words = ["run", *SMALL, *more, "-load_start", "normal_force=1", "-archive_file", "run.h5", "-archive_fields", "all",
-             "-load_path", "normal_force=2; normal_force=3", "-continuation_initial_step", "0.5", "-continuation_largest_step", "0.5"]
+             "-load_path", "normal_force=2; normal_force=3", "-continuation_initial_step", "0.5",
+             "-continuation_largest_step", "0.5"]
     done = call(tmp_path, *words)
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "run.h5") as file:
@@ -272,15 +274,16 @@ def test_comparison_refuses_relaxation_with_a_reason(tmp_path):
 
 @pytest.mark.parametrize("more", [["-scene_height", "inf"], ["-scene_poisson", "0.3"]])
 def test_automatic_spacing_and_its_errors(tmp_path, more):
-    words = ["-scene_period", "inf", "-scene_normal_maugis", "4", *more, "-load_start", "normal_force=2", "-load_path", "normal_force=2.2",
-             "-continuation_initial_step", "0.2", "-continuation_largest_step", "0.2"]
+    words = ["-scene_period", "inf", "-scene_normal_maugis", "4", *more, "-load_start", "normal_force=2",
+             "-load_path", "normal_force=2.2", "-continuation_initial_step", "0.2", "-continuation_largest_step", "0.2"]
     done = call(tmp_path, "run", *words, "-scene_points", "auto", "-scene_accuracy", "1e-5", "-archive_file", "auto.h5")
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "auto.h5") as file:
         spacing = file["scene"].attrs["spacing"]
         area, error = (file["branch"][name][-1] for name in ("contact_area", "error_contact_area"))
-    exact = numbers(Scene(period=math.inf, normal_maugis=4.0, spacing=float(spacing) / 6, **{"height": math.inf} if "inf" in more else
-                          {"poisson": 0.3}), Load(start="normal_force=2", path="normal_force=2.2"))["contact_area"]
+    body = {"height": math.inf} if "inf" in more else {"poisson": 0.3}
+    exact = numbers(Scene(period=math.inf, normal_maugis=4.0, spacing=float(spacing) / 6, **body),
+                    Load(start="normal_force=2", path="normal_force=2.2"))["contact_area"]
     assert error < 1e-5 and abs(area / exact - 1) < max(3 * error, 1e-7)
     again = call(tmp_path, "run", *words, "-scene_points", "auto", "-archive_file", "auto.h5", "-archive_resume")
     assert again.returncode == 0 and "complete" in again.stdout, again.stderr
