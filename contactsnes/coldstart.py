@@ -8,11 +8,11 @@ equilibrium only, all levels lead to it.
 import numpy as np
 
 from . import states
-from .cohesive import LARGEST_RESOLUTION, resolution
+from .cohesive import LARGEST_RESOLUTION, PINNING, resolution
 from .contact import APPROACH, FORCE
 from .fourier import Window
-from .grids import interpolation, resampled
-from .laws import MOVING_STIFFNESS
+from .grids import extent, interpolation, resampled
+from .laws import CUTOFF, MOVING_STIFFNESS
 from .points import NotConverged
 
 COLD = 200
@@ -85,7 +85,7 @@ def levels(contact, start):
     """
     found, touching = [contact], contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
     directions = len(contact.grid.shape)
-    if not contact.convex or max(resolution(contact.scene, False)) > 1.01 * SPACING / LARGEST_RESOLUTION:
+    if not contact.convex or max(resolution(contact.scene, False)) > PINNING:
         return found
     while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
         found.append(found[-1].coarse(SPACING))
@@ -128,4 +128,9 @@ def refined(contact, finer, state):
     smooth = contact.law.regularised(states.normal_gap(contact, state), MOVING_STIFFNESS / ratio ** 2) / ratio
     smooth = interpolation(window) @ smooth
     gap = finer.law.gap_of_regularised(smooth, MOVING_STIFFNESS)
-    return states.State(window, (gap - window.take(finer.initial_gap))[None], state.means / ratio)
+    # The sharper law reaches less far.
+    within = window.box(gap) < CUTOFF
+    part = tuple(extent(within, axis, margin=2 + count // 20) for axis, count in enumerate(window.shape))
+    known = window.box(gap - window.take(finer.initial_gap))[part]
+    window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)], known.shape)
+    return states.State(window, known.reshape(1, -1), state.means / ratio)

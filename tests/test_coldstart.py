@@ -37,7 +37,7 @@ def first(scene, control, value, **form):
     ({"normal_maugis": 0.7, "points": 512, "period": 40.0}, DISPLACEMENT, 6.0),
     ({"normal_maugis": 14.0, "points": 32768, "law": "mcgarry"}, DISPLACEMENT, 5.0),
     ({"points": 12288, "period": 150.0, "gap_offset": 0.5}, FORCE, 3.0),
-    ({"points": 4096}, DISPLACEMENT, 13.0), ({**SPHERE, "normal_maugis": 6.5}, DISPLACEMENT, 2.0),
+    ({"points": 4608}, DISPLACEMENT, 13.0), ({**SPHERE, "normal_maugis": 6.5}, DISPLACEMENT, 2.0),
     (SPHERE, DISPLACEMENT, 3.0), (SPHERE, FORCE, 2.0),
     ({**SPHERE, "points": (256, 320), "period": (12.0, 14.0), "poisson": 0.2}, DISPLACEMENT, 2.5),
     ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
