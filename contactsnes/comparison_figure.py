@@ -21,7 +21,7 @@ COLUMNS = 4
 BLANK = Line2D([], [], linestyle="none", label=" ")
 
 HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "compositions": "RdPu",
-        "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr", "others": "copper_r", "dynamic relaxation": "Reds"}
+        "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr", "others": "cool", "dynamic relaxation": "Reds"}
 """Family -> colours of its methods, dark to light; kinds of lines tell them apart, too."""
 LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
@@ -106,11 +106,13 @@ def _legend(figure, styles):
     for name, (family, look) in styles.items():
         if family != previous:
             entries += [BLANK] * (len(entries) % tall == tall - 1)
-            entries.append(Line2D([], [], linestyle="none", label=f"$\\bf{{{family}}}$".replace(" ", "\\ ")))
+            entries.append(Line2D([], [], linestyle="none", label=family))
         entries.append(Line2D([], [], **look, label=name))
         previous = family
     entries += [BLANK] * (-len(entries) % tall)
-    figure.legend(handles=entries, loc="upper center", ncols=len(entries) // tall, handlelength=2.6, columnspacing=1.5)
+    legend = figure.legend(handles=entries, loc="upper center", ncols=len(entries) // tall, handlelength=2.6, columnspacing=1.5)
+    for text in legend.get_texts():
+        text.set_fontweight("bold" if text.get_text() in HUES else "normal")
 
 
 def _tall(styles):
