@@ -20,7 +20,7 @@ COLUMNS = 4
 """Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
 
-HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "compositions": "RdPu",
+HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "compositions": "cool_r",
         "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr", "others": "cool", "dynamic relaxation": "Reds"}
 """Family -> colours of its methods, dark to light; kinds of lines tell them apart, too."""
 LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
