@@ -2,7 +2,11 @@
 
 import dataclasses
 import math
+from functools import lru_cache
 
+import numpy as np
+
+from .laws import LAWS, SOFTENING
 from .settings import as_text
 
 LARGEST_RESOLUTION = 1.25
@@ -21,15 +25,34 @@ def resolution(scene, sheared):
     well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
     between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
     s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
-    (1 - nu)/2 for waves transverse to the slip in two dimensions. Directions without an edge of contact give 0.
+    (1 - nu)/2 for waves transverse to the slip in two dimensions, and of both together (`coupled_softening`). Directions
+    without an edge of contact give 0.
     """
-    normal = scene.normal_maugis ** 2
-    softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
-    stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
-    tangential = scene.tangential_maugis ** 2 * (softening / math.exp(-2)) * (0.5 / stiffness) if sheared else 0.0
+    steepest = scene.normal_maugis ** 2
+    if sheared:
+        softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
+        stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
+        law = (scene.law, scene.residual_friction, scene.residual_adhesion)
+        tangential = scene.tangential_maugis ** 2 * 0.5 / stiffness
+        steepest = max(steepest, tangential * softening / SOFTENING,
+                       coupled_softening(law, scene.normal_maugis, math.sqrt(tangential)) / SOFTENING)
     uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
-    return tuple(0.0 if same else spacing * max(normal, tangential) / LARGEST_RESOLUTION
-                 for spacing, same in zip(scene.spacings, uniform))
+    return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION for spacing, same in zip(scene.spacings, uniform))
+
+
+@lru_cache(maxsize=64)
+def coupled_softening(law, normal_maugis, tangential_maugis):
+    """Steepest softening of gap and slip together: minus the smallest real eigenvalue of the scaled tangent where a > 0.
+
+    Slip weakens adhesion and opening weakens friction: with full residual friction that alone softens. Units of E*/beta.
+    """
+    name, *residuals = law
+    scale = np.array([normal_maugis, tangential_maugis])
+    gaps = np.array(np.meshgrid(np.linspace(1e-9, 5.0, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
+    tangent = (LAWS[name](*residuals) if name == "modified" else LAWS[name]()).tangent(gaps)
+    (normal, opening), (weakening, slipping) = tangent * np.multiply.outer(scale, scale)[..., None]
+    discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
+    return float(np.max(np.sqrt(np.maximum(discriminant, 0.0)) - 0.5 * (normal + slipping), where=discriminant >= 0.0, initial=0.0))
 
 
 def default_spacing(scene):

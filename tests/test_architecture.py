@@ -32,10 +32,10 @@ LOAD_PATH = ("load", "scene.Steps")
 TABLE = (
     Row("settings", "options as checked fields of dataclasses"),
     Row("load", "load paths and their text form"),
+    Row("laws", "tractions and tangents at a gap, node by node"),
     Row("alone", "what an isolated contact asks of scene and load"),
     Row("cohesive", "spacings that resolve the cohesive zone"),
     Row("scene", "what is to be solved, as frozen data with units and checks"),
-    Row("laws", "tractions and tangents at a gap, node by node", ("scene",)),
     Row("levels", "where interpolated values cross a level", ("scene", "laws")),
     Row("fourier", "the periodic grid, windows, transforms and reductions over nodes", ("scene", "laws")),
     Row("grids", "fields on finer grids, and blurred", ("scene", "laws")),

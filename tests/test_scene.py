@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from contactsnes.cohesive import resolution, resolution_warning
+from contactsnes.laws import LAWS
 from contactsnes.load import Control, Load, quantities
 from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASSES, Output, Scene, Steps, tangential_legs
 from contactsnes.settings import allowed, as_text, InputError, nearest
@@ -313,9 +314,21 @@ def test_both_components_have_the_same_margin_against_pinning(law, friction, dim
     assert margin == pytest.approx(0.5 * math.pi / 1.25 / normal_softening, rel=1e-4)
 
 
-def test_full_friction_needs_no_tangential_resolution():
-    scene = Scene(tangential_maugis=50.0, residual_friction=1.0)
-    assert resolution(scene, True) == resolution(scene, False)
+@pytest.mark.parametrize("normal, tangential, friction", [(3.0, 10.0, 1.0), (1.0, 1.0, 1.0), (5.0, 5.0, 0.7), (10.0, 1.0, 0.5)])
+def test_resolution_covers_the_eigenvalues_of_the_scaled_tangent(normal, tangential, friction):
+    """Slip weakens adhesion and opening weakens friction: no real eigenvalue is softer than what the rule counts with."""
+    scene = Scene(normal_maugis=normal, tangential_maugis=tangential, residual_friction=friction)
+    law, scale = LAWS["modified"](friction), np.diag([normal, tangential])
+    gaps = np.random.default_rng(2).uniform((0.0, -3.0), (5.0, 3.0), (20000, 2)).T
+    values = np.linalg.eigvals(scale @ np.moveaxis(law.tangent(gaps), -1, 0) @ scale)
+    softest = -values.real[np.abs(values.imag) < 1e-12].min()
+    counted = math.exp(-2) * 1.25 * resolution(scene, True)[0] / scene.spacings[0]
+    assert softest <= 1.001 * counted and softest > 0.98 * counted
+
+
+def test_full_friction_asks_little_of_the_grid_where_slip_is_easy():
+    scene = Scene(tangential_maugis=1.0, residual_friction=1.0)
+    assert resolution(scene, True) == pytest.approx(resolution(scene, False))
 
 
 def test_warning_names_a_sufficient_power_of_two():
