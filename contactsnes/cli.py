@@ -183,6 +183,8 @@ class Run:
     def interrupt(self, number, frame):
         """Handler of signals: end the run with the points it has."""
         self.signal = number
+        # Raised in a finaliser, it is printed and ignored; the run then ends with the next point.
+        sys.unraisablehook = lambda unraisable: None
         raise KeyboardInterrupt(number)
 
     def _points(self):
