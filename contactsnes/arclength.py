@@ -39,7 +39,7 @@ class ArcLength:
 
     def gap(self, unknown):
         """Gap of the form's part of the unknown."""
-        return self.form.gap(unknown)
+        return self.form.gap(unknown[:-1])
 
     def set_position(self, position):
         """Set the load of the form to that of a place s."""

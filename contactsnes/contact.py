@@ -13,6 +13,7 @@ from .elasticity import Body
 from .fourier import Convolution, Grid, Operator, Transform, enclosing
 from .geometry import initial_gap
 from .laws import CUTOFF, LAWS
+from .symmetry import Cosines
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -87,11 +88,15 @@ class Contact:
                 (i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power for (i, j), symbol in blocks.items()})
         return self._operators[key]
 
-    def _circle(self, component, components, shape):
-        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to ranges, 0 at q = 0."""
-        vectors = self.grid.wavevectors(shape)
+    def _circle(self, component, components, shape, even=False):
+        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to ranges, 0 at q = 0.
+
+        For ``even`` fields the points of each direction are those from the axis outwards.
+        """
+        transform = (Cosines if even else Transform)(self.grid, shape, 1)
+        vectors = transform.wavevectors(self.grid.spacings) if even else self.grid.wavevectors(shape)
         block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component, component]
-        return Transform(self.grid, shape, 1), block * self.ranges[component] ** 2
+        return transform, block * self.ranges[component] ** 2
 
     def _coarse(self, resolution):
         """The contact on every other node, its law softened to spacing x maugis^2 <= resolution; the grid counts for both."""

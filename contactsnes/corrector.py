@@ -14,7 +14,8 @@ from .contact import APPROACH, FORCE
 from .points import NoEquilibrium, NotConverged, Point
 from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, MOVING_STIFFNESS, SLIP
-from .snes import create_snes
+from .mirrored import Symmetry
+from .snes import create_snes, solver_type
 
 WARM = 16
 """Most Newton iterations of a step: one that needs more is better made shorter."""
@@ -45,6 +46,7 @@ class Corrector:
         self.contact, self.settings, self.log, self.tolerance = contact, settings, log, tolerance
         self.form = self.snes = None
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "jacobian_products"), 0)
+        self.symmetry = Symmetry(contact, settings, solver_type(), log)
         self._accounted = self._spent_so_far()
 
     def _spent_so_far(self):
@@ -59,8 +61,7 @@ class Corrector:
 
     def names(self, controls):
         """Names of the controlled quantities."""
-        axes = ["normal", "tangential"] if len(self.contact.grid.shape) == 1 else ["normal", "tangential", "tangential"]
-        ends = [""] * 2 if len(self.contact.grid.shape) == 1 else ["", "_x", "_y"]
+        axes, ends = ("normal", "tangential", "tangential"), ("", "") if len(self.contact.grid.shape) == 1 else ("", "_x", "_y")
         return [f"{axis}_{control}{end}" for axis, control, end in zip(axes, controls, ends)]
 
     # What continuation asks of states.
@@ -68,8 +69,8 @@ class Corrector:
         """The point as one of a leg: with as many components as there are controls, under its controls and load."""
         displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
                                  for values in (point.displacements, point.forces))
-        return replace(point, state=states.with_components(point.state, len(controls)), controls=controls, load=load,
-                       displacements=displacements, forces=forces)
+        state = self.symmetry.checked(states.with_components(point.state, len(controls)))
+        return replace(point, state=state, controls=controls, load=load, displacements=displacements, forces=forces)
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""
@@ -116,8 +117,8 @@ class Corrector:
 
     def on(self, contact, tolerance):
         """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid but its own serves it."""
-        if not (self.settings.cascade and self.settings.form == "displacement" and self.settings.first == "none"
-                and PETSc.Options().getString("snes_type", "newtonls").startswith("newton")):
+        form = self.settings
+        if not (form.cascade and form.form == "displacement" and form.first == "none" and solver_type().startswith("newton")):
             return None
         system = Corrector(contact, self.settings, self.log, tolerance)
         system.totals = self.totals
@@ -151,7 +152,7 @@ class Corrector:
         arc = ArcLength(form, leg.start, leg.direction, pack[1], pack[1] - pack[0], length)
         ahead = length / self.contact.grid.norm(pack[1] - pack[0])
         guess = np.append(pack[1] + ahead * (pack[1] - pack[0]), here + ahead * (here - before))
-        predicted = states.State(form.window, form.displacement(guess), last.means)
+        predicted = states.State(form.window, form.displacement(guess[:-1]), last.means)
         snes = create_snes(arc, "" if own else "arc_")
         unknown, iterations = self._newton(arc, guess, WARM, snes)
         arc.set_position(unknown[-1])
@@ -189,11 +190,12 @@ class Corrector:
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         self.snes.setUseEW(forcing)
         self.totals["linear_iterations"] += ksp.getIterationNumber()
-        moved = unknown + step * change.getArray(readonly=True)
-        ahead = step * form.displacement(change.getArray(readonly=True))[0]
-        gap = states.normal_gap(self.contact, state)
+        moved, gap = unknown + step * change.getArray(readonly=True), states.normal_gap(self.contact, state)
+        field = form.displacement(moved)
         # In the regularised gap a long step into overlap stays bounded.
-        moved[:form.nodes] = (state.displacement[0] + self.contact.law.regularised_step(gap, ahead, MOVING_STIFFNESS)) / form.root
+        ahead = self.contact.law.regularised_step(gap, field[0] - state.displacement[0], MOVING_STIFFNESS)
+        field[0] = state.displacement[0] + ahead
+        moved = form.pack(field, form.scalars(moved))
         if form.name == "displacement" and form.forced:
             # The mean displacement belonged to another gap than this: it is balanced anew, where the law acts.
             aside, near = form.displacement(form.residual(moved, np.empty(size))), gap < states.NEAR
@@ -254,19 +256,18 @@ class Corrector:
 
     def _fitted(self, state):
         """The state on the window that the settings and the law ask for."""
-        if self.settings.window == "off" or self.settings.form == "force":
-            widest = self.contact.widest
-            return state if state.window == widest else states.State(widest, widest.take(self.contact.extended(state)), state.means)
-        return states.fitted(self.contact, state)
+        widest, whole = self.contact.widest, self.settings.window == "off" or self.settings.form == "force"
+        if not whole:
+            state = states.fitted(self.contact, state)
+        elif state.window != widest:
+            state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
+        return self.symmetry.centred(state)
 
     def _form_for(self, guess, controls):
         """The form on the guess's window, kept with its SNES while window and controls stay."""
-        kept = self.form
-        if kept is None or kept.window != guess.window or kept.controls != tuple(controls):
-            if self.settings.form == "force":
-                self.form = ForceForm(self.contact, controls)
-            else:
-                self.form = DisplacementForm(self.contact, guess.window, controls)
+        kept, kind = self.form, ForceForm if self.settings.form == "force" else self.symmetry.form(len(controls))
+        if type(kept) is not kind or kept.window != guess.window or kept.controls != tuple(controls):
+            self.form = kind(self.contact, *(() if kind is ForceForm else (guess.window,)), controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
         return self.form
 
@@ -301,7 +302,7 @@ class Corrector:
         """The state that a form's unknown stands for."""
         displacement = form.displacement(unknown).copy()
         if form.name == "force":
-            return states.State(form.window, displacement, form.grid.mean(displacement))
+            return self.symmetry.checked(states.State(form.window, displacement, form.grid.mean(displacement)))
         traction = self.contact.law.traction(form.gap(unknown))
         means = self.contact.far_displacement(form.components, form.load) - form.rigid_compliance * form.grid.mean(traction)
         means[form.forced] = form.scalars(unknown)

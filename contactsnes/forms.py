@@ -35,11 +35,12 @@ class DisplacementForm:
 
     name = "displacement"
     linear_tolerance = 0.5
+    convolution_class = Convolution
 
     def __init__(self, contact, window, controls):
         self.contact, self.window, self.controls = contact, window, tuple(controls)
         self.components = len(controls)
-        self.grid = contact.grid
+        self.grid = window.grid
         self.nodes = window.size
         self.shape = (self.components, self.nodes)
         self.forced = [i for i, control in enumerate(controls) if control == FORCE]
@@ -47,7 +48,7 @@ class DisplacementForm:
         self.size = self.count + len(self.forced)
         self.root = np.sqrt(self.count)
         self.initial_gap = window.take(contact.initial_gap)
-        self.convolution = Convolution(window, contact.operator(self.components), self.components)
+        self.convolution = self.convolution_class(window, contact.operator(self.components), self.components)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.rigid_compliance[[control == APPROACH for control in controls]] = 0.0
         self.factor = contact.load_factor(self.components)

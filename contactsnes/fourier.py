@@ -22,7 +22,7 @@ class Transform:
 
     def __init__(self, grid, shape, count, measure=False):
         axes = tuple(range(1, 1 + len(shape)))
-        self.shape = shape
+        self.shape, self.gain = shape, math.prod(shape)
         self.real = pyfftw.zeros_aligned((count, *shape))
         self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)
         plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
@@ -136,11 +136,13 @@ class Window:
     shape : nodes in each direction
     """
 
+    even = False  # whether a node stands for its mirror images, too
+
     def __init__(self, grid, start, shape):
         self.grid = grid
         self.shape = tuple(int(n) for n in shape)
         self.start = tuple(int(s) % total if n < total else 0 for s, n, total in zip(start, self.shape, grid.shape))
-        self.size = math.prod(self.shape)
+        self.size, self.limits = math.prod(self.shape), grid.shape
 
     def __eq__(self, other):
         return self.start == other.start and self.shape == other.shape

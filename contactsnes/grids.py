@@ -48,7 +48,7 @@ def smooth(window, values, width):
     """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width`` (beta).
 
     Three running means: no transform, and a cost that does not depend on the width. Periodic in directions that the
-    window fills; in others the values on its border continue outwards.
+    window fills; in others the values on its border continue outwards, in an even window as their mirror images.
     """
     box = window.box(values)
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
@@ -60,7 +60,7 @@ def smooth(window, values, width):
     negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)
     for axis, (points, total, reach) in enumerate(zip(blurred.shape, window.grid.shape, reaches)):
         for _ in range(3 if reach else 0):
-            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode="wrap" if points == total else "nearest")
+            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode="wrap" if points == total else "mirror" if window.even else "nearest")
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
     blurred[np.abs(blurred) < negligible] = 0.0
     out[part] = blurred

@@ -7,8 +7,10 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from .arclength import ArcLength
+from .forms import ForceForm
 from .fourier import Transform, clear_padding
 from .grids import extent, smooth
+from .mirrored import EvenForm
 from .options import read
 from .settings import InputError, option, Options
 
@@ -39,19 +41,21 @@ class CoreBlock:
     """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core."""
 
     def __init__(self, form, component, weight, mean_tangent, pad):
-        window, grid = form.window, form.grid
+        window = form.window
         box = window.box(weight)
-        self.window, self.core = window, tuple(extent(box > 0.0, axis) for axis in range(box.ndim))
+        parts = (extent(box > 0.0, axis) for axis in range(box.ndim))
+        self.window, self.core = window, tuple(slice(0, part.stop) if window.even else part for part in parts)
         extents = [part.stop - part.start for part in self.core]
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
-                       for extent, total in zip(extents, grid.shape))
-        self.transform, compliance = form.contact.circle(component, form.components, circle)
+                       for extent, total in zip(extents, window.limits))
+        self.transform, compliance = form.contact.circle(component, form.components, circle, window.even)
         self.symbol = compliance * mean_tangent
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled, stands for the rest.
-        self.symbol.flat[0] = 2.0 * np.max(self.symbol)
+        if self.symbol.flat[0] == 0.0:
+            self.symbol.flat[0] = 2.0 * np.max(self.symbol)
         self.symbol += 1.0
-        np.divide(1.0 / np.prod(circle), self.symbol, out=self.symbol)
+        np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
         self.inside = (0, *(slice(0, extent) for extent in extents))
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
 
@@ -178,11 +182,22 @@ class ZonedStiffness:
         return out
 
 
+class EvenCoreZone:
+    """Preconditioner of the displacement form for even states: the core zone of its half form."""
+
+    def __init__(self, form, options=CoreOptions()):
+        self.form, self.inner = form, CoreZone(form.half, options)
+
+    def apply(self, vector, out):
+        """out = M^-1 vector, arrays of the form's size."""
+        return self.form.scaled(self.inner.apply(self.form.plain(vector), out))
+
+
 class ArcElimination:
     """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur complement."""
 
     def __init__(self, form, options=CoreOptions()):
-        self.form, self.inner = form, ZONES[form.name](form.form, options)
+        self.form, self.inner = form, zone(form.form, options)
         self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
         self.slope = form.grid.inner(form.tangent, self.column)
 
@@ -195,7 +210,10 @@ class ArcElimination:
         return out
 
 
-ZONES = {"displacement": CoreZone, "force": ZonedStiffness}
+def zone(form, options):
+    """The preconditioner of a form at its last linearisation."""
+    kinds = {ArcLength: ArcElimination, EvenForm: EvenCoreZone, ForceForm: ZonedStiffness}
+    return kinds.get(type(form), CoreZone)(form, options)
 
 
 class ZonePC:
@@ -215,9 +233,7 @@ class ZonePC:
         matrix = pc.getOperators()[1]
         if matrix.getType() != "python":
             raise InputError("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or -pc_type none with it")
-        form = matrix.getPythonContext().form
-        kind = ArcElimination if isinstance(form, ArcLength) else ZONES[form.name]
-        self.zone = kind(form, self.options)
+        self.zone = zone(matrix.getPythonContext().form, self.options)
 
     def apply(self, pc, x, y):
         """y = M^-1 x."""

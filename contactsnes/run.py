@@ -13,6 +13,8 @@ from .grid_choice import chosen
 from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .corrector import Corrector
+from .mirrored import refuse
+from .snes import solver_type
 from .states import State
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
@@ -49,11 +51,12 @@ class Branch:
             self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
         else:
             self.contact = Contact(scene, read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None)
+        self._sheared = scenes.tangential_legs(scene, load)
+        refuse(scene, self._sheared, form, solver_type())
         self.corrector = Corrector(self.contact, form, log)
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
         self.legs = load.legs(scene.dimension)
-        self._sheared = scenes.tangential_legs(scene, load)
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]

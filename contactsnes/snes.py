@@ -58,11 +58,13 @@ class RegularisedStep:
         """Change the step y (the update is x - y) where it is long; True if it was changed."""
         form = self.form
         step = y.getArray()[:form.count].reshape(form.shape)[0]
-        far = np.abs(step) * form.root > 0.1
+        root = np.broadcast_to(form.root, step.shape)
+        far = np.abs(step) * root > 0.1
         if not far.any():
             return False
         gap = form.gap(x.getArray(readonly=True))[0][far]
-        step[far] = -form.contact.law.regularised_step(gap, -form.root * step[far], self.stiffness) / form.root
+        root = root[far]
+        step[far] = -form.contact.law.regularised_step(gap, -root * step[far], self.stiffness) / root
         return True
 
 
@@ -86,6 +88,11 @@ def equip(snes, form):
     ksp.setTolerances(max_it=150)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
+
+
+def solver_type():
+    """Type of SNES that the user asks for."""
+    return PETSc.Options().getString("snes_type", "newtonls")
 
 
 def create_snes(form, prefix="", tolerance=None):

@@ -8,6 +8,7 @@ import numpy as np
 from . import cohesive, scene as scenes, states
 from .grid_choice import memory_of_solve, reason
 from .load import quantities
+from .mirrored import obstacles
 from .options import database
 from .settings import as_text
 
@@ -53,7 +54,28 @@ def skipped(settings, branch):
         sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
     else:
         sentences.append(f"nodes beyond the law's range: the window has {_by(window)} of {_by(cell)} nodes at the start")
-    return sentences
+    return [*sentences, _mirror_images(settings, sheared)]
+
+
+def _mirror_images(settings, sheared):
+    """Sentence on what symmetry leaves out, or why it does not."""
+    if settings.form.symmetry == "off":
+        return "no symmetry is used: -contact_symmetry is off"
+    why = _asymmetries(settings, sheared)
+    reason = next(filter(None, why), None)
+    if all(why):
+        return f"no symmetry is used: {reason}"
+    part = "half the line" if settings.scene.dimension == 1 else "a quarter of the plane"
+    if reason:
+        return f"mirror images before leg {why.index(reason)}, so that {part} is solved: the contact is even there; from then on {reason}"
+    return f"mirror images, so that {part} is solved: scene and load path are even about the apex"
+
+
+def _asymmetries(settings, sheared):
+    """Why states are not even at the start and in each leg, or None."""
+    if settings.form.symmetry == "off":
+        return ["it is not wanted"] * len(sheared)
+    return obstacles(settings.scene, sheared, settings.form, database().get("snes_type", "newtonls"))
 
 
 def _by(shape):
@@ -99,15 +121,16 @@ def about_unknowns(settings, branch):
     scene, window = settings.scene, start_window(settings, branch)
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
     controls = settings.load.initial(scene.dimension, scene.isolated)
-    lines, largest = [], 0
-    for number, sheared in enumerate(scenes.tangential_legs(scene, settings.load)):
+    lines, largest, sheared_legs = [], 0, scenes.tangential_legs(scene, settings.load)
+    for number, (sheared, uneven) in enumerate(zip(sheared_legs, _asymmetries(settings, sheared_legs))):
         if number:
             controls = controls | legs[number - 1].controls
         components = scene.components if sheared else 1
         forced = sum(controls[i].control == "force" for i in range(components)) if settings.form.form == "displacement" else 0
-        count = components * math.prod(window) + forced
+        nodes = window if uneven else [extent // 2 + 1 for extent in window]
+        count = components * math.prod(nodes) + forced
         largest = max(largest, count)
-        lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(window)} displacements"
+        lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(nodes)} displacements"
                      + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
     if math.prod(window) < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")

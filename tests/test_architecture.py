@@ -38,6 +38,7 @@ TABLE = (
     Row("scene", "what is to be solved, as frozen data with units and checks"),
     Row("levels", "where interpolated values cross a level", ("scene", "laws")),
     Row("fourier", "the periodic grid, windows, transforms and reductions over nodes", ("scene", "laws")),
+    Row("symmetry", "even fields: half of their nodes, transforms and convolutions", ("scene", "laws")),
     Row("grids", "fields on finer grids, and blurred", ("scene", "laws")),
     Row("geometry", "initial gap of a shape on the grid", ("laws",)),
     Row("elasticity", "stiffness and compliance of the body in Fourier space", ("laws",)),
@@ -50,6 +51,7 @@ TABLE = (
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),
+    Row("mirrored", "the displacement form for even states", LOAD_PATH),
     Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("continuation", "points along a path, whatever is solved",
@@ -87,11 +89,11 @@ HOMES = {
                  "session", "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},
-    "pyfftw": {"fourier"},
+    "pyfftw": {"fourier", "symmetry"},
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "contact", "isolated", "forms", "arclength", "states",
+FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
                  "reference", "grid_choice", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
@@ -213,6 +215,8 @@ def test_transforms_are_the_grids(name):
     allowed = {"scipy.fft.next_fast_len"}
     if name == "fourier":
         allowed |= {"np.fft", "np.fft.fftfreq", "np.fft.rfftfreq"}
+    if name == "symmetry":
+        allowed |= {"scipy.fft", "scipy.fft.dctn"}
     homes = ("np.fft", "numpy.fft", "scipy.fft", "scipy.signal.fft", "scipy.signal.oaconvolve", "mkl_fft")
     assert not {used for used in used_names(TREES[name]) if used.startswith(homes)} - allowed
 

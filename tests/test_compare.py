@@ -186,7 +186,9 @@ def test_nothing_goes_on_for_ever():
 def test_a_failure_leaves_the_next_methods_as_they_are():
     alone, _ = compared(NEWTON)
     among, _ = compared(UNKNOWN, MISFIT, HASTY, NEWTON, transforms=100)
-    assert [result.counts for result in alone.results["newton"]] == [result.counts for result in among.results["newton"]]
+    # Transforms are differences of what was counted from the beginning.
+    assert [result.counts for result in alone.results["newton"]] == [pytest.approx(result.counts, rel=1e-9)
+                                                                     for result in among.results["newton"]]
 
 
 def test_interruption_is_no_failure(monkeypatch):

@@ -70,7 +70,7 @@ def tasks():
 
 def solve(tasks, entries, connection):
     """In a process of its own, whose options no one else has: (task, what became of it) for each; then what was not used."""
-    options.install(entries)
+    options.install({"contact_symmetry": "off", **entries})  # as a comparison does
     options.check_names(session.solver_options())
     options.check_values(session.solver_options())
     options.read(Steps)  # as a run does; what it says is not needed here

@@ -18,6 +18,7 @@ DEFAULTS = {
     "scene_tangential_maugis": "1", "scene_residual_friction": "1", "scene_residual_adhesion": "0", "scene_work_ratio": "1",
     "scene_poisson": "0.5", "scene_height": "2000", "scene_tangential": "auto", "scene_contact_threshold": "2.718281828",
     "scene_units": "dimensionless", "contact_form": "displacement", "contact_cascade": "true", "contact_window": "auto",
+    "contact_symmetry": "auto",
     "contact_first": "none", "contact_first_tolerance": "0.01",
     "load_start": "", "load_path": "", "load_stop": "none", "continuation_type": "natural",
     "continuation_at_fold": "jump", "continuation_initial_step": "", "continuation_largest_step": "",
