@@ -113,5 +113,5 @@ def read_methods(paths, given):
         name = stem if stem not in [method.name for method in methods] else str(path)
         methods.append(Method(name, {**found, **given}))
         if name == "newton" and "contact_window" not in given:
-            methods.append(Method("newton (whole cell)", {**found, **given, "contact_window": "off"}))
+            methods.append(Method("newton (whole cell)", {**found, **given, "contact_window": "off", "contact_symmetry": "off"}))
     return methods
