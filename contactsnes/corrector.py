@@ -78,7 +78,7 @@ class Corrector:
 
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
-        return states.follow_edge(self.contact, [point.state for point in points], weights)
+        return self.symmetry.mirrored(states.follow_edge(self.contact, [point.state for point in points], weights))
 
     def distance(self, first, second):
         """Root mean square distance of two states, ranges of the law."""

@@ -7,9 +7,8 @@ from .settings import InputError
 from .states import State, onto
 from .symmetry import EvenConvolution, EvenWindow, asymmetry, centred, obstacle
 
-EVEN, GUESS = 1e-6, 0.1
-"""Largest difference of mirror images in a state that counts as even, ranges of the law; in a guess, for predictors that follow an
-edge do so in nodes of the cell, of which the first has no mirror image."""
+EVEN = 1e-6
+"""Largest difference of mirror images in a state that counts as even, ranges of the law."""
 
 
 class HalfForm(DisplacementForm):
@@ -138,9 +137,9 @@ class Symmetry:
         """Whether states with so many components are taken for even."""
         return self.wanted and obstacle(self.contact.scene, components) is None
 
-    def checked(self, state, tolerance=EVEN):
+    def checked(self, state):
         """The state; if it is not even where it should be, no state is taken for even from now on."""
-        if self.holds(len(state.displacement)) and not asymmetry(state.window, state.displacement) <= tolerance:
+        if self.holds(len(state.displacement)) and not asymmetry(state.window, state.displacement) <= EVEN:
             self.leave("the state is not even about the apex")
         return state
 
@@ -149,11 +148,19 @@ class Symmetry:
         self.wanted = False
         self.log(f"{why}: going on without symmetry")
 
-    def centred(self, guess):
-        """The state that a solve starts from, on a centred window if it is taken for even."""
-        self.checked(guess, GUESS)
-        window = centred(guess.window) if self.holds(len(guess.displacement)) else guess.window
-        return guess if window == guess.window else State(window, onto(guess, window), guess.means)
+    def centred(self, state):
+        """The state on a centred window, if it is taken for even."""
+        self.checked(state)
+        window = centred(state.window) if self.holds(len(state.displacement)) else state.window
+        return state if window == state.window else State(window, onto(state, window), state.means)
+
+    def mirrored(self, state):
+        """A state predicted from even ones, or None, made even: places of the cell's first node have no mirror image."""
+        if state is None or not self.holds(len(state.displacement)):
+            return state
+        window = centred(state.window)
+        half = EvenWindow(window)
+        return State(window, half.unfold(half.fold(onto(state, window))), state.means)
 
     def form(self, components):
         """The class of displacement forms for states with so many components."""

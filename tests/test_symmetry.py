@@ -275,6 +275,11 @@ def test_sphere_is_a_quarter_of_the_work():
     assert 0.12 * costs[2] < quarter[2] < 0.35 * costs[2]
 
 
+def test_predictions_on_a_whole_cell_stay_even():
+    """The first node of a cell has no mirror image to be followed with: rounding there is not a state's own asymmetry."""
+    same_points(replace(SPHERE, normal_maugis=0.55), Load(start="normal_force=0.5", path="normal_force=2"))
+
+
 def test_folds_and_jumps_stay():
     """A jump moves on the whole cell, free to leave symmetry; it comes back to an even state here."""
     pulled = Load(start="normal_displacement=1", path="normal_displacement=-3")
