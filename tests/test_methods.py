@@ -29,7 +29,8 @@ from contactsnes.snes import create_snes  # noqa: E402
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted((ROOT / "options").glob("*.opts"))
 METHODS = [path for path in FILES if methods.is_method(path)]
-FAILS = "# Fails:"
+FAILS, MAY_FAIL = "# Fails:", "# May fail:"
+"""How the first comment of a file begins whose method fails on some of the solves below, or where rounding decides."""
 
 SCENE = {"points": 512, "period": 40.0, "normal_maugis": 3.0}
 SHEARED = {**SCENE, "height": 20.0, "tangential_maugis": 3.0, "residual_friction": 0.5}
@@ -122,7 +123,7 @@ def test_method_finds_newtons_equilibria_or_says_why_not(tasks, path):
     failed = [name for name, outcome in found.items() if str(outcome).startswith("no solution: ")]
     right = [name for name, outcome in found.items() if isinstance(outcome, float) and outcome < SAME]
     assert sorted(failed + right) == sorted(tasks), found
-    assert bool(failed) == first.startswith(FAILS), found
+    assert first.startswith(MAY_FAIL) or bool(failed) == first.startswith(FAILS), found
 
 
 @pytest.mark.parametrize("stem", ["newton-differences", "newton-unpreconditioned", "newton-lagged-preconditioner",
