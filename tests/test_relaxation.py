@@ -303,7 +303,7 @@ def test_an_equilibrium_takes_no_step(equilibria):
 def test_a_time_step_that_is_too_large_diverges_with_a_reason(equilibria):
     form, start, _ = equilibria("displacement")
     snes, _ = relax(form, start, "Verlet", snes_verlet_time_step=5.0)
-    assert snes.reason == REASONS.DIVERGED_DTOL and snes.its < 200
+    assert snes.reason == REASONS.DIVERGED_DTOL and snes.its < 2000
 
 
 def test_not_a_number_diverges_with_a_reason(equilibria):
