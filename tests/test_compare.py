@@ -41,12 +41,7 @@ UNKNOWN = Method("unknown", {"snes_type": "lou"})
 MISFIT = Method("misfit", {name: value for name, value in FIRE.entries.items() if name != "contact_form"})
 
 
-@pytest.fixture(autouse=True)
-def database():
-    """PETSc's database as it was before a test, afterwards."""
-    before = options.database()
-    yield
-    options.install(before)
+pytestmark = pytest.mark.usefixtures("kept_options")
 
 
 def compared(*several, path=PATH, start="normal_displacement=0", saved=lambda: None, scene=SMALL, **settings):

@@ -31,21 +31,6 @@ FOLDER = Path(__file__).resolve().parents[1] / "options"
 FILES = ("fas.opts", "fas-richardson.opts")
 
 
-@pytest.fixture
-def options():
-    """A function that sets options until the end of the test."""
-    database, given = PETSc.Options(), []
-
-    def give(**values):
-        for name, value in values.items():
-            database.setValue(name, value)
-            given.append(name)
-
-    yield give
-    for name in given:
-        database.delValue(name)
-
-
 def from_file(name):
     """Options of a method's file, those of PETSc's objects."""
     words = read_file(FOLDER / name)

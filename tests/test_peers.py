@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contactsnes import options
 
 SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "peers"
 
@@ -27,12 +26,7 @@ def load():
 peers = load()
 
 
-@pytest.fixture(autouse=True)
-def database():
-    """PETSc's options as they were."""
-    before = options.database()
-    yield
-    options.install(before)
+pytestmark = pytest.mark.usefixtures("kept_options")
 
 
 @pytest.fixture(name="problem")

@@ -30,12 +30,7 @@ def scan():
     return module
 
 
-@pytest.fixture(autouse=True)
-def kept_options():
-    """PETSc's options as they were."""
-    before = options.database()
-    yield
-    options.install(before)
+pytestmark = pytest.mark.usefixtures("kept_options")
 
 
 @pytest.fixture(scope="module")

@@ -28,21 +28,6 @@ SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
 PAPER = {"points": 2 ** 13}
 
 
-@pytest.fixture
-def options():
-    """A function that sets options (a value of None: none) until the end of the test."""
-    database, given = PETSc.Options(), []
-
-    def give(**values):
-        for name, value in values.items():
-            database.setValue(name, value)
-            given.append(name)
-
-    yield give
-    for name in given:
-        database.delValue(name)
-
-
 def corrector(form="displacement", window="auto", **scene):
     return Corrector(Contact(Scene(**{**SMALL, **scene})), Form(form=form, window=window))
 
