@@ -39,22 +39,23 @@ def first_point(system, controls, load):
     if system.contact.isolated and load[0] == 0.0:
         # Without a force an isolated body stays where it starts, outside the law's range.
         return system.solve(states.apart(system.contact), controls, load)
+    start = states.undeformed(system.contact, controls, load)
     try:
-        guess = through_grids(system, states.undeformed(system.contact, controls, load), controls, load)
+        guess = through_grids(system, start, controls, load)
         if guess is not None:
             return system.solve(guess, controls, load)
     except NotConverged as error:
         system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
-    return on_grid(system, controls, load)
+    return on_grid(system, controls, load, start)
 
 
-def on_grid(system, controls, load):
+def on_grid(system, controls, load, start=None):
     """The point of one component at a given load that a solve from the start without overlap finds.
 
     Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves at given approaches first
     find the one that belongs to the load.
     """
-    state = states.undeformed(system.contact, controls, load)
+    state = states.undeformed(system.contact, controls, load) if start is None else start
     if controls[0] == FORCE or system.contact.rigid_compliance(1)[0] > 0.0:
         state = _at_load(system, state, controls, load)
     return system.solve(state, controls, load, COLD)
@@ -83,10 +84,10 @@ def levels(contact, start):
     One equilibrium is there for a cylinder or a sphere that is pressed until it overlaps the flat, where its edge hardly
     sticks between nodes.
     """
-    found, touching = [contact], contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
-    directions = len(contact.grid.shape)
+    found, directions = [contact], len(contact.grid.shape)
     if not contact.convex or max(resolution(contact.scene, False)) > PINNING:
         return found
+    touching = contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
     while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
         found.append(found[-1].coarse(SPACING))
         touching /= 2 ** directions
