@@ -9,6 +9,20 @@ import h5py
 import numpy as np
 
 
+def markdown(heading, rows):
+    """Lines of a table in Markdown, from lists of texts."""
+    return [f"| {' | '.join(line)} |" for line in (heading, ["---"] * len(heading), *rows)]
+
+
+def write_between(path, begin, end, text):
+    """Put a text between two marks of a file, each of which stands there once; ValueError otherwise."""
+    content = Path(path).read_text(encoding="utf-8")
+    if content.count(begin) != 1 or content.count(end) != 1:
+        raise ValueError(f"{Path(path).name} has lost its marks '{begin.strip()}' and '{end.strip()}'")
+    before, rest = content.split(begin)
+    Path(path).write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
+
+
 def write_csv(path, columns, rows):
     """Write a table with one line a row (a mapping), its heading the names of the columns; numbers in full."""
     def write(partial):
