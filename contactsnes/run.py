@@ -12,10 +12,10 @@ from .geometry import read_heights
 from .grid_choice import chosen
 from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
-from .corrector import Corrector
 from .mirrored import refuse
 from .snes import solver_type
 from .states import State
+from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "event", "fold_kind")
@@ -53,7 +53,7 @@ class Branch:
             self.contact = Contact(scene, read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(scene, self._sheared, form, solver_type())
-        self.corrector = Corrector(self.contact, form, log)
+        self.corrector = Tracer(self.contact, form, log)
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
         self.legs = load.legs(scene.dimension)

@@ -25,7 +25,7 @@ class Row(NamedTuple):
 
 
 PHYSICS = ("laws", "geometry", "elasticity", "contact", "reference")
-SOLVERS = ("multigrid", "snes", "corrector", "preconditioners", "motion", "stepping", "relaxation", "pseudotime",
+SOLVERS = ("multigrid", "snes", "corrector", "tracing", "preconditioners", "motion", "stepping", "relaxation", "pseudotime",
            "stability")
 LOAD_PATH = ("load", "scene.Steps")
 
@@ -63,6 +63,7 @@ TABLE = (
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("coldstart", "first points, by way of coarser grids where that serves", ("continuation", *LOAD_PATH)),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
+    Row("tracing", "from point to point along a branch, by tangents and arc length", (*LOAD_PATH, "continuation")),
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),
     Row("accuracy", "errors of points by finer grids", ("continuation",)),
     Row("recorder", "a corrector whose solves leave a history", LOAD_PATH),
@@ -85,7 +86,7 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "multigrid", "snes", "corrector", "preconditioners", "relaxation", "pseudotime", "stability", "accuracy", "compare",
+    "petsc4py": {"options", "multigrid", "snes", "corrector", "tracing", "preconditioners", "relaxation", "pseudotime", "stability", "accuracy", "compare",
                  "session", "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},

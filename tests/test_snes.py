@@ -23,13 +23,14 @@ from contactsnes.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.snes import create_snes  # noqa: E402
+from contactsnes.tracing import Tracer  # noqa: E402
 
 SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
 PAPER = {"points": 2 ** 13}
 
 
 def corrector(form="displacement", window="auto", **scene):
-    return Corrector(Contact(Scene(**{**SMALL, **scene})), Form(form=form, window=window))
+    return Tracer(Contact(Scene(**{**SMALL, **scene})), Form(form=form, window=window))
 
 
 def solved(approach=4.0, **settings):
