@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from . import coldstart, states
+from . import coldstart, jumps, states
 from .cohesive import PINNING, resolution
 from .coldstart import COLD
 from .contact import APPROACH, FORCE
-from .points import NoEquilibrium, NotConverged, Point
+from .points import NotConverged, Point
 from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, SLIP
 from .mirrored import Symmetry
@@ -127,7 +127,7 @@ class Corrector:
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
         guess = states.with_components(guess, len(controls))
         if self.settings.first == "relaxation" and self.settings.form == "displacement":
-            guess = self._handed_over(guess, controls, load)
+            guess = jumps.handed_over(self, guess, controls, load)
         for _ in range(6):
             guess = self._fitted(guess)
             form = self._form_for(guess, controls)
@@ -141,53 +141,11 @@ class Corrector:
 
     def kicked(self, fold, beyond, kick):
         """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
-        part = kick / max(states.missed(self.contact, fold, beyond), 1e-12)
-        return states.combined(self.contact, [beyond, fold], [part, 1.0 - part])
+        return jumps.kicked(self.contact, fold, beyond, kick)
 
     def settle(self, state, controls, load, where):
-        """The equilibrium that damped motion from a state reaches at fixed load, polished by Newton.
-
-        Raises NoEquilibrium where the body leaves or slides without end, NotConverged where the motion does not settle.
-        """
-        form = ForceForm(self.contact.periodic, controls)
-        form.set_load(load)
-        unknown = form.pack(self.contact.extended(states.with_components(state, form.components)))
-        first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
-        for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
-            unknown = self._relaxed(form, unknown, tolerance, where)
-            relaxed = self._state(form, unknown)
-            try:
-                point = self.solve(relaxed, controls, load, COLD)
-            except NotConverged as error:
-                reason = error
-                continue
-            # Off the flat the balance hardly says where the body is.
-            far = states.distance(self.contact, relaxed, point.state) if not point.in_contact else 0.0
-            if max(states.missed(self.contact, relaxed, point.state), 0.1 * far) < 0.1:
-                return point
-            reason = "Newton's solution is not where the motion led"
-        raise NotConverged(f"the motion {where} settled, but {reason}")
-
-    def _handed_over(self, guess, controls, load):
-        """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish."""
-        form = ForceForm(self.contact, controls)
-        form.set_load(load)
-        unknown = form.pack(self.contact.extended(guess))
-        return self._state(form, self._relaxed(form, unknown, self.settings.first_tolerance, "of the relaxation", "first_"))
-
-    def _relaxed(self, form, unknown, tolerance, where, prefix="jump_"):
-        """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``."""
-        snes = create_snes(form, prefix=prefix)
-        snes.setType("python")
-        snes.setPythonType("contactsnes.relaxation.Fire")
-        snes.setTolerances(atol=tolerance, max_it=20000)
-        snes.setFromOptions()
-        try:
-            return self._newton(form, unknown, None, snes)[0]
-        except NotConverged as error:
-            if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
-                raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
-            raise NotConverged(f"the motion {where} did not settle: {error}") from None
+        """The equilibrium that damped motion from a state reaches at fixed load; NoEquilibrium where the body leaves."""
+        return jumps.settle(self, state, controls, load, where)
 
     def _fitted(self, state):
         """The state on the window that the settings and the law ask for."""

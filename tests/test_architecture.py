@@ -62,6 +62,7 @@ TABLE = (
     Row("multigrid", "coarser grids for the full approximation scheme", (*LOAD_PATH, "continuation")),
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("coldstart", "first points, by way of coarser grids where that serves", ("continuation", *LOAD_PATH)),
+    Row("jumps", "motion to rest at fixed loads", (*LOAD_PATH, "continuation")),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
     Row("tracing", "from point to point along a branch, by tangents and arc length", (*LOAD_PATH, "continuation")),
     Row("preconditioners", "approximate inverses of the Jacobian", (*LOAD_PATH, "continuation")),

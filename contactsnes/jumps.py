@@ -1,0 +1,73 @@
+"""Motion to rest at fixed loads, from a fold or from the undeformed body: the equilibrium that it settles in, polished by Newton."""
+
+import numpy as np
+
+from . import states
+from .coldstart import COLD
+from .forms import ForceForm
+from .points import NoEquilibrium, NotConverged
+from .snes import create_snes
+
+
+def kicked(contact, fold, beyond, kick):
+    """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
+    part = kick / max(states.missed(contact, fold, beyond), 1e-12)
+    return states.combined(contact, [beyond, fold], [part, 1.0 - part])
+
+
+def settle(system, state, controls, load, where):
+    """The equilibrium that damped motion from a state reaches at fixed load, polished by Newton.
+
+    Parameters
+    ----------
+    system : Corrector
+    state : State
+    controls, load : of each component
+    where : str, what a message says of the place
+
+    Raises
+    ------
+    NoEquilibrium : where the body leaves or slides without end
+    NotConverged : where the motion does not settle
+    """
+    form = ForceForm(system.contact.periodic, controls)
+    form.set_load(load)
+    unknown = form.pack(system.contact.extended(states.with_components(state, form.components)))
+    first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
+    for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
+        unknown = relaxed(system, form, unknown, tolerance, where)
+        rest = system._state(form, unknown)
+        try:
+            point = system.solve(rest, controls, load, COLD)
+        except NotConverged as error:
+            reason = error
+            continue
+        # Off the flat the balance hardly says where the body is.
+        far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
+        if max(states.missed(system.contact, rest, point.state), 0.1 * far) < 0.1:
+            return point
+        reason = "Newton's solution is not where the motion led"
+    raise NotConverged(f"the motion {where} settled, but {reason}")
+
+
+def handed_over(system, guess, controls, load):
+    """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish."""
+    form = ForceForm(system.contact, controls)
+    form.set_load(load)
+    unknown = form.pack(system.contact.extended(guess))
+    return system._state(form, relaxed(system, form, unknown, system.settings.first_tolerance, "of the relaxation", "first_"))
+
+
+def relaxed(system, form, unknown, tolerance, where, prefix="jump_"):
+    """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``; options under ``prefix``."""
+    snes = create_snes(form, prefix=prefix)
+    snes.setType("python")
+    snes.setPythonType("contactsnes.relaxation.Fire")
+    snes.setTolerances(atol=tolerance, max_it=20000)
+    snes.setFromOptions()
+    try:
+        return system._newton(form, unknown, None, snes)[0]
+    except NotConverged as error:
+        if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
+            raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
+        raise NotConverged(f"the motion {where} did not settle: {error}") from None
