@@ -6,6 +6,7 @@ then one or two tangential ones. Attraction is positive: the traction on the bod
 """
 
 import numpy as np
+from scipy.special import erf
 
 CUTOFF = 37.0
 """Normal gap, in ranges, beyond which exp(-a) is below rounding and the law counts as zero (dimensionless)."""
@@ -176,6 +177,29 @@ class Law:
         return 1.0 - (1.0 + bounded) * np.exp(-bounded) + depth * (traction + 0.5 * slope * depth)
 
 
+    def friction_energy(self, slip):
+        """Integral of T(b) from 0 to a tangential gap b, phi_t: the energy of slip where nothing else moves."""
+        return -np.expm1(-slip * slip)
+
+    def potential(self, gap, work_ratio=1.0):
+        """Energy of the interface at every node, phi_n, zero where the surfaces are apart; None where there is no potential.
+
+        There is one without slip, and in overlap where the law decouples there; a gap is apart from 37 ranges on.
+
+        Parameters
+        ----------
+        gap : array (components, nodes), ranges of the law
+        work_ratio : phi_t / phi_n
+        """
+        slip = np.linalg.norm(gap[1:], axis=0)
+        coupled = gap[0] < CUTOFF
+        if self.decoupled_in_overlap:
+            coupled &= gap[0] > 0.0
+        if np.any(slip[coupled] > 0.0):
+            return None
+        return self.energy(gap[0]) - 1.0 + work_ratio * np.where(gap[0] < CUTOFF, self.friction_energy(slip), 0.0)
+
+
 class McGarry(Law):
     """Law of McGarry et al. (2014), eq. (3) of the paper with the factor 2 that makes eq. (4b) right.
 
@@ -215,6 +239,12 @@ class Modified(Law):
             secant[beyond] = (TANGENTIAL_PEAK * self.residual_friction + drop) / slip[beyond]
             slope[beyond] = -2.0 * past * drop
         return secant, slope
+
+    def friction_energy(self, slip):
+        """Integral of T(b), by parts of the law: 1 - exp(-b^2), then tau_max [rho c + (1 - rho) sqrt(pi)/2 erf(c)], c = b - b_0."""
+        past, residual = np.maximum(slip - SLIP, 0.0), self.residual_friction
+        beyond = residual * past + (1.0 - residual) * 0.5 * np.sqrt(np.pi) * erf(past)
+        return super().friction_energy(np.minimum(slip, SLIP)) + TANGENTIAL_PEAK * beyond
 
 
 LAWS = {"modified": Modified, "mcgarry": McGarry}

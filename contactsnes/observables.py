@@ -63,6 +63,11 @@ class Measurement:
             return self.component(self.contact.signs(self.components) * self.point.displacements, index)
         return self.component(self.state.means, index) / self.contact.ranges[index]
 
+    def energy(self, name):
+        """An energy or work of the point; nan where it is that of a displacement which is not defined."""
+        undefined = self.contact.datum if name in ("elastic_energy", "external_work") else 0.0
+        return getattr(self.point, name) + undefined
+
     def contact_area(self):
         """Length or area where the gap is below the contact threshold."""
         return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
@@ -111,6 +116,10 @@ def table(scene):
     rows["approach"] = Observable(lambda m: -m.mean(0), "approach", "u_n,r")
     for i, end in enumerate(ends, start=1):
         rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i), f"mean slip{end}", "u_t,r")
+    for name, label in (("elastic_energy", "elastic energy"), ("interfacial_energy", "energy of the interface"),
+                        ("external_work", "work of the loads"), ("interface_work", "work on the interface"),
+                        ("dissipated_work", "energy lost in jumps"), ("energy_imbalance", "error of the energy balance")):
+        rows[name] = Observable(lambda m, name=name: m.energy(name), label, "R phi_n u_n,r" if plane else "w_n,r u_n,r")
     rows.update({
         "contact_area": Observable(Measurement.contact_area, "contact area", "beta^2" if plane else "beta"),
         "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),

@@ -47,6 +47,11 @@ class Point:
     residual_norm : of the archive
     spent : name -> count of iterations, evaluations, transforms and time since the point before
     event, fold_kind : as in the archive
+    elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law has no potential)
+    external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost in jumps since the path began
+    energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
+    smooth_steps : steps since the path's last corner, which a quadrature may join
+    jump_work : work done on the interface along the motion of a jump, phi_n beta, where it is known
     """
 
     state: object
@@ -64,6 +69,14 @@ class Point:
     spent: dict = field(default_factory=dict)
     event: str = "none"
     fold_kind: str = ""
+    elastic_energy: float = np.nan
+    interfacial_energy: float = np.nan
+    external_work: float = np.nan
+    interface_work: float = np.nan
+    dissipated_work: float = np.nan
+    energy_imbalance: float = np.nan
+    smooth_steps: int = 0
+    jump_work: float = np.nan
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import cohesive, continuation, observables, scene as scenes
+from . import cohesive, continuation, energies, observables, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
@@ -18,7 +18,7 @@ from .states import State
 from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
-        "event", "fold_kind")
+        "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", *energies.WORKS)
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
@@ -62,8 +62,9 @@ class Branch:
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
         points = continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
                                      at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+        ledger = energies.Ledger(self.contact, self.history)
         try:
-            yield from points
+            yield from map(ledger.entered, points)
         except NotConverged as error:
             sheared = any(self._sheared)
             if max(cohesive.resolution(self.scene, sheared)) <= cohesive.PINNING:

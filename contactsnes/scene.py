@@ -54,7 +54,7 @@ class Scene(Options):
                                       minimum=0, maximum=1)
     residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip (law modified)",
                                       minimum=0, below=1)
-    work_ratio: float = option(1.0, "tangential over normal work of adhesion; enters with elastic coupling only", above=0)
+    work_ratio: float = option(1.0, "tangential over normal work of adhesion; enters with elastic coupling, and in energies", above=0)
     poisson: float = option(0.5, "Poisson ratio", minimum=0, maximum=0.5)
     height: float = option(2000.0, "height of the layer", "beta", above=0, infinite=True)
     tangential: str = option("auto", "tangential unknowns: auto (in legs whose load or coupling needs them), on, off",
@@ -290,7 +290,7 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
              ("scene_residual_friction", not sheared, unsheared),
              ("scene_residual_adhesion", not sheared, unsheared),
              ("scene_tangential_maugis", not sheared, unsheared),
-             ("scene_work_ratio", not (sheared and scene.coupled), "normal and tangential displacements are not coupled"),
+             ("scene_work_ratio", not sheared, unsheared),
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
              ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
              ("scene_accuracy", not estimates, "the points are given, and no errors are estimated"),

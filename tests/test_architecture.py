@@ -50,6 +50,7 @@ TABLE = (
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("energies", "energies of a point and works along a path", LOAD_PATH),
     Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),
     Row("mirrored", "the displacement form for even states", LOAD_PATH),
     Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
@@ -96,7 +97,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -271,7 +271,7 @@ def test_coupling_of_the_incompressible_layer_is_counted_down_to_rounding(height
     (dict(law="mcgarry"), "tangential_force=1", "scene_residual_friction"),
     (dict(law="mcgarry"), "tangential_force=1", "scene_residual_adhesion"),
     (dict(), "normal_force=1", "scene_residual_friction"), (dict(), "normal_force=1", "scene_tangential_maugis"),
-    (dict(), "tangential_force=1", "scene_work_ratio"), (dict(), "normal_force=1", "scene_amplitude"),
+    (dict(), "normal_force=1", "scene_work_ratio"), (dict(), "normal_force=1", "scene_amplitude"),
     (dict(geometry="flat"), "normal_force=1", "scene_geometry_file"), (dict(), "normal_force=1", "archive_resume")])
 def test_options_without_effect_are_named(scene, load, name):
     found = ineffective(Scene(**scene), Load(path=load), {name, "scene_poisson", "snes_monitor"})

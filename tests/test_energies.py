@@ -1,0 +1,184 @@
+"""Energies and works: spectral sums, derivatives of potentials, quadratures on nodes, and balances that close along paths."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contactsnes import Branch, Load, Scene, Steps
+from contactsnes.energies import Ledger, line_integral, stored
+from contactsnes.laws import CUTOFF, McGarry, Modified
+from contactsnes.observables import observe
+
+LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0, "residual_friction": 0.5}
+SCENES = {
+    "line": ({}, "normal_displacement=1.5", "tangential_displacement=20"),
+    "soft layer": ({"poisson": 0.3, "height": 5.0, "work_ratio": 2.0}, "normal_force=2", "tangential_displacement=2"),
+    "half-space, pulled aside": ({"height": math.inf, "tangential_maugis": 0.7}, "normal_displacement=1", "tangential_force=1"),
+    "plane": ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0, "poisson": 0.2, "work_ratio": 0.5},
+              "normal_force=0.5", "tangential_force_x=1.5"),
+}
+
+
+def points(scene, path, start="normal_displacement=0.5", step=None, **steps):
+    """The points of a path and their numbers, in equal steps of its legs if ``step`` is given."""
+    if step is not None:
+        steps = {"initial_step": step, "largest_step": step, **steps}
+    branch = Branch(Scene(**{**LINE, **scene}), Load(start=start, path=path), Steps(**steps))
+    found = list(branch)
+    return branch.contact, found, [observe(branch.contact, point) for point in found]
+
+
+def tractions(contact, point):
+    """Traction and displacement on the cell (components of the scene, nodes), in ranges."""
+    displacement = np.zeros((contact.scene.components, contact.grid.size))
+    cell = contact.extended(point.state)
+    displacement[:len(cell)] = cell.reshape(len(cell), -1)
+    gap = displacement.copy()
+    gap[0] += contact.initial_gap.reshape(-1)
+    return contact.law.traction(gap), displacement
+
+
+def ratios(contact):
+    return np.array([1.0] + [contact.scene.work_ratio] * (contact.scene.components - 1))
+
+
+# What is stored
+
+@pytest.mark.parametrize("name", SCENES)
+def test_elastic_energy_is_that_of_all_waves(name):
+    # 1/2 sum over waves of conj(u) K u, by Parseval, and of the springs between mean and far surface
+    changes, *path = SCENES[name]
+    contact, found, numbers = points(changes, "; ".join(path), smallest_step=1e-4)
+    point, (_, displacement) = found[-1], tractions(contact, found[-1])
+    grid, count = contact.grid, contact.scene.components
+    weights = ratios(contact)
+    waves = np.fft.fftn(displacement.reshape(count, *grid.shape), axes=range(1, 1 + len(grid.shape))) / grid.size
+    half = grid.shape[-1] // 2 + 1
+    stiffness = contact.operator(count, "stiffness")
+    double = np.full(half, 2.0)
+    double[[0, -1]] = 1.0
+    energy = sum(0.5 * weights[i] * np.sum((np.conj(waves[i][..., :half]) * block * grid.size * waves[j][..., :half]).real * double)
+                 for (i, j), block in stiffness.blocks.items()) * grid.area
+    rigid = np.array([k for k in contact.body.rigid_compliance][:2] + [contact.body.rigid_compliance[1]])[:count]
+    springs = 0.5 * np.sum(weights * rigid * point.forces ** 2) / grid.area
+    assert numbers[-1]["elastic_energy"] == pytest.approx(energy + springs, rel=1e-6)
+
+
+@pytest.mark.parametrize("law, decoupled", ((Modified(0.3, 0.2), True), (Modified(1.0), True), (McGarry(), False)))
+def test_tractions_are_derivatives_of_the_potential_where_there_is_one(law, decoupled):
+    ratio, step = 1.7, 1e-5
+    normal = np.array([-5.0, -3.0, -0.4, 0.6, 2.0, 8.0])
+    gap = np.array([normal, np.zeros(6), np.zeros(6)])
+    if decoupled:
+        gap[1:, :3] = [[0.3, -0.6, 1.1], [0.2, 0.5, -1.4]]
+    tractions = law.traction(gap)
+    for i, weight in enumerate((1.0, ratio, ratio)):
+        free = slice(0, 3 if i and decoupled else 0 if i else 6)
+        moved = np.zeros_like(gap)
+        moved[i, free] = step
+        slope = (law.potential(gap + moved, ratio) - law.potential(gap - moved, ratio)) / (2 * step)
+        assert slope[free] == pytest.approx(weight * tractions[i, free], rel=1e-7, abs=1e-9)
+
+
+def test_there_is_no_potential_where_slip_and_opening_meet():
+    apart, open_, overlap = CUTOFF + 1.0, 1.0, -0.5
+    for law, within in ((Modified(), True), (McGarry(), False)):
+        assert law.potential(np.array([[open_], [1e-3]])) is None
+        assert (law.potential(np.array([[overlap], [1e-3]])) is not None) == within
+        assert law.potential(np.array([[open_, overlap, apart], [0.0, 0.0, 5.0]]))[2] == pytest.approx(0.0, abs=1e-14)
+
+
+def test_a_pressed_block_that_slips_has_a_potential():
+    # flat on flat in overlap everywhere: no corner is met, and the work done on the interface is that of an integral T db
+    block = {"geometry": "flat", "points": 32, "height": 1.0, "residual_friction": 1.0}
+    _, _, numbers = points(block, "normal_displacement=1; tangential_displacement=4")
+    work = [row["interfacial_energy"] - numbers[0]["interfacial_energy"] for row in numbers]
+    assert np.isfinite(work).all() and work[-1] == pytest.approx(numbers[-1]["interface_work"])
+    slip = numbers[-1]["mean_tangential_displacement"]
+    assert slip > 0.2 and numbers[-1]["elastic_energy"] == pytest.approx(0.5 * (4 - slip) ** 2 * 40 / 4)
+    assert abs(numbers[-1]["energy_imbalance"]) < 1e-4 * numbers[-1]["external_work"]
+
+
+# Works along a path
+
+def test_line_integrals_are_exact_for_cubics():
+    places = np.array([0.0, 0.4, 1.1, 1.3])
+    exact = lambda s: 3 * s ** 5 / 5 - s ** 4 / 2 + s ** 3 / 3  # of (s^2) d(s^3 - s^2 + s)
+    for first in (0, 2):
+        area = line_integral(places, places ** 2, places ** 3 - places ** 2 + places, first)
+        assert area == pytest.approx(exact(places[-1]) - exact(places[first]), rel=1e-12)
+
+
+@pytest.mark.parametrize("changes, start, path, step", (
+    ({}, "normal_displacement=0.5", "normal_displacement=4.5", 0.4),
+    ({}, "normal_displacement=0.5", "normal_force=2", 0.2),
+    ({"height": 4.0, "poisson": 0.45, "tangential": "off"}, "normal_displacement=0.5", "normal_force=2", 0.2),
+    ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0}, "normal_displacement=0.5", "normal_displacement=1.5", 0.1),
+    ({"dimension": 2, "geometry": "sphere", "period": math.inf, "points": None, "spacing": 0.25}, "normal_force=0.5", "normal_force=4", 0.4),
+    ({"period": math.inf, "height": math.inf, "points": None, "spacing": 0.08}, "normal_force=0.5", "normal_force=2.5", 0.2)),
+    ids=("displacement", "force", "layer", "plane", "isolated sphere", "isolated cylinder"))
+def test_balance_closes_as_the_fourth_power_of_the_step(changes, start, path, step):
+    # the work of the loads is a quadrature, the rest differences of energies
+    imbalances = []
+    for part in (1.0, 0.5):
+        contact, found, numbers = points(changes, path, start, part * step, predictor="secant")
+        imbalances.append(abs(found[-1].energy_imbalance))
+        assert numbers[-1]["dissipated_work"] == 0.0
+    total = abs(found[-1].elastic_energy) + abs(found[-1].interfacial_energy)
+    assert imbalances[1] < max(imbalances[0] / 7.0, 2e-8 * total) and imbalances[0] < 1e-4 * total
+    undefined = contact.isolated and contact.scene.dimension == 1
+    assert math.isnan(numbers[-1]["external_work"]) == math.isnan(numbers[-1]["elastic_energy"]) == undefined
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_works_are_those_of_tractions_on_nodes(name):
+    # the trapezoidal rule closes the balance whatever the step (reciprocity); its distance from ours falls as the step squared
+    changes, pressed, path = SCENES[name]
+    apart = []
+    end = float(path.split("=")[1])
+    for steps in (8, 16):
+        contact, found, numbers = points(changes, f"{pressed}; {path}", initial_step=(0.1, end / steps),
+                                         largest_step=(0.1, end / steps), predictor="secant")
+        first = next(k for k, point in enumerate(found) if point.leg == 2) - 1
+        assert len(found) == first + 1 + steps
+        fields = [tractions(contact, point) for point in found[first:]]
+        weights, area = ratios(contact), contact.grid.node_area
+        interface = area * sum(weights @ np.sum(0.5 * (t + s) * (v - u), axis=1)
+                               for (s, u), (t, v) in zip(fields, fields[1:]))
+        loads = [np.array([np.append(values, [0.0] * 3)[:contact.scene.components] for values in pair])
+                 for pair in ((point.displacements, point.forces) for point in found[first:])]
+        external = sum(weights @ (0.5 * (b[1] + a[1]) * (b[0] - a[0])) for a, b in zip(loads, loads[1:]))
+        gained = found[-1].elastic_energy - found[first].elastic_energy
+        assert external - interface == pytest.approx(gained, abs=1e-5 * (abs(gained) + abs(interface)))
+        done = found[-1].interface_work - found[first].interface_work
+        apart.append(abs(done - interface))
+        assert math.isnan(numbers[-1]["interfacial_energy"])
+    assert 3.0 < apart[0] / apart[1] < 5.5 and apart[1] < 0.02 * abs(interface)
+
+
+def test_works_cost_no_transform_and_survive_a_resume():
+    load = Load(start="normal_displacement=0.5", path="normal_displacement=2; normal_displacement=0")
+    branch = Branch(Scene(**LINE), load)
+    found = list(branch)
+    before = branch.contact.grid.counter.transforms
+    stored(branch.contact, found[-1])
+    Ledger(branch.contact, found[:3]).entered(found[3])
+    assert branch.contact.grid.counter.transforms == before
+    for done in (1, 2, 3, len(found) // 2, len(found) // 2 + 2):
+        again = Branch(Scene(**LINE), load)
+        again.history = [again.restored(branch.packed(point)) for point in found[max(0, done - 4):done]]
+        rest = list(again)
+        assert rest[-1].external_work == pytest.approx(found[-1].external_work, rel=1e-9)
+        assert rest[-1].energy_imbalance == pytest.approx(found[-1].energy_imbalance, abs=1e-9)
+
+
+def test_a_jump_without_potential_needs_the_work_along_the_motion():
+    contact, found, _ = points({}, "tangential_displacement=4")
+    ledger = Ledger(contact, found[-3:-1])
+    jump = ledger.entered(replace(found[-1], event="jump"))
+    assert math.isnan(jump.dissipated_work) and math.isnan(jump.interface_work) and math.isfinite(jump.external_work)
+    known = Ledger(contact, found[-3:-1]).entered(replace(found[-1], event="jump", jump_work=0.1))
+    gained = known.elastic_energy - found[-2].elastic_energy
+    assert known.dissipated_work == pytest.approx(known.external_work - found[-2].external_work - gained - 0.1)
