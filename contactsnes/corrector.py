@@ -77,7 +77,9 @@ class Corrector:
 
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
-        return self.symmetry.mirrored(states.follow_edge(self.contact, [point.state for point in points], weights))
+        known = [point.state for point in points]
+        half = self.symmetry.halves(known[-1])
+        return self.symmetry.mirrored(states.follow_edge(self.contact, known, weights, half))
 
     def distance(self, first, second):
         """Root mean square distance of two states, ranges of the law."""

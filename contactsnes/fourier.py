@@ -5,6 +5,7 @@ sign of numpy's ``irfft``. Transforms here are not normalised: forward then back
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
@@ -152,11 +153,12 @@ class Window:
         """Whether the window is the whole cell."""
         return self.shape == self.grid.shape
 
-    @property
+    @cached_property
     def indices(self):
-        """Open mesh that picks the window's nodes from a field over the cell."""
-        axes = [(s + np.arange(n)) % total for s, n, total in zip(self.start, self.shape, self.grid.shape)]
-        return np.ix_(*axes)
+        """What picks the window's nodes from a field over the cell: slices, or an open mesh if it wraps around the border."""
+        if all(s + n <= total for s, n, total in zip(self.start, self.shape, self.grid.shape)):
+            return tuple(slice(s, s + n) for s, n in zip(self.start, self.shape))
+        return np.ix_(*((s + np.arange(n)) % total for s, n, total in zip(self.start, self.shape, self.grid.shape)))
 
     def coordinates(self):
         """Coordinates of the window's nodes, beta, continued over the cell's border, to broadcast over the box."""

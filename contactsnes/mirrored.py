@@ -154,6 +154,10 @@ class Symmetry:
         window = centred(state.window) if self.holds(len(state.displacement)) else state.window
         return state if window == state.window else State(window, onto(state, window), state.means)
 
+    def halves(self, state):
+        """Whether a state is taken for even, on a window about the apex."""
+        return self.holds(len(state.displacement)) and centred(state.window) == state.window
+
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node have no mirror image."""
         if state is None or not self.holds(len(state.displacement)):

@@ -33,7 +33,7 @@ def core_weight(form, component, options):
     if largest <= 1e-6:
         return None
     core = tangent > options.threshold * min(1.0, largest)
-    weight = np.clip(smooth(form.window, core, options.width / form.contact.ranges[0]), 0.0, 1.0)
+    weight = np.minimum(smooth(form.window, core, options.width / form.contact.ranges[0]), 1.0)
     return weight, form.grid.sum(weight * tangent) / form.grid.sum(weight)
 
 
@@ -75,6 +75,8 @@ class CoreBlock:
 
 def _inverse(matrix):
     """Inverse of a small matrix; where nothing responds (a body off the flat, or sliding everywhere) means are left as they are."""
+    if matrix.size == 0:
+        return matrix
     if matrix.size == 1 and matrix[0, 0] != 0.0:
         return 1.0 / matrix
     return np.linalg.pinv(matrix, rcond=1e-13)

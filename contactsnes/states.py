@@ -6,7 +6,7 @@ A state is a displacement on a window with its means over the cell, in ranges of
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage, sparse
+from scipy import ndimage
 from scipy.optimize import brentq
 
 from .contact import APPROACH, CERTAIN, FORCE
@@ -100,9 +100,13 @@ def onto(state, window):
     axes = []
     for start, extent, first, known, total in zip(window.start, window.shape, source.start, source.shape, window.grid.shape):
         # Signed distance from the middle of what is known, so that nodes on either side find their own end of it.
-        offset = (start + np.arange(extent) - first - known // 2 + total // 2) % total - total // 2 + known // 2
-        axes.append(np.clip(offset, 0, known - 1))
-    picked = source.box(state.displacement)[(slice(None), *np.ix_(*axes))]
+        offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
+        inside = 0 <= offset and offset + extent <= known
+        axes.append(slice(offset, offset + extent) if inside else
+                    np.clip((offset + np.arange(extent) - known // 2 + total // 2) % total - total // 2 + known // 2, 0, known - 1))
+    picked = source.box(state.displacement)
+    for axis, places in enumerate(axes, start=1):
+        picked = picked[(slice(None),) * axis + (places,)]
     return np.ascontiguousarray(picked).reshape(len(picked), -1)
 
 
@@ -179,10 +183,11 @@ def missed(contact, guess, found, largest=False):
     window = max(guess.window, found.window, key=lambda window: window.size)
     first, second = onto(guess, window), onto(found, window)
     lower = np.minimum(first[0], second[0]) + window.take(contact.initial_gap)
-    change = (first - second)[:, lower < 10.0]
+    near = lower < 10.0
+    change = np.multiply(np.subtract(first, second), near)
     if largest:
         return float(contact.grid.maximum(np.abs(change), initial=0.0))
-    return float(np.sqrt(contact.grid.inner(change, change) / max(change.size, 1)))
+    return float(np.sqrt(contact.grid.inner(change, change) / max(len(change) * contact.grid.count(near), 1)))
 
 
 def progress(contact, origin, ahead, state):
@@ -212,8 +217,10 @@ def edges(contact, state):
     return np.array(ends)
 
 
-def follow_edge(contact, states, weights):
+def follow_edge(contact, states, weights, half=False):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
+
+    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at fixed places.
 
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
     at a fixed distance from the edge hardly do. Where the law hardly acts, displacements are extrapolated at fixed places.
@@ -229,6 +236,8 @@ def follow_edge(contact, states, weights):
         return None
     near = window.box(normal_gap(contact, states[-1])) < NEAR
     part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    if half:
+        part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
     states = [wider(state, window) for state in states]
     far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     far[0] += window.take(contact.initial_gap)
@@ -245,34 +254,36 @@ def _stretched(contact, state, window, ends, target, part):
 
     ``ends`` and ``target`` are counted from the first node of ``window``, of whose box ``part`` is a part.
     """
-    known, matrices = [], []
+    known, sources = [], []
     for (first, last), (left, right), wanted, begin, count in \
             zip(ends, target, part, _nodes_between(window, state.window), state.window.shape):
         source = first + (np.arange(wanted.start, wanted.stop) - left) * (last - first) / (right - left) - begin
-        low, high = np.clip([int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2], 0, count)
+        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2))
         known.append(slice(min(low, count - 2), high))
-        matrices.append(spline(source - known[-1].start, known[-1].stop - known[-1].start))
+        sources.append(source - known[-1].start)
     field = state.window.box(state.displacement)[(slice(None), *known)].copy()
     field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
-    fields = []
-    for values in field:
-        for matrix in matrices:
-            # Each product moves its direction to the end: after all of them they are in order again.
-            values = np.moveaxis(matrix @ ndimage.spline_filter1d(values, axis=0, mode="mirror"), 0, -1)
-        fields.append(values)
-    return np.array(fields)
+    for axis, places in enumerate(sources, start=1):
+        field = spline(field, places, axis)
+    return field
 
 
-def spline(places, count):
-    """Sparse matrix from coefficients of a cubic spline at ``count`` nodes to its values at places (in nodes, cut to theirs)."""
-    places = np.clip(places, 0.0, count - 1.0)
+def spline(values, places, axis):
+    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an array with these along the axis."""
+    count = values.shape[axis]
+    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
+    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
     first = np.minimum(places.astype(int), count - 2)
     t = places - first
-    values = np.stack([(1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3], axis=1) / 6.0
-    # Mirrored beyond the ends, as the coefficients are.
-    columns = np.abs(first[:, None] + np.arange(-1, 3))
-    columns = np.where(columns > count - 1, 2 * (count - 1) - columns, columns)
-    return sparse.csr_matrix((values.reshape(-1), columns.reshape(-1), np.arange(0, values.size + 1, 4)), shape=(len(places), count))
+    along = [1] * values.ndim
+    along[axis] = len(places)
+    total = 0.0
+    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3)):
+        # Mirrored beyond the ends, as the coefficients are.
+        node = np.abs(first + shift)
+        node = np.where(node > count - 1, 2 * (count - 1) - node, node)
+        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
+    return total
 
 
 def _nodes_between(window, other):

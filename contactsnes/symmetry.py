@@ -70,6 +70,11 @@ class EvenGrid(Grid):
         return int(np.sum(self.weights, where=mask))
 
 
+def _flat(axes, shape):
+    """Flat indices into a box of a shape of the nodes at given places along each direction."""
+    return np.ravel_multi_index(np.ix_(*axes), shape).reshape(-1)
+
+
 class EvenWindow:
     """The nodes of a centred window from the apex outwards, in each direction.
 
@@ -89,9 +94,9 @@ class EvenWindow:
         self.size = math.prod(self.shape)
         self.closed = tuple(n == total for n, total in zip(full.shape, cell.shape))
         self.limits = tuple(n // 2 + 1 for n in cell.shape)
-        self._axes = [(n // 2 + np.arange(count)) % n if closed else n // 2 + np.arange(count)
-                      for n, count, closed in zip(full.shape, self.shape, self.closed)]
-        self._distances = [np.abs(np.arange(n) - n // 2) for n in full.shape]
+        folded = [(n // 2 + np.arange(count)) % n for n, count in zip(full.shape, self.shape)]
+        self._folded = _flat(folded, full.shape)
+        self._unfolded = _flat([np.abs(np.arange(n) - n // 2) for n in full.shape], self.shape)
         weights = np.ones(())
         for n, closed in zip(self.shape, self.closed):
             line = np.full(n, 2.0)
@@ -105,11 +110,11 @@ class EvenWindow:
 
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""
-        return np.ascontiguousarray(self.full.box(values)[(..., *np.ix_(*self._axes))]).reshape(*values.shape[:-1], self.size)
+        return values.take(self._folded, axis=-1)
 
     def unfold(self, values):
         """Values (..., nodes) of the full window from those at these nodes."""
-        return np.ascontiguousarray(self.box(values)[(..., *np.ix_(*self._distances))]).reshape(*values.shape[:-1], self.full.size)
+        return values.take(self._unfolded, axis=-1)
 
     def take(self, field):
         """Values (..., nodes) of a field (..., *grid) at these nodes."""
