@@ -57,6 +57,7 @@ class Branch:
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
         self.legs = load.legs(scene.dimension)
+        self._log, self._ways = log, {}
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
@@ -109,8 +110,22 @@ class Branch:
     def _leg(self, number, points):
         """The continuation's leg from the last point, or None where nothing moves."""
         count = self.scene.components if self._sheared[number] else 1
-        return self._leg_to(number, self.legs[number - 1].controls, count, points,
-                            lambda length: self.steps.sizes(number, length))
+        leg = self._leg_to(number, self.legs[number - 1].controls, count, points,
+                           lambda length: self.steps.sizes(number, length))
+        if leg is not None:
+            self._say_what_turns_back(leg)
+        return leg
+
+    def _say_what_turns_back(self, leg):
+        """Say once that a tangential load which turns back makes no hysteresis by itself."""
+        if self._ways is None:
+            return
+        ways = {component: np.sign(way) for component, way in enumerate(leg.direction) if component and way}
+        turned = any(way * self._ways.get(component, way) < 0 for component, way in ways.items())
+        self._ways = None if turned else self._ways | ways
+        if turned:
+            self._log(f"leg {leg.number} takes a tangential load back: these laws have no memory, so that a path without folds "
+                      "retraces itself and shows no frictional hysteresis; energy is lost in jumps only")
 
     def _leg_to(self, number, named, count, points, sizes):
         """A leg from the last point to named controls and values (None: held), or None where nothing moves."""

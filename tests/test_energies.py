@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, Scene, Steps
+from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
 from contactsnes.energies import Ledger, line_integral, stored
 from contactsnes.laws import CUTOFF, McGarry, Modified
 from contactsnes.observables import observe
@@ -182,3 +182,52 @@ def test_a_jump_without_potential_needs_the_work_along_the_motion():
     known = Ledger(contact, found[-3:-1]).entered(replace(found[-1], event="jump", jump_work=0.1))
     gained = known.elastic_energy - found[-2].elastic_energy
     assert known.dissipated_work == pytest.approx(known.external_work - found[-2].external_work - gained - 0.1)
+
+
+# Loops
+
+def test_a_path_without_folds_retraces_itself_and_the_program_says_what_that_means():
+    ends = [2.0, 6.0, 12.0]
+    legs = [f"tangential_displacement={end}" for end in (*ends, *ends[-2::-1], 0.0, 2.0)]
+    sentences = []
+    branch = Branch(Scene(**LINE), Load(start="normal_displacement=1", path="; ".join(legs)), log=sentences.append)
+    found = list(branch)
+    reached = [branch.observe(point) for point in found if point.position == 1.0 or point.leg == 0]
+    assert {point.event for point in found} == {"none"} and len(reached) == 1 + len(legs)
+    there, back = [reached[0], *reached[1:3]], [reached[6], *reached[5:3:-1]]
+    for one, other in zip(there, back):
+        for name in ("normal_force", "tangential_force", "mean_tangential_displacement", "contact_area", "elastic_energy"):
+            assert one[name] == pytest.approx(other[name], abs=1e-7), name
+        assert one["interface_work"] == pytest.approx(other["interface_work"], abs=1e-6)
+    assert reached[-1]["dissipated_work"] == 0.0
+    assert len([sentence for sentence in sentences if "no memory" in sentence]) == 1
+
+
+@pytest.mark.parametrize("step, most", ((0.2, 3e-3), (0.05, 5e-5)))
+def test_area_of_a_loop_is_what_its_jumps_dissipate(step, most):
+    # jump-in and pull-off of a line contact under displacement control
+    _, found, numbers = points({"normal_maugis": 3.0}, "normal_displacement=2; normal_displacement=-5", "normal_displacement=-5", step)
+    events = [(row["event"], row["fold_kind"]) for row in numbers if row["event"] != "none"]
+    assert events[:2] == [("fold", "jump_in"), ("jump", "")] and events[2:] == [("fold", "pull_off"), ("jump", ""), ("pull_off", "")]
+    area = sum(0.5 * (one["normal_force"] + other["normal_force"]) * (other["normal_displacement"] - one["normal_displacement"])
+               for one, other in zip(numbers, numbers[1:]))
+    last, jumps = numbers[-1], [k for k, row in enumerate(numbers) if row["event"] == "jump"]
+    lost = [numbers[k]["dissipated_work"] - numbers[k - 1]["dissipated_work"] for k in jumps]
+    assert min(lost) > 0.1 and sum(lost) == pytest.approx(last["dissipated_work"], rel=1e-12)
+    assert last["external_work"] == pytest.approx(last["dissipated_work"], abs=most)
+    assert last["external_work"] == pytest.approx(area, abs=0.3 * step)
+    assert last["interface_work"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
+    branch = Branch(Scene(**LINE), Load(start="normal_displacement=-4", path="normal_force=1; normal_force=-5"), Steps(largest_step=0.1))
+    found = []
+    with pytest.raises(NoEquilibrium):
+        for point in branch:
+            found.append(point)
+    at = [point.event for point in found].index("jump")
+    before, after = found[at - 1], found[at]
+    work = before.forces[0] * (after.displacements[0] - before.displacements[0])
+    energy = [point.elastic_energy + point.interfacial_energy for point in (before, after)]
+    assert after.dissipated_work == pytest.approx(work - energy[1] + energy[0], rel=1e-12) and after.dissipated_work > 1.0
+    assert found[-1].event == "fold" and abs(found[-1].energy_imbalance) < 1e-3
