@@ -420,7 +420,7 @@ def test_a_file_of_options_archives_what_newtons_method_does(name, newton_archiv
         if column.endswith(costs):
             assert np.all(found[column] > 0) or column == "linear_iterations"
         elif found[column].dtype.kind == "f":
-            assert np.allclose(found[column], newton_archive[column], rtol=1e-6, atol=1e-6), column
+            assert np.allclose(found[column], newton_archive[column], rtol=1e-6, atol=1e-6, equal_nan=True), column
         else:
             assert np.array_equal(found[column], newton_archive[column]), column
     assert np.all(found["residual_norm"] <= 1e-8)
