@@ -6,21 +6,19 @@ import numpy as np
 class ArcLength:
     """A form whose load s is one more unknown, fixed by how far the state has gone along a direction.
 
-    F = [form's F at the load start + s direction;  <tangent, x - anchor> - length], with a unit tangent in the norm of the
-    form's unknown, which does not depend on the grid. The unknown is [x, s].
+    F = [form's F at the load start + s direction;  <tangent, x - anchor> - length]. The unknown is [x, s].
 
     Parameters
     ----------
     form : DisplacementForm
     start, direction : controlled values at s = 0, and their change per unit of s
-    anchor, tangent : arrays of the form's size
-    length : how far to go along the tangent
+    anchor, tangent : arrays of the form's size; the tangent measures how far an unknown has gone from the anchor
+    length : how far to go
     """
 
     def __init__(self, form, start, direction, anchor, tangent, length):
         self.form, self.start, self.direction = form, start, direction
-        self.anchor, self.length = anchor, length
-        self.tangent = tangent / form.grid.norm(tangent)
+        self.anchor, self.tangent, self.length = anchor, tangent, length
         self.name, self.contact, self.grid = form.name, form.contact, form.grid
         self.components, self.nodes, self.shape = form.components, form.nodes, form.shape
         self.count, self.root, self.size = form.count, form.root, form.size + 1

@@ -4,17 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from .limit_points import LimitPoint
 from .points import NoFold, NotConverged, lagrange_weights
-
-FOLD_TOLERANCE = 1e-6
-"""Relative accuracy in the load to which a fold is located; a step of the search promises less than this."""
 
 
 class Turn:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown of the solve."""
 
     def __init__(self, system, leg, history, most=60):
-        self.system, self.leg, self.history, self.most = system, leg, list(history), most
+        self.system, self.leg, self.most = system, leg, most
+        self.history = [(place, replace(point, position=place)) for place, point in history]
 
     def search(self, error):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past the trouble.
@@ -27,7 +26,7 @@ class Turn:
         except NotConverged as second:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
         end = min(begin + self.leg.largest, 1.0)
-        first = length = self.system.distance(trail[0][1].state, trail[1][1].state)
+        first = length = self.system.chord_length(trail[0][1].state, trail[1][1].state)
         for _ in range(self.most):
             try:
                 point = self._ahead(trail, length)
@@ -55,7 +54,7 @@ class Turn:
 
     def _slopes(self, trail):
         """Places on the arc of three points, and d(position)/d(arc length) there by the parabola through them."""
-        distance = self.system.distance
+        distance = self.system.chord_length
         arc = np.array([-distance(trail[0][1].state, trail[1][1].state), 0.0,
                         distance(trail[1][1].state, trail[2][1].state)])
         curvature, slope, _ = np.polyfit(arc, [place for place, _ in trail], 2)
@@ -76,7 +75,8 @@ class Turn:
     def _tiny(self, last, here, step):
         """Place and point of a step along the tangent from the only point."""
         guess = self.system.along_tangent(last, self.leg, here, step)
-        return here + step, self.system.solve(guess, self.leg.controls, self.leg.load(here + step))
+        place = here + step
+        return place, replace(self.system.solve(guess, self.leg.controls, self.leg.load(place)), position=place)
 
     def _ahead(self, trail, length):
         """The point at a given arc length beyond the last two."""
@@ -85,8 +85,15 @@ class Turn:
 
     def _at(self, last, here, first, before, length):
         """The point at arc length ``length`` from ``last`` in the direction from ``first`` to it."""
-        point, position = self.system.solve_arc(first.state, last.state, before, here, length, self.leg)
-        return replace(point, leg=self.leg.number, position=position)
+        system, chord = self.system, (first.state, last.state)
+        way = system.chord_length(*chord)
+        ahead = length / way
+        guess = system.extrapolate([first, last], [-ahead, 1.0 + ahead])
+        point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before), self.leg)
+        aside = system.missed(guess, point.state)
+        if aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state):
+            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
+        return point
 
     def _natural(self, trail, target):
         """The point at a given place of the leg, between two of a trail that is refined until a solve succeeds.
@@ -105,7 +112,7 @@ class Turn:
             except NotConverged:
                 pass
             try:
-                half = self._at(first, before, second, behind, -0.5 * self.system.distance(first.state, second.state))
+                half = self._at(first, before, second, behind, -0.5 * self.system.chord_length(first.state, second.state))
             except NotConverged:
                 break
             pair = [pair[0], (half.position, half)] if half.position >= target else [(half.position, half), pair[1]]
@@ -122,7 +129,7 @@ class Turn:
         return replace(point, leg=self.leg.number, position=place, step=max(reached, self.leg.smallest))
 
     def _locate(self, trail):
-        """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its end, by parabolas.
+        """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its end.
 
         The first two are None where the load goes on rising: a bend may look like a peak.
         """
@@ -131,24 +138,13 @@ class Turn:
             return None, None, trail
         if self._returns(trail):
             return None, None, trail[:-1]
-        beyond, known, three = trail[-1][1], trail[:-2], trail[-3:]
-        for _ in range(12):
-            arc, slopes = self._slopes(three)
-            curvature = (slopes[2] - slopes[0]) / (arc[2] - arc[0]) / 2.0
-            shift = -0.5 * slopes[1] / curvature
-            if abs(curvature) * shift ** 2 * self._scale() < FOLD_TOLERANCE:
-                break
-            toward = 0 if shift < 0.0 else 2
-            try:
-                found = self._at(three[1][1], three[1][0], three[toward][1], three[toward][0], -abs(shift))
-            except NotConverged:
-                break
-            between = [three[0], (found.position, found), *three[1:]] if shift < 0.0 else \
-                [*three[:2], (found.position, found), three[2]]
-            best = 1 if between[1][0] > between[2][0] else 2
-            three = between[best - 1:best + 2]
-        place, fold = max(three, key=lambda item: item[0])
-        return replace(fold, step=self.leg.initial), beyond.state, [*known, (place, fold)]
+        beyond = trail[-1][1]
+        for after in (len(trail) - 1, len(trail) - 2):
+            peak = LimitPoint(self.system, self.leg, trail[after - 1][1], trail[after][1])
+            if peak.bracketed and peak.sign > 0.0:
+                fold = peak.locate()
+                return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, [*trail[:after], (fold.position, fold)]
+        raise NotConverged("the load turned, but its slope did not: a fold of nearby edges that stick")
 
     def _returns(self, trail):
         """Whether the last point lies on the way to the one before it: the arc turned, not the branch.
@@ -176,9 +172,3 @@ class Turn:
                 continue
             trail = [*trail, (ahead.position, ahead)]
         return trail
-
-    def _scale(self):
-        """Relative change of the moving load per change of position."""
-        moving = self.leg.moving
-        reached = self.leg.load(self.history[-1][0])[moving]
-        return abs(self.leg.direction[moving]) / max(abs(reached), 1e-3)

@@ -32,6 +32,14 @@ class NoEquilibrium(RuntimeError):
 
 
 @dataclass(frozen=True)
+class Direction:
+    """Where a branch goes, per unit of its length: change of the state (a state itself) and of the position in the leg."""
+
+    state: object
+    rate: float
+
+
+@dataclass(frozen=True)
 class Point:
     """A converged point of a branch.
 
@@ -52,6 +60,8 @@ class Point:
     energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
     smooth_steps : steps since the path's last corner, which a quadrature may join
     jump_work : work done on the interface along the motion of a jump, phi_n beta, where it is known
+    tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
+        the directions on its two sides
     """
 
     state: object
@@ -77,6 +87,7 @@ class Point:
     energy_imbalance: float = np.nan
     smooth_steps: int = 0
     jump_work: float = np.nan
+    tangents: tuple = ()
 
 
 @dataclass(frozen=True)

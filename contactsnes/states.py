@@ -180,14 +180,31 @@ def missed(contact, guess, found, largest=False):
 
     Root mean square, or the largest: the one that a spot makes which is small beside the rest.
     """
-    window = max(guess.window, found.window, key=lambda window: window.size)
-    first, second = onto(guess, window), onto(found, window)
-    lower = np.minimum(first[0], second[0]) + window.take(contact.initial_gap)
-    near = lower < 10.0
-    change = np.multiply(np.subtract(first, second), near)
+    change, near = _way(contact, guess, found, max(guess.window, found.window, key=lambda window: window.size))
+    np.multiply(change, near, out=change)
     if largest:
         return float(contact.grid.maximum(np.abs(change), initial=0.0))
     return float(np.sqrt(contact.grid.inner(change, change) / max(len(change) * contact.grid.count(near), 1)))
+
+
+def _way(contact, first, last, window):
+    """Displacements from one state to another on a window, and the nodes where the law acts on either (gap below 10)."""
+    begin, end = onto(first, window), onto(last, window)
+    return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
+
+
+def chord(contact, first, last, window):
+    """The way from one state to another as a measure of others: row (components, nodes) and length.
+
+    The product of the row with displacements from ``first`` is how far they lead along the way, root mean square over the nodes
+    where the law acts on either end (over all, where it acts on none): a number that depends on neither grid nor window.
+    """
+    change, near = _way(contact, first, last, window)
+    if near.any():
+        np.multiply(change, near, out=change)
+    count = len(change) * (contact.grid.count(near) or window.size)
+    length = float(np.sqrt(contact.grid.inner(change, change) / count))
+    return change / max(count * length, 1e-300), length
 
 
 def progress(contact, origin, ahead, state):

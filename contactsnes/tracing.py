@@ -1,44 +1,72 @@
 """Along a branch: its tangent at a point, and points by arc length, for a corrector."""
 
+from dataclasses import replace
+
 import numpy as np
 from petsc4py import PETSc
 
 from . import states
 from .arclength import ArcLength
-from .corrector import WARM, Corrector
+from .corrector import KSP_REASONS, WARM, Corrector
 from .forms import DisplacementForm
 from .laws import MOVING_STIFFNESS
-from .points import NotConverged
+from .points import Direction, NotConverged
 from .snes import create_snes
+
+EXACT = 1e-8
+"""Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
 
 
 class Tracer(Corrector):
-    """A corrector that knows the branch's direction, too, and goes along it by arc length."""
+    """A corrector that knows the branch's direction, too, and goes along it by arc length.
 
-    def solve_arc(self, first, last, before, here, length, leg):
-        """The point at arc length ``length`` beyond ``last``, in the direction from ``first`` to it, and its position.
+    A ``chord``, a pair of states, measures how far a state has gone (``states.chord``).
+    """
+
+    def solve_arc(self, chord, length, guess, position, leg):
+        """The point at a place of a chord, near a guess and its position in the leg; NotConverged otherwise.
 
         By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
         """
-        own = self.snes.getType().startswith("newton")
-        last = self._fitted(last) if own else states.fitted(self.contact, last)
-        form = self._form_for(last, leg.controls) if own else DisplacementForm(self.contact, last.window, leg.controls)
-        pack = [form.pack(states.onto(state, form.window), state.means[form.forced]) for state in (first, last)]
-        arc = ArcLength(form, leg.start, leg.direction, pack[1], pack[1] - pack[0], length)
-        ahead = length / self.contact.grid.norm(pack[1] - pack[0])
-        guess = np.append(pack[1] + ahead * (pack[1] - pack[0]), here + ahead * (here - before))
-        predicted = states.State(form.window, form.displacement(guess[:-1]), last.means)
-        snes = create_snes(arc, "" if own else "arc_")
-        unknown, iterations = self._newton(arc, guess, WARM, snes)
-        arc.set_position(unknown[-1])
-        state = self._state(form, unknown[:-1])
-        if not states.covers(self.contact, state):
-            raise NotConverged("the arc-length step left the window")
-        aside = self.missed(predicted, state)
-        if aside > 0.1 and aside > 0.5 * self.missed(last, state):
-            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
-        norm = self._norm(form, unknown[:-1], state, evaluated=False)
-        return self._point(form, state, norm, iterations), float(unknown[-1])
+        for _ in range(6):
+            form, arc, snes, start = self._on_chord(chord, length, guess, position, leg)
+            unknown, iterations = self._newton(arc, start, WARM, snes)
+            arc.set_position(unknown[-1])
+            state = self._state(form, unknown[:-1])
+            if states.covers(self.contact, state):
+                norm = self._norm(form, unknown[:-1], state, evaluated=False)
+                point = self._point(form, state, norm, iterations)
+                return replace(point, leg=leg.number, position=float(unknown[-1]))
+            guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
+        raise NotConverged("the window kept growing: try -contact_window off")
+
+    def direction(self, point, chord, leg):
+        """The branch's direction at a point per unit of length along a chord: one linear solve, regular at a fold, too."""
+        form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
+        arc.linearise(unknown)
+        right = np.zeros(arc.size)
+        right[-1] = 1.0
+        change = self._linear(snes, arc, right, EXACT)
+        field, rate, grid = form.displacement(change[:-1]), float(change[-1]), self.contact.grid
+        if form.name == "force":
+            return Direction(states.State(form.window, field, grid.mean(field)), rate)
+        gap = form.displacement(unknown[:-1])
+        gap[0] += form.window.take(self.contact.initial_gap)
+        response = np.einsum("ijn,jn->in", self.contact.law.tangent(gap), field)
+        means = rate * self.contact.far_displacement(form.components, leg.direction) - form.rigid_compliance * grid.mean(response)
+        means[form.forced] = form.scalars(change[:-1])
+        return Direction(states.State(form.window, field, means), rate)
+
+    def unit(self, point, direction):
+        """A direction at a point per unit of the branch's own length."""
+        change = direction.state
+        ahead = states.State(change.window, states.onto(point.state, change.window) + change.displacement, point.state.means)
+        length = self.chord_length(point.state, ahead)
+        return Direction(states.State(change.window, change.displacement / length, change.means / length), direction.rate / length)
+
+    def chord_length(self, first, last):
+        """Root mean square way from one state to another where the law acts, ranges of the law."""
+        return states.chord(self.contact, first, last, last.window)[1]
 
     def along_tangent(self, point, leg, position, step):
         """The state of a point of a leg moved along the branch's tangent: one linear solve with the Jacobian there."""
@@ -47,25 +75,8 @@ class Tracer(Corrector):
         form.set_load(leg.load(position))
         unknown = form.pack(state.displacement, state.means[form.forced])
         form.linearise(unknown)
-        ksp, size = self.snes.getKSP(), form.size
-        # The second of its matrices is ours, too, where the user has products by finite differences (-snes_mf_operator).
-        matrix = self.snes.getJacobian()[1]
-        matrix.assemble()
-        tolerances, forcing, kind = ksp.getTolerances(), self.snes.getUseEW(), ksp.getType()
-        # Else the SNES would set the tolerance of this solve, too, by how its own last one went.
-        self.snes.setUseEW(False)
-        ksp.setOperators(matrix)
-        ksp.setTolerances(rtol=1e-3, atol=1e-50)
-        if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
-            ksp.setType("fgmres")
-        right, change = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
-        form.load_derivative(-direction, right.getArray())
-        ksp.solve(right, change)
-        ksp.setType(kind)
-        ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
-        self.snes.setUseEW(forcing)
-        self.totals["linear_iterations"] += ksp.getIterationNumber()
-        moved, gap = unknown + step * change.getArray(readonly=True), states.normal_gap(self.contact, state)
+        change = self._linear(self.snes, form, form.load_derivative(-direction, np.empty(form.size)), 1e-3)
+        moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
         field = form.displacement(moved)
         # In the regularised gap a long step into overlap stays bounded.
         ahead = self.contact.law.regularised_step(gap, field[0] - state.displacement[0], MOVING_STIFFNESS)
@@ -73,8 +84,46 @@ class Tracer(Corrector):
         moved = form.pack(field, form.scalars(moved))
         if form.name == "displacement" and form.forced:
             # The mean displacement belonged to another gap than this: it is balanced anew, where the law acts.
-            aside, near = form.displacement(form.residual(moved, np.empty(size))), gap < states.NEAR
+            aside, near = form.displacement(form.residual(moved, np.empty(form.size))), gap < states.NEAR
             moved[form.count:] += self.contact.grid.sum(aside[form.forced][:, near]) / max(self.contact.grid.count(near), 1)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
+
+    def _on_chord(self, chord, length, guess, position, leg):
+        """Form, form with the arc length, its SNES and its unknown, for a state and position on or near a chord."""
+        own = self.snes.getType().startswith("newton")
+        state = self._fitted(guess) if own else states.fitted(self.contact, guess)
+        form = self._form_for(state, leg.controls) if own else DisplacementForm(self.contact, state.window, leg.controls)
+        none = np.zeros(len(form.forced))
+        first, last = (form.pack(states.onto(end, form.window), none) for end in chord)
+        row, way = states.chord(self.contact, *chord, form.window)
+        row = form.pack(row, none)
+        row *= way / form.grid.inner(row, last - first)
+        arc = ArcLength(form, leg.start, leg.direction, first, row, length)
+        unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]), position)
+        return form, arc, create_snes(arc, "" if own else "arc_"), unknown
+
+    def _linear(self, snes, form, right, tolerance):
+        """J^-1 right at the last linearisation of the form of a SNES, by its KSP."""
+        ksp = snes.getKSP()
+        # The second of its matrices is ours, too, where the user has products by finite differences (-snes_mf_operator).
+        matrix = snes.getJacobian()[1]
+        matrix.assemble()
+        tolerances, forcing, kind = ksp.getTolerances(), snes.getUseEW(), ksp.getType()
+        # Else the SNES would set the tolerance of this solve, too, by how its own last one went.
+        snes.setUseEW(False)
+        ksp.setOperators(matrix)
+        ksp.setTolerances(rtol=tolerance, atol=1e-50)
+        if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
+            ksp.setType("fgmres")
+        source = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
+        change = PETSc.Vec().createSeq(form.size)
+        ksp.solve(source, change)
+        ksp.setType(kind)
+        ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
+        snes.setUseEW(forcing)
+        self.totals["linear_iterations"] += ksp.getIterationNumber()
+        if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
+            raise NotConverged(f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
+        return change.getArray().copy()

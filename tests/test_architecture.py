@@ -54,6 +54,7 @@ TABLE = (
     Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),
     Row("mirrored", "the displacement form for even states", LOAD_PATH),
     Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
+    Row("limit_points", "limit points located to rounding", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
@@ -97,7 +98,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation import Walk, branch, fold_kind, grown, leg_history, predict, with_events
-from contactsnes.folds import FOLD_TOLERANCE, Turn
-from contactsnes.points import Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
+from contactsnes.folds import Turn
+from contactsnes.limit_points import FOLD_TOLERANCE
+from contactsnes.points import Direction, Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
 PREDICTORS = ("none", "secant", "tangent", "edge")
@@ -117,24 +118,36 @@ class System:
         state, count = self._newton(lambda u: problem.residual(u, load[-1]), lambda u: problem.jacobian(u, load[-1]), guess)
         return self._point(state, load, count)
 
-    def solve_arc(self, first, last, before, here, length, leg):
-        problem, span = self.problem, np.linalg.norm(last - first)
-        tangent, rate = (last - first) / span, leg.direction[leg.moving]
+    def chord_length(self, first, last):
+        return self.distance(first, last)
 
-        def residual(x):
-            return np.append(problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), tangent @ (x[:-1] - last) - length)
+    def _row(self, chord):
+        change = chord[1] - chord[0]
+        return change / (len(change) * self.distance(*chord))
 
-        def jacobian(x):
-            load = leg.load(x[-1])[leg.moving]
-            return np.block([[problem.jacobian(x[:-1], load), rate * problem.load_derivative(x[:-1], load)[:, None]],
-                             [tangent[None], np.zeros((1, 1))]])
+    def _bordered(self, x, row, leg):
+        rate, load = leg.direction[leg.moving], leg.load(x[-1])[leg.moving]
+        return np.block([[self.problem.jacobian(x[:-1], load), rate * self.problem.load_derivative(x[:-1], load)[:, None]],
+                         [row[None], np.zeros((1, 1))]])
 
-        guess = np.append(last + length * tangent, here + length / span * (here - before))
-        unknown, count = self._newton(residual, jacobian, guess)
+    def solve_arc(self, chord, length, guess, position, leg):
+        row = self._row(chord)
+        unknown, count = self._newton(
+            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), row @ (x[:-1] - chord[0]) - length),
+            lambda x: self._bordered(x, row, leg), np.append(guess, position))
         load = leg.load(unknown[-1])
         if self.arc_fails(load[-1]):
             raise NotConverged("no solution is looked for here")
-        return self._point(unknown[:-1], load, count), unknown[-1]
+        return replace(self._point(unknown[:-1], load, count), leg=leg.number, position=unknown[-1])
+
+    def direction(self, point, chord, leg):
+        change = np.linalg.solve(self._bordered(np.append(point.state, point.position), self._row(chord), leg),
+                                 np.append(np.zeros(len(point.state)), 1.0))
+        return Direction(change[:-1], change[-1])
+
+    def unit(self, point, direction):
+        length = self.distance(direction.state, np.zeros(1))
+        return Direction(direction.state / length, direction.rate / length)
 
     def kicked(self, fold, beyond, kick):
         return fold + kick * (beyond - fold) / self.missed(fold, beyond)

@@ -1,0 +1,131 @@
+"""Limit points of the load along a branch, by a bracketed root of d(load)/d(length)."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from .points import Direction, NotConverged, Point
+
+FOLD_TOLERANCE = 1e-8
+"""Relative accuracy in the load to which a fold is located."""
+CORNER = 30.0
+"""How much faster than on average over its bracket a slope must change to be that of a corner."""
+
+
+class Station(NamedTuple):
+    """A point with its place on the chord of a bracket and the branch's direction there."""
+
+    place: float
+    point: Point
+    direction: Direction
+
+    @property
+    def slope(self):
+        """d(position)/d(place)."""
+        return self.direction.rate
+
+
+class LimitPoint:
+    """The limit point of the load between two points of a branch, one on either side of it.
+
+    The branch is parametrised by its projection on the chord between the two, where d(load)/d(place) is known exactly. The law
+    has corners where nodes leave contact, where that slope jumps: such a corner may be the limit point itself.
+
+    Parameters
+    ----------
+    system : what solves (``Tracer``)
+    leg : Leg
+    before, beyond : points of the branch
+    """
+
+    def __init__(self, system, leg, before, beyond):
+        self.system, self.leg, self.chord = system, leg, (before.state, beyond.state)
+        length = system.chord_length(*self.chord)
+        self.left, self.right = (Station(place, point, system.direction(point, self.chord, leg))
+                                 for place, point in ((0.0, before), (length, beyond)))
+        self.sign = 1.0 if self.left.slope > 0.0 else -1.0
+
+    @property
+    def bracketed(self):
+        """Whether the load turns in between."""
+        return self.left.slope * self.right.slope <= 0.0
+
+    def locate(self):
+        """The fold, with its tangents."""
+        first, proposals, waiting = (self.left, self.right), (self._smooth, self._corner, self._middle), 0
+        before = self.uncertainty()
+        while before > 0.1 * FOLD_TOLERANCE and waiting < 9:
+            try:
+                self._narrow(proposals[waiting % 3]())
+            except NotConverged:
+                waiting += 1
+                continue
+            after = self.uncertainty()
+            waiting, before = 0 if after < 0.25 * before else waiting + 1, after
+        if before > FOLD_TOLERANCE:
+            self.system.log(f"the fold is located to {before:.2g} of its load only")
+        return self._fold(self._is_corner(*first))
+
+    def uncertainty(self):
+        """What the load may lack to its limit, relative to itself."""
+        left, right = abs(self.left.slope), abs(self.right.slope)
+        steep, width = min(left, right), self.right.place - self.left.place
+        moving = self.leg.moving
+        load = self.leg.load(self.left.point.position)[moving]
+        return steep * width * min(1.0, 2.0 * steep / max(left + right, 1e-300)) * abs(self.leg.direction[moving]) / max(abs(load), 1e-3)
+
+    def _smooth(self):
+        """Place where the cubic through both points with their slopes has its limit point."""
+        left, right = self.left, self.right
+        width = right.place - left.place
+        rise = (right.point.position - left.point.position) / width
+        # Slope of the cubic, a t^2 + b t + c for t from 0 to 1.
+        a, b, c = 3.0 * (left.slope + right.slope) - 6.0 * rise, 6.0 * rise - 4.0 * left.slope - 2.0 * right.slope, left.slope
+        roots = np.roots([a, b, c]) if abs(a) > 1e-9 * abs(b) else np.array([-c / b])
+        inside = [root.real for root in roots if abs(root.imag) < 1e-9 and 0.0 <= root.real <= 1.0]
+        return left.place + width * (inside[0] if inside else left.slope / (left.slope - right.slope))
+
+    def _corner(self):
+        """Place a little beyond where the tangents of both points meet, seen from the nearer one: that closes the bracket."""
+        left, right = self.left, self.right
+        width = right.place - left.place
+        meet = (right.point.position - left.point.position - right.slope * width) / (left.slope - right.slope)
+        meet = min(max(meet, 0.0), width)
+        return left.place + (1.1 * meet if 2.0 * meet < width else width - 1.1 * (width - meet))
+
+    def _middle(self):
+        return 0.5 * (self.left.place + self.right.place)
+
+    def _narrow(self, place):
+        """Replace an end of the bracket by the point at a place in it."""
+        left, right = self.left, self.right
+        width = right.place - left.place
+        place = min(max(place, left.place + 1e-3 * width), right.place - 1e-3 * width)
+        t = (place - left.place) / width
+        weights = np.array([(1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2 * width, t ** 2 * (t - 1) * width, t ** 2 * (3 - 2 * t)])
+        ends = [left.point, left.direction, right.direction, right.point]
+        guess = self.system.extrapolate(ends, weights)
+        position = float(weights @ [left.point.position, left.slope, right.slope, right.point.position])
+        point = self.system.solve_arc(self.chord, place, guess, position, self.leg)
+        if self.system.missed(guess, point.state) > max(0.1, 0.5 * self.system.missed(left.point.state, right.point.state)):
+            raise NotConverged("the search for the fold strayed from the branch")
+        found = Station(place, point, self.system.direction(point, self.chord, self.leg))
+        if found.slope * self.sign > 0.0:
+            self.left = found
+        else:
+            self.right = found
+
+    def _is_corner(self, first, last):
+        """Whether the slope jumps where a smooth one would hardly change, given the bracket's first ends."""
+        part = (self.right.place - self.left.place) / (last.place - first.place)
+        change = abs(self.left.slope - self.right.slope) / abs(first.slope - last.slope)
+        return part < 0.01 and change > CORNER * part
+
+    def _fold(self, corner):
+        """The better of both ends as a fold: with the direction there, or with both, of unit length."""
+        best = max(self.left, self.right, key=lambda station: self.sign * station.point.position)
+        if not corner:
+            best = min(self.left, self.right, key=lambda station: abs(station.slope))
+        stations = (self.left, self.right) if corner else (best,)
+        return replace(best.point, event="fold", tangents=tuple(self.system.unit(station.point, station.direction) for station in stations))
