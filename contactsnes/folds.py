@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .limit_points import LimitPoint
+from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .points import NoFold, NotConverged, lagrange_weights
 
 
@@ -39,7 +39,10 @@ class Turn:
             slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > 0.7 * slope[1]
             if slope[2] <= 0.0:
-                fold, beyond, trail = self._locate(trail)
+                try:
+                    fold, beyond, trail = self._locate(trail)
+                except NotConverged as second:
+                    raise NoFold(f"{error}; the fold there was not located: {second}") from None
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
             place = trail[-1][0]
@@ -144,7 +147,11 @@ class Turn:
             if peak.bracketed and peak.sign > 0.0:
                 fold = peak.locate()
                 return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, [*trail[:after], (fold.position, fold)]
-        raise NotConverged("the load turned, but its slope did not: a fold of nearby edges that stick")
+        place, fold = max(trail[-3:], key=lambda item: item[0])
+        if peak.relative(place - min(trail[-3][0], trail[-1][0])) > FOLD_TOLERANCE:
+            raise NotConverged("the load turned, but its slope did not: edges that stick between nodes give way one by one")
+        # A plateau: the load neither rises nor falls.
+        return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, trail
 
     def _returns(self, trail):
         """Whether the last point lies on the way to the one before it: the arc turned, not the branch.

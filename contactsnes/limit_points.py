@@ -71,9 +71,13 @@ class LimitPoint:
         """What the load may lack to its limit, relative to itself."""
         left, right = abs(self.left.slope), abs(self.right.slope)
         steep, width = min(left, right), self.right.place - self.left.place
+        return self.relative(steep * width * min(1.0, 2.0 * steep / max(left + right, 1e-300)))
+
+    def relative(self, change):
+        """A change of position in the leg as one of the moving load, relative to itself."""
         moving = self.leg.moving
         load = self.leg.load(self.left.point.position)[moving]
-        return steep * width * min(1.0, 2.0 * steep / max(left + right, 1e-300)) * abs(self.leg.direction[moving]) / max(abs(load), 1e-3)
+        return abs(change * self.leg.direction[moving]) / max(abs(load), 1e-3)
 
     def _smooth(self):
         """Place where the cubic through both points with their slopes has its limit point."""

@@ -73,13 +73,17 @@ class CoreBlock:
         clear_padding(plan.real, inner.shape)
 
 
-def _inverse(matrix):
-    """Inverse of a small matrix; where nothing responds (a body off the flat, or sliding everywhere) means are left as they are."""
+def _inverse(matrix, floor):
+    """Inverse of a small matrix, its singular values at least ``floor``.
+
+    Without a floor, where nothing responds (a body off the flat, or sliding everywhere), means are left as they are.
+    """
     if matrix.size == 0:
         return matrix
-    if matrix.size == 1 and matrix[0, 0] != 0.0:
-        return 1.0 / matrix
-    return np.linalg.pinv(matrix, rcond=1e-13)
+    if floor == 0.0:
+        return 1.0 / matrix if matrix.size == 1 and matrix[0, 0] != 0.0 else np.linalg.pinv(matrix, rcond=1e-13)
+    left, values, right = np.linalg.svd(matrix)
+    return (right.T / np.maximum(values, floor)) @ left.T
 
 
 def _rounded(extent):
@@ -92,10 +96,11 @@ class CoreZone:
     """Preconditioner of the displacement form: a core block for each component, the scalars eliminated exactly.
 
     Coupling blocks of law and body are left out. What the mean displacements add (the rigid compliance of the body, and
-    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement.
+    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A ``floor`` for the
+    response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
     """
 
-    def __init__(self, form, options=CoreOptions()):
+    def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
         zones = [core_weight(form, i, options) for i in range(form.components)]
         self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
@@ -113,7 +118,8 @@ class CoreZone:
             if not self.forced[i]:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
-        self.inverse = _inverse(self.matrix)
+        scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)
+        self.inverse = _inverse(self.matrix / scale[:, None], floor) / scale
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
@@ -187,8 +193,8 @@ class ZonedStiffness:
 class EvenCoreZone:
     """Preconditioner of the displacement form for even states: the core zone of its half form."""
 
-    def __init__(self, form, options=CoreOptions()):
-        self.form, self.inner = form, CoreZone(form.half, options)
+    def __init__(self, form, options=CoreOptions(), floor=0.0):
+        self.form, self.inner = form, CoreZone(form.half, options, floor)
 
     def apply(self, vector, out):
         """out = M^-1 vector, arrays of the form's size."""
@@ -199,7 +205,8 @@ class ArcElimination:
     """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur complement."""
 
     def __init__(self, form, options=CoreOptions()):
-        self.form, self.inner = form, zone(form.form, options)
+        inner = KINDS.get(type(form.form), CoreZone)
+        self.form, self.inner = form, inner(form.form, options, 1e-5) if inner is not ZonedStiffness else inner(form.form, options)
         self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
         self.slope = form.grid.inner(form.tangent, self.column)
 
@@ -212,10 +219,13 @@ class ArcElimination:
         return out
 
 
+KINDS = {ArcLength: ArcElimination, EvenForm: EvenCoreZone, ForceForm: ZonedStiffness}
+"""Preconditioners of forms other than the displacement form."""
+
+
 def zone(form, options):
     """The preconditioner of a form at its last linearisation."""
-    kinds = {ArcLength: ArcElimination, EvenForm: EvenCoreZone, ForceForm: ZonedStiffness}
-    return kinds.get(type(form), CoreZone)(form, options)
+    return KINDS.get(type(form), CoreZone)(form, options)
 
 
 class ZonePC:

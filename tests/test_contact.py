@@ -164,7 +164,7 @@ def test_arc_length_rows(box, body):
             assert residual[-1] == pytest.approx(-0.7, rel=1e-14)
             form.set_load(start + 0.4 * direction)
             np.testing.assert_array_equal(residual[:-1], form.residual(anchor, np.empty(form.size)))
-            ahead = np.append(anchor + 0.7 * arc.tangent, 0.4)
+            ahead = np.append(anchor + 0.7 * arc.tangent / (arc.tangent @ arc.tangent), 0.4)
             assert arc.residual(ahead, np.empty(arc.size))[-1] == pytest.approx(0.0, abs=1e-13)
             assert taylor_order(arc, np.append(anchor, 0.4)) == pytest.approx(2.0, abs=0.1), (controls, form.name)
 
