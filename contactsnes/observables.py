@@ -6,6 +6,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from . import states
+from .energies import BALANCES
 from .laws import CUTOFF
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
@@ -134,6 +135,7 @@ def table(scene):
     rows["stable"] = Observable(lambda m: -1, "stable (1, 0, -1: not checked)", "", "i8")
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
     rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
+    rows["jump_balance"] = Observable(lambda m: m.point.jump_balance, "what tells the energy lost in a jump", "", "i8", BALANCES)
     return rows
 
 

@@ -60,6 +60,7 @@ class Point:
     energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
     smooth_steps : steps since the path's last corner, which a quadrature may join
     jump_work : work done on the interface along the motion of a jump, phi_n beta, where it is known
+    jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
     """
@@ -87,6 +88,7 @@ class Point:
     energy_imbalance: float = np.nan
     smooth_steps: int = 0
     jump_work: float = np.nan
+    jump_balance: str = ""
     tangents: tuple = ()
 
 

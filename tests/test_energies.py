@@ -178,8 +178,9 @@ def test_a_jump_without_potential_needs_the_work_along_the_motion():
     contact, found, _ = points({}, "tangential_displacement=4")
     ledger = Ledger(contact, found[-3:-1])
     jump = ledger.entered(replace(found[-1], event="jump"))
-    assert math.isnan(jump.dissipated_work) and math.isnan(jump.interface_work) and math.isfinite(jump.external_work)
+    assert jump.jump_balance == "unknown" and math.isnan(jump.dissipated_work) and math.isnan(jump.interface_work) and math.isfinite(jump.external_work)
     known = Ledger(contact, found[-3:-1]).entered(replace(found[-1], event="jump", jump_work=0.1))
+    assert known.jump_balance == "motion"
     gained = known.elastic_energy - found[-2].elastic_energy
     assert known.dissipated_work == pytest.approx(known.external_work - found[-2].external_work - gained - 0.1)
 
@@ -213,6 +214,7 @@ def test_area_of_a_loop_is_what_its_jumps_dissipate(step, most):
                for one, other in zip(numbers, numbers[1:]))
     last, jumps = numbers[-1], [k for k, row in enumerate(numbers) if row["event"] == "jump"]
     lost = [numbers[k]["dissipated_work"] - numbers[k - 1]["dissipated_work"] for k in jumps]
+    assert {row["jump_balance"] for row in numbers} == {"", "potential"} and {numbers[k]["jump_balance"] for k in jumps} == {"potential"}
     assert min(lost) > 0.1 and sum(lost) == pytest.approx(last["dissipated_work"], rel=1e-12)
     assert last["external_work"] == pytest.approx(last["dissipated_work"], abs=most)
     assert last["external_work"] == pytest.approx(area, abs=0.3 * step)
