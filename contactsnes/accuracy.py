@@ -228,8 +228,8 @@ class Watch:
 
     def _too_large(self, point, error):
         """Raise TooCoarse if another grid may help against an error; else count it, and tell of the first."""
-        scene, names = self.branch.scene, self.branch.corrector.names(point.controls)
-        sentence = (f"the error at {', '.join(f'{name} {value:.6g}' for name, value in zip(names, point.load))} is about {error:.1e}, "
+        scene = self.branch.scene
+        sentence = (f"the error at {scene.loads(point.controls, point.load)} is about {error:.1e}, "
                     f"above -scene_accuracy {as_text(scene.accuracy)}")
         # Where a coarser grid was as good, the spacing is not what is wrong.
         helps = not self.above and len(self.missed) < MOST and not any(np.array_equal(before.load, point.load) and error > 0.5 * before.error

@@ -2,7 +2,7 @@
 
 import math
 
-from .load import quantities
+from .load import names
 from .settings import InputError, as_text
 
 
@@ -10,11 +10,11 @@ def check_scene(scene):
     """InputError unless a scene with an infinite period is a cylinder or sphere on a grid of given spacing, and only such one."""
     if not scene.isolated:
         if scene.spacing is not None:
-            raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}': it belongs to -scene_period inf; in a cell of "
+            raise InputError(f"-scene_spacing is '{as_text(scene.as_typed('spacing'))}': it belongs to -scene_period inf; in a cell of "
                              "finite period set -scene_points")
         return
     if any(map(math.isfinite, scene.periods)):
-        raise InputError(f"-scene_period is '{as_text(scene.period)}': allowed are finite numbers, or inf for every direction; "
+        raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': allowed are finite numbers, or inf for every direction; "
                          "an isolated cylinder has -scene_dimension 1")
     if scene.geometry != {1: "cylinder", 2: "sphere"}[scene.dimension]:
         raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period inf allowed are cylinder (-scene_dimension "
@@ -23,7 +23,7 @@ def check_scene(scene):
         raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of an isolated contact (-scene_period inf) "
                          "follows from the load and from -scene_spacing; set that instead, or auto points")
     if scene.points and scene.spacing:
-        raise InputError(f"-scene_spacing is '{as_text(scene.spacing)}', but -scene_points auto chooses it: give one of them")
+        raise InputError(f"-scene_spacing is '{as_text(scene.as_typed('spacing'))}', but -scene_points auto chooses it: give one of them")
 
 
 def strains(scene):
@@ -33,12 +33,12 @@ def strains(scene):
 
 def check_load(scene, load):
     """InputError where the load of an isolated contact prescribes a displacement."""
-    names = {(row.component, row.control): name for name, row in quantities(scene.dimension).items()}
+    known = names(scene.dimension)
     for controls in _prescribed(scene, load):
         for component, control in controls.items():
             if control.control == "displacement":
-                raise InputError(f"-scene_period is 'inf', but the load prescribes {names[component, 'displacement']}: the "
-                                 f"surface of an isolated contact has no mean; prescribe {names[component, 'force']} instead")
+                raise InputError(f"-scene_period is 'inf', but the load prescribes {known[component, 'displacement']}: the "
+                                 f"surface of an isolated contact has no mean; prescribe {known[component, 'force']} instead")
 
 
 def check_form(form):

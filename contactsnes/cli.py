@@ -146,9 +146,7 @@ class Run:
                    "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
                    "fields": output.fields, "components": scene.components, "warnings": self.warnings}
         if output.fields != "none":
-            contact = self.branch.contact
-            content["coordinates"] = tuple(axis.ravel() for axis in contact.widest.coordinates())
-            content["initial_gap"] = contact.widest.box(contact.widest.take(contact.initial_gap)) / contact.ranges[0]
+            content |= observables.frame(self.branch.contact)
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)

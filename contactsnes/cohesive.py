@@ -67,9 +67,9 @@ def resolution_warning(scene, sheared):
     if max(ratios) <= 1:
         return None
     if scene.isolated:
-        return (f"the spacing of {as_text(scene.spacings)} beta does not resolve the cohesive zone: it is {max(ratios):.3g} "
+        return (f"the spacing of {scene.words(scene.spacings, 'beta')} does not resolve the cohesive zone: it is {max(ratios):.3g} "
                 "times the largest that does, and results may depend on where nodes lie; "
-                f"try -scene_spacing {0.976 * min(scene.spacings) / max(ratios):.3g}")
+                f"try -scene_spacing {scene.told(0.976 * min(scene.spacings) / max(ratios), 'beta'):.3g}")
     needed = tuple(points if ratio <= 1 else 2 ** math.ceil(math.log2(points * ratio))
                    for points, ratio in zip(scene.shape, ratios))
     return (f"the grid of {as_text(scene.shape)} points does not resolve the cohesive zone: its spacing is {max(ratios):.3g} "

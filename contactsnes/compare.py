@@ -279,7 +279,7 @@ class Comparison:
     def loads(self, target):
         """Controlled values of a target in words."""
         point = target.point
-        return ", ".join(f"{name} {value:.6g}" for name, value in zip(self.branch.corrector.names(point.controls), point.load))
+        return self.branch.scene.loads(point.controls, point.load)
 
     def finished(self, method):
         """Whether a method found every point of a path that has an end."""

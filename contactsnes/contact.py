@@ -106,7 +106,8 @@ class Contact:
         normal = min(scene.normal_maugis, sharpest)
         softened = replace(scene, points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
                            tangential_maugis=min(scene.tangential_maugis, sharpest),
-                           contact_threshold=scene.contact_threshold * normal / scene.normal_maugis)
+                           contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
+                           range_normal=None, range_tangential=None)
         coarse = self._coarser(softened)
         coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
         return coarse

@@ -114,8 +114,7 @@ class Walk:
             pass
 
     def _place(self, position):
-        return ", ".join(f"{name} {value:.6g}" for name, value in
-                         zip(self.system.names(self.leg.controls), self.leg.load(position)))
+        return self.system.told(self.leg.controls, self.leg.load(position))
 
     def _step(self, target, predictor):
         """Predict and correct; a correction as long as the step itself is another branch's, not a neighbour."""

@@ -58,10 +58,9 @@ class Corrector:
         self._accounted = now
         return {name: now[name] - before[name] for name in now}
 
-    def names(self, controls):
-        """Names of the controlled quantities."""
-        axes, ends = ("normal", "tangential", "tangential"), ("", "") if len(self.contact.grid.shape) == 1 else ("", "_x", "_y")
-        return [f"{axis}_{control}{end}" for axis, control, end in zip(axes, controls, ends)]
+    def told(self, controls, load):
+        """Loads in words."""
+        return self.contact.scene.loads(controls, load)
 
     # What continuation asks of states.
     def adapted(self, point, controls, load):
@@ -107,9 +106,8 @@ class Corrector:
             return self.cold(controls, load)
         except NotConverged as error:
             self.log(f"no cold solve ({error}): relaxing the body dynamically")
-        loads = ", ".join(f"{name} {value:.6g}" for name, value in zip(self.names(controls), load))
         undeformed = states.undeformed(self.contact, controls, load)
-        return self.settle(undeformed, controls, load, f"at {loads} from the undeformed body")
+        return self.settle(undeformed, controls, load, f"at {self.told(controls, load)} from the undeformed body")
 
     def cold(self, controls, load):
         """The point at given loads that the body reaches from the start without overlap, without friction first."""

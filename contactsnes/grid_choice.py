@@ -53,6 +53,13 @@ def chosen(scene, load):
     return on(scene, points)
 
 
+def heights(scene):
+    """Heights of a scene from its file, u_n,r; None where it has no file."""
+    if scene.geometry != "file":
+        return None
+    return read_heights(scene.geometry_file, scene.shape) / scene.scale("u_n,r")[0]
+
+
 def on(scene, points):
     """The scene on a grid of ``points``, a tuple."""
     return replace(scene, points=points if scene.dimension == 2 else points[0])
@@ -79,7 +86,7 @@ def reason(scene, load):
         return f"{as_text(scene.shape)} points, those of the file"
     sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
     error = max(predicted(cell, sheared, axis, n) for axis, n in enumerate(cell.shape))
-    grid = f"spacing {as_text(scene.spacings)} beta" if scene.isolated else f"{as_text(cell.shape)} points"
+    grid = f"spacing {scene.words(scene.spacings, 'beta')}" if scene.isolated else f"{as_text(cell.shape)} points"
     return (f"{grid}, from which the law's cohesive length and the shape promise errors of about "
             f"{error:.1g} (-scene_accuracy {as_text(scene.accuracy)})")
 

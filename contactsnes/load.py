@@ -46,6 +46,11 @@ def quantities(dimension):
     return table
 
 
+def names(dimension):
+    """(component, control) -> name of the controllable quantities."""
+    return {(quantity.component, quantity.control): name for name, quantity in quantities(dimension).items()}
+
+
 def _quantity(name, piece, source, dimension):
     """The Quantity of a name in `piece` of option `source`."""
     table = quantities(dimension)

@@ -94,17 +94,43 @@ class Measurement:
         return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
 
     def fields(self):
-        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r) over the widest window, (components of the scene, *box)."""
-        count = self.contact.scene.components
-        displacement, traction = np.zeros((2, count, *self.grid.shape))
+        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest window, (components of the scene, *box)."""
+        scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
+        displacement, traction = np.zeros((2, scene.components, *self.grid.shape))
         displacement[:self.components] = self.contact.extended(self.state)
-        displacement /= self.contact.ranges.reshape(-1, *[1] * len(self.grid.shape))
+        displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
         self.window.put(self.traction, traction[:self.components])
+        traction *= np.reshape(_sizes(scene, "p"), each)
         return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in (displacement, traction))
 
 
+def _sizes(scene, symbol):
+    """Sizes of the units of displacement ('u') or traction ('p') of each component in what the scene is told in."""
+    return np.array([scene.scale(f"{symbol}_n,r")[0], *[scene.scale(f"{symbol}_t,r")[0]] * scene.dimension])
+
+
+def frame(contact):
+    """Coordinates, initial gap and units of the fields of a contact, as arguments of an archive."""
+    scene, nodes = contact.scene, contact.widest
+    length, gap = scene.scale("beta")[0], scene.scale("u_n,r")[0] / contact.ranges[0]
+    both = {name: "; ".join(scene.scale(f"{symbol}_{end},r")[1] for end in "nt") for name, symbol in (("displacement", "u"), ("traction", "p"))}
+    return {"coordinates": tuple(length * axis.ravel() for axis in nodes.coordinates()),
+            "initial_gap": gap * nodes.box(nodes.take(contact.initial_gap)),
+            "units": {"coordinates": scene.scale("beta")[1], "initial_gap": scene.scale("u_n,r")[1], **both}}
+
+
 def table(scene):
-    """Name -> Observable of everything that a point of a scene can tell, in the order of the archive."""
+    """Name -> Observable of everything that a point of a scene can tell, in the order of the archive and the scene's units."""
+    return {name: _in_units(row, *scene.scale(row.unit)) for name, row in _scaled_table(scene).items()}
+
+
+def _in_units(row, size, unit):
+    """A row in a unit, its present one being of that size."""
+    return row if unit == row.unit else row._replace(function=lambda measurement: size * row.function(measurement), unit=unit)
+
+
+def _scaled_table(scene):
+    """Name -> Observable of everything that a point of a scene can tell, in the scene's own units."""
     plane = scene.dimension == 2
     ends, force_units = (("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)")) if plane else (("",), ("w_n,r", "w_t,r"))
     rows = {"leg": Observable(lambda m: m.point.leg, "leg", "", "i8"),

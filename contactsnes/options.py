@@ -178,7 +178,7 @@ def _instance(cls, entries, prefix=""):
             raise InputError(f"-{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
         if text is not None:
             values[field.name] = _parsed(text, field.metadata)
-    return cls(**values)
+    return cls.typed(**values)
 
 
 def _parsed(text, rule):

@@ -8,8 +8,7 @@ from . import cohesive, continuation, energies, observables, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .fourier import Window
-from .geometry import read_heights
-from .grid_choice import chosen
+from .grid_choice import chosen, heights
 from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
@@ -50,7 +49,7 @@ class Branch:
             check_form(form)
             self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
         else:
-            self.contact = Contact(scene, read_heights(scene.geometry_file, scene.shape) if scene.geometry == "file" else None)
+            self.contact = Contact(scene, heights(scene))
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(scene, self._sheared, form, solver_type())
         self.corrector = Tracer(self.contact, form, log)

@@ -19,13 +19,15 @@ from . import alone
 from .cohesive import default_spacing
 from .load import Load
 from .settings import InputError, Options, as_text, option
+from .si import Units
 
 
 @dataclass(frozen=True)
-class Scene(Options):
+class Scene(Units):
     """Body, interface and grid: everything but the load.
 
-    Parameters are the ``-scene_*`` options, dimensionless (module docstring); InputError where they are not allowed.
+    Parameters are the ``-scene_*`` options, dimensionless (module docstring) even where units is 'si', for then `Scene.typed`
+    takes them as they are typed; InputError where they are not allowed.
     """
 
     prefix: ClassVar[str] = "scene_"
@@ -60,13 +62,12 @@ class Scene(Options):
     tangential: str = option("auto", "tangential unknowns: auto (in legs whose load or coupling needs them), on, off",
                              choices=("auto", "on", "off"))
     contact_threshold: float = option(2.718281828, "contact is where the gap is below this", "delta_n", above=0)
-    units: str = option("dimensionless", "units of input and output", choices=("dimensionless",))
 
     def __post_init__(self):
         super().__post_init__()
         for name in ("points", "period", "spacing"):
             if self.dimension == 1 and isinstance(getattr(self, name), tuple):
-                raise InputError(f"-scene_{name} is '{as_text(getattr(self, name))}': one dimension takes one number; "
+                raise InputError(f"-scene_{name} is '{as_text(self.as_typed(name))}': one dimension takes one number; "
                                  "give one, or -scene_dimension 2")
         if self.geometry == "sphere" and self.dimension == 1:
             raise InputError("-scene_geometry is 'sphere': it needs two dimensions; add -scene_dimension 2 or take cylinder")
@@ -80,9 +81,9 @@ class Scene(Options):
         needed = 8 * (self.contact_gap - self.gap_offset)
         periods = {"cylinder": self.periods[:1], "sphere": self.periods}.get(self.geometry, ())
         if any(period ** 2 < needed for period in periods):
-            smallest = math.ceil(1e3 * math.sqrt(needed)) / 1e3
-            raise InputError(f"-scene_period is '{as_text(self.period)}': the {self.geometry} would be in contact up to the edge "
-                             f"of the cell; the smallest period allowed here is {as_text(smallest)}")
+            smallest = self.told(math.ceil(1e3 * math.sqrt(needed)) / 1e3, "beta")
+            raise InputError(f"-scene_period is '{as_text(self.as_typed('period'))}': the {self.geometry} would be in contact up to the edge "
+                             f"of the cell; the smallest period allowed here is {smallest:.6g}")
 
     @property
     def components(self):
@@ -308,11 +309,11 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
 
 
 def attributes(scene):
-    """Name -> value of a scene for the archive, with defaults filled in; two directions give a tuple."""
-    values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
+    """Name -> value of a scene for the archive, as it is typed, with defaults filled in; two directions give a tuple."""
+    values = {field.name: scene.as_typed(field.name) for field in dataclasses.fields(scene)}
     grid = (("spacing", scene.spacings),) if scene.isolated else (("points", scene.shape), ("amplitude", scene.amplitudes))
     for name, directions in (("period", scene.periods), *grid):
-        values[name] = directions if scene.dimension == 2 else directions[0]
+        values[name] = scene.told(directions if scene.dimension == 2 else directions[0], Scene.rule(name)["unit"])
     del values["accuracy"]  # an aim, which a run that is resumed may change
     unused = {"amplitude": "sinusoid", "geometry_file": "file"}
     return {name: value for name, value in values.items() if value is not None and scene.geometry == unused.get(name, scene.geometry)}

@@ -18,6 +18,7 @@ from .load import Load
 from .options import check_names, check_values, database, install, petsc_arguments, read
 from .scene import OPTION_CLASSES
 from .settings import InputError
+from .si import scaled_load, scaled_steps
 
 
 class Settings(NamedTuple):
@@ -64,8 +65,9 @@ def start_petsc(arguments):
     check_names(solver_options())
     check_values(solver_options())
     check_classes()
-    settings = Settings(*map(read, OPTION_CLASSES))
-    scenes.check(settings.scene, settings.load, settings.steps)
+    scene, form, load, steps, output = map(read, OPTION_CLASSES)
+    scenes.check(scene, load, steps)
+    settings = Settings(scene, form, scaled_load(load, scene), scaled_steps(steps, load, scene), output)
     return settings._replace(scene=_with_points(settings))
 
 
@@ -75,7 +77,7 @@ def _with_points(settings):
     if settings.auto and output.resume and Path(output.file).is_file():
         archive = read_archive(output.file)
         if archive.points and scene.isolated:
-            return replace(scene, points=None, spacing=np.atleast_1d(archive.scene["spacing"]).tolist())
+            return replace(scene, points=None, spacing=(np.atleast_1d(archive.scene["spacing"]) / scene.scale("beta")[0]).tolist())
         if archive.points and scene.geometry != "file":
             return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
     try:

@@ -86,7 +86,7 @@ def _single(value, rule):
     return value
 
 
-def _checked(name, value, rule):
+def checked(name, value, rule):
     """The value of option `name`, or InputError."""
     if isinstance(value, str) and value == rule["word"]:
         return value
@@ -99,7 +99,7 @@ def _checked(name, value, rule):
             raise ValueError
     except (ValueError, TypeError):
         known = map(as_text, rule["choices"] or ())
-        guess = nearest(as_text(value), known) or rule["default_text"]
+        guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:") else rule["default_text"])
         raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
                          + (f"; try {guess}" if guess else "")) from None
     if rule["many"] == "list":
@@ -120,7 +120,17 @@ class Options:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, _checked(self.option_name(field.name), value, field.metadata))
+                object.__setattr__(self, field.name, checked(self.option_name(field.name), value, field.metadata))
+
+    @classmethod
+    def typed(cls, **values):
+        """The instance for values as they are typed."""
+        return cls(**values)
+
+    @classmethod
+    def rule(cls, field):
+        """Metadata of a field: what its option means and allows."""
+        return cls.__dataclass_fields__[field].metadata
 
     @classmethod
     def option_name(cls, field):

@@ -7,10 +7,11 @@ import numpy as np
 
 from . import cohesive, scene as scenes, states
 from .grid_choice import memory_of_solve, reason
-from .load import quantities
+from .load import names, quantities
 from .mirrored import obstacles
 from .options import database
 from .settings import as_text
+from .si import DERIVED, prefixed, Units
 
 
 def resolution_warnings(settings):
@@ -87,28 +88,47 @@ def about_scene(settings):
     scene = settings.scene
     resolved = cohesive.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
     return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
-            f"normal Maugis parameter {as_text(scene.normal_maugis)}, tangential {as_text(scene.tangential_maugis)}; "
+            f"normal Maugis parameter {scene.normal_maugis:.8g}, tangential {scene.tangential_maugis:.8g}; "
             f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",
-            f"Poisson ratio {as_text(scene.poisson)}, height {as_text(scene.height)} beta, ratio of works of adhesion "
-            f"{as_text(scene.work_ratio)}",
+            f"Poisson ratio {as_text(scene.poisson)}, height {_size(scene, [scene.height], 'beta')}, ratio of works of adhesion "
+            f"{scene.work_ratio:.8g}",
             ("isolated contact, spacing " if scene.isolated else
-             f"period {_by(map(as_text, scene.periods))} beta, {_by(scene.shape)} points, spacing ")
-            + f"{_by(f'{spacing:.4g}' for spacing in scene.spacings)} beta",
+             f"period {_size(scene, scene.periods, 'beta')}, {_by(scene.shape)} points, spacing ")
+            + _size(scene, scene.spacings, "beta", 4),
+            *_scales(scene),
             *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
             f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
             + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
 
 
+def _size(scene, values, unit, digits=8):
+    """Values, one a direction, in a unit of the scene, and before that in SI where the scene is told in it."""
+    size, name = scene.scale(unit)
+    text = f"{_by(f'{value:.{digits}g}' for value in values)} {unit}"
+    return text if name == unit else f"{_by(prefixed(value * size, name) for value in values)} ({text})"
+
+
+def _scales(scene):
+    """What a scene in SI is made of, and the units of its dimensionless form."""
+    if scene.units == "dimensionless":
+        return []
+    made = (("works of adhesion", "work_of_adhesion_normal"), ("and", "work_of_adhesion_tangential"), ("contact modulus", "contact_modulus"),
+            ("radius", "radius"), ("ranges", "range_normal"), ("and", "range_tangential"))
+    quantity = {name: f"{word} {prefixed(getattr(scene, name), type(scene).rule(name)['unit'])}" for word, name in made}
+    forces = ("w_n,r", "w_t,r") if scene.dimension == 1 else ("R phi_n", "R sqrt(phi_n phi_t)")
+    units = (f"{unit} {prefixed(*scene.scale(unit))}" for unit in ("beta", "u_n,r", "u_t,r", *forces, "p_n,r", "p_t,r"))
+    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and"), "SI scales: " + ", ".join(units)]
+
+
 def about_path(settings, legs):
     """Start and legs in words."""
     dimension = settings.scene.dimension
-    names = {(quantity.component, quantity.control): (name, quantity.unit)
-             for name, quantity in quantities(dimension).items()}
+    known, units = names(dimension), quantities(dimension)
 
     def words(controls, verb):
         for component, (control, value) in controls.items():
-            name, unit = names[component, control]
-            yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {unit}"
+            name = known[component, control]
+            yield f"{name} is held" if value is None else f"{name} {verb} {settings.scene.words(value, units[name].unit)}"
 
     lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated), "="))]
     lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]
@@ -157,9 +177,15 @@ def about_method(settings):
 def all_options(instances):
     """Every option of dataclasses with its value, as in a file of options, where # marks defaults."""
     given, lines = database(), []
+    in_si = given.get("scene_units") == "si"
     for values in instances:
         for field in dataclasses.fields(values):
-            name, text = f"-{values.prefix}{field.name}", as_text(getattr(values, field.name))
+            if in_si and field.name in DERIVED:
+                continue  # what it follows from stands for it
+            name, value = f"-{values.prefix}{field.name}", getattr(values, field.name)
+            text = as_text(values.as_typed(field.name) if isinstance(values, Units) else value)
+            if in_si and field.name != "points":
+                text = given.get(name[1:]) or text  # of loads and steps the values in SI
             if not text:
                 lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
                 continue

@@ -33,6 +33,7 @@ TABLE = (
     Row("settings", "options as checked fields of dataclasses"),
     Row("load", "load paths and their text form"),
     Row("laws", "tractions and tangents at a gap, node by node"),
+    Row("si", "scales of scenes in SI, and what is typed and told"),
     Row("alone", "what an isolated contact asks of scene and load"),
     Row("cohesive", "spacings that resolve the cohesive zone"),
     Row("scene", "what is to be solved, as frozen data with units and checks"),
@@ -97,7 +98,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
+FREE_OF_PETSC = ("settings", "load", "si", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
                  "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 

@@ -76,8 +76,8 @@ class System:
         self.log = self.sentences.append
         self.spent = 0
 
-    def names(self, controls):
-        return ["normal_displacement", "tangential_displacement"][:len(controls)]
+    def told(self, controls, load):
+        return ", ".join(f"{name} {value:.6g}" for name, value in zip(("normal_displacement", "tangential_displacement"), load))
 
     def adapted(self, point, controls, load):
         return replace(point, controls=controls, load=load)
