@@ -78,6 +78,14 @@ class Contact:
         normal, tangential = self.body.rigid_compliance
         return np.array([normal] + [tangential] * (components - 1)) * self.ranges[:components] ** 2
 
+    def mean_mass(self, components):
+        """Mean traction over the speed of the mean displacement in overdamped motion, for each component (dimensionless).
+
+        The stiffness of the cell's softest wave.
+        """
+        blocks = self.operator(components).blocks
+        return np.array([1.0 / (self.grid.size * np.max(blocks[i, i].real.reshape(-1)[1:])) for i in range(components)])
+
     def operator(self, components, kind="compliance"):
         """Operator of the mean-free compliance or stiffness among components, scaled to ranges of the law."""
         key = (components, kind)

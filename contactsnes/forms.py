@@ -31,6 +31,8 @@ class DisplacementForm:
     ----------
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
+    drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit of its mean displacement; 0 but
+        in viscous motion
     """
 
     name = "displacement"
@@ -56,6 +58,7 @@ class DisplacementForm:
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
         self.work = np.empty(self.shape)
+        self.drag = np.zeros(self.components)
         self.evaluations = 0
         self.products = 0
 
@@ -122,7 +125,7 @@ class DisplacementForm:
         np.subtract(work, mean[:, None], out=result)
         result += field
         for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * total[i] * self.root
+            out[self.count + row] = self.row_scale[i] * (total[i] * self.root + self.drag[i] * vector[self.count + row])
         return out
 
     def apply_transpose(self, vector, out):

@@ -99,6 +99,10 @@ class IsolatedContact(Contact):
         self.operator(components)
         return self._rigid[:components] * self.ranges[:components] ** 2
 
+    def mean_mass(self, components):
+        """As that of a cell: pi E* for a unit of length on a line, which is a cell's, too, and pi E* beta in the plane."""
+        return np.pi / (self.ranges[:components] ** 2 * self.grid.area)
+
     def window(self, normal_gap):
         """The window around the nodes within the law's range, the unit of the count from now on; OutOfBox beyond the box."""
         window = super().window(normal_gap)

@@ -5,6 +5,8 @@ import numpy as np
 from . import states
 from .coldstart import COLD
 from .forms import ForceForm
+from .options import read
+from .overdamped import Flow, Leaving, MotionOptions, Unsettled
 from .points import NoEquilibrium, NotConverged
 from .snes import create_snes
 
@@ -16,7 +18,10 @@ def kicked(contact, fold, beyond, kick):
 
 
 def settle(system, state, controls, load, where):
-    """The equilibrium that damped motion from a state reaches at fixed load, polished by Newton.
+    """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
+
+    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method knows no window, it
+    is inertial (FIRE on the whole cell).
 
     Parameters
     ----------
@@ -30,23 +35,49 @@ def settle(system, state, controls, load, where):
     NoEquilibrium : where the body leaves or slides without end
     NotConverged : where the motion does not settle
     """
+    options = read(MotionOptions)
+    if options.type == "overdamped" and system.settings.form == "displacement":
+        try:
+            return flowed(system, states.with_components(state, len(controls)), controls, load, options)
+        except Leaving:
+            raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
+        except (Unsettled, NotConverged) as error:
+            system.log(f"the overdamped motion {where} cannot be followed ({error}): following damped motion on the whole cell")
+    return fallen(system, state, controls, load, where)
+
+
+def flowed(system, state, controls, load, options):
+    """The equilibrium that overdamped motion leads to, with the works done on the way.
+
+    Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
+    """
+    flow = Flow(system.contact, system.symmetry, controls, load, system._fitted(state), system.totals, options)
+    flow.follow()
+    return polished(system, flow.state(), controls, load)
+
+
+def polished(system, rest, controls, load):
+    """The converged point where a motion came to rest. NotConverged where Newton's method leads elsewhere."""
+    point = system.solve(rest, controls, load, COLD)
+    # Off the flat the balance hardly says where the body is.
+    far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
+    if max(states.missed(system.contact, rest, point.state), 0.1 * far) < 0.1:
+        return point
+    raise NotConverged("Newton's solution is not where the motion led")
+
+
+def fallen(system, state, controls, load, where):
+    """The equilibrium that damped motion with inertia leads to on the whole cell; errors as of `settle`."""
     form = ForceForm(system.contact.periodic, controls)
     form.set_load(load)
     unknown = form.pack(system.contact.extended(states.with_components(state, form.components)))
     first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
     for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
         unknown = relaxed(system, form, unknown, tolerance, where)
-        rest = system._state(form, unknown)
         try:
-            point = system.solve(rest, controls, load, COLD)
+            return polished(system, system._state(form, unknown), controls, load)
         except NotConverged as error:
             reason = error
-            continue
-        # Off the flat the balance hardly says where the body is.
-        far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-        if max(states.missed(system.contact, rest, point.state), 0.1 * far) < 0.1:
-            return point
-        reason = "Newton's solution is not where the motion led"
     raise NotConverged(f"the motion {where} settled, but {reason}")
 
 

@@ -192,16 +192,21 @@ class Motion:
                 continue
             if i == 0 and target > 0.0 and self.grid.minimum(self.gap[0]) > CUTOFF:
                 return 0
-            if i > 0 and slip[i] > LEVELLED and self._slides(abs(target)):
-                return i
+            if i > 0 and slip[i] > LEVELLED:
+                pressed = 0 in self.form.forced and self._target[0] < 0.0
+                if slides(self.form.contact.law, self.grid, self.gap, abs(target) * self.grid.size, pressed):
+                    return i
         return None
 
-    def _slides(self, mean_traction):
-        """Whether friction has levelled off wherever the law acts, below a mean traction over the cell."""
-        gap = self.gap[:, self.gap[0] < CUTOFF]
-        if gap.size == 0:
-            # What is pressed down will come into contact.
-            return 0 not in self.form.forced or self._target[0] >= 0.0
-        friction = np.linalg.norm(self.form.contact.law.traction(gap)[1:], axis=0)
-        slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
-        return bool(slipped.all()) and self.grid.sum(friction) < mean_traction * self.grid.size
+
+def slides(law, grid, gap, force, pressed):
+    """Whether friction has levelled off wherever the law acts, at a sum over nodes below ``force``.
+
+    What is ``pressed`` down where the law acts nowhere will come into contact.
+    """
+    within = gap[0] < CUTOFF
+    if not within.any():
+        return not pressed
+    slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
+    friction = np.linalg.norm(law.traction(gap)[1:], axis=0) * within
+    return bool(slipped[within].all()) and grid.sum(friction) < force

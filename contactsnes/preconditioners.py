@@ -115,7 +115,9 @@ class CoreZone:
                 self.blocks[i].apply(column)
             self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
-            if not self.forced[i]:
+            if self.forced[i]:
+                self.matrix[row, row] += form.drag[i]
+            else:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
         scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)

@@ -43,10 +43,11 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import multigrid, preconditioners, pseudotime, snes, stepping
+    from . import multigrid, overdamped, preconditioners, pseudotime, snes, stepping
 
     return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, stepping.VerletOptions,
-            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions, pseudotime.PseudoOptions)
+            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions, pseudotime.PseudoOptions,
+            overdamped.MotionOptions)
 
 
 def start_petsc(arguments):

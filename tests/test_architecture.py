@@ -65,6 +65,8 @@ TABLE = (
     Row("multigrid", "coarser grids for the full approximation scheme", (*LOAD_PATH, "continuation")),
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("coldstart", "first points, by way of coarser grids where that serves", ("continuation", *LOAD_PATH)),
+    Row("viscous", "equations of overdamped motion on a window and their implicit steps", (*LOAD_PATH, "continuation")),
+    Row("overdamped", "overdamped motion followed to rest", (*LOAD_PATH, "continuation")),
     Row("jumps", "motion to rest at fixed loads", (*LOAD_PATH, "continuation")),
     Row("corrector", "from a guess and loads to a converged point", (*LOAD_PATH, "continuation")),
     Row("tracing", "from point to point along a branch, by tangents and arc length", (*LOAD_PATH, "continuation")),
@@ -90,7 +92,7 @@ TABLE = (
 )
 
 HOMES = {
-    "petsc4py": {"options", "multigrid", "snes", "corrector", "tracing", "preconditioners", "relaxation", "pseudotime", "stability", "accuracy", "compare",
+    "petsc4py": {"options", "multigrid", "snes", "viscous", "corrector", "tracing", "preconditioners", "relaxation", "pseudotime", "stability", "accuracy", "compare",
                  "session", "cli"},
     "matplotlib": {"plots", "comparison_figure"},
     "h5py": {"archive", "geometry", "tables"},

@@ -335,7 +335,7 @@ def test_a_state_that_is_not_even_ends_symmetry():
 
 
 def test_a_jump_may_end_symmetry(monkeypatch):
-    """What the motion of a jump leads to is taken as it is."""
+    """What inertial motion on the cell leads to is taken as it is."""
     sentences = []
     branch = Branch(LINE, Load(start="normal_displacement=2", path="normal_displacement=2"), log=sentences.append)
     point = next(iter(branch))
@@ -346,7 +346,7 @@ def test_a_jump_may_end_symmetry(monkeypatch):
         return found + 1e-5 * np.sin(2 * np.pi * np.arange(found.size) / found.size) / form.root
 
     monkeypatch.setattr(jumps, "relaxed", tilted)
-    settled = branch.corrector.settle(point.state, point.controls, point.load, "here")
+    settled = jumps.fallen(branch.corrector, point.state, point.controls, point.load, "here")
     assert len(sentences) == 1 and "not even" in sentences[0]
     np.testing.assert_allclose(settled.forces, point.forces, rtol=1e-5)
 
