@@ -31,8 +31,8 @@ class DisplacementForm:
     ----------
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
-    drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit of its mean displacement; 0 but
-        in viscous motion
+    drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit of mean displacement: 0 but in
+        viscous motion
     """
 
     name = "displacement"

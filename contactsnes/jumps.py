@@ -1,9 +1,12 @@
-"""Motion to rest at fixed loads, from a fold or from the undeformed body: the equilibrium that it settles in, polished by Newton."""
+"""Motion to rest at fixed loads, from a fold or from the undeformed body: where it settles, polished by Newton."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from . import states
 from .coldstart import COLD
+from .energies import weights
 from .forms import ForceForm
 from .options import read
 from .overdamped import Flow, Leaving, MotionOptions, Unsettled
@@ -47,13 +50,15 @@ def settle(system, state, controls, load, where):
 
 
 def flowed(system, state, controls, load, options):
-    """The equilibrium that overdamped motion leads to, with the works done on the way.
+    """The equilibrium that overdamped motion leads to, with the works done on the interface and against viscosity on the way.
 
     Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
     """
     flow = Flow(system.contact, system.symmetry, controls, load, system._fitted(state), system.totals, options)
     flow.follow()
-    return polished(system, flow.state(), controls, load)
+    point = polished(system, flow.state(), controls, load)
+    works = system.contact.grid.node_area * flow.works @ weights(system.contact, len(controls))
+    return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
 
 
 def polished(system, rest, controls, load):

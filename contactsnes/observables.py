@@ -145,7 +145,8 @@ def _scaled_table(scene):
         rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i), f"mean slip{end}", "u_t,r")
     for name, label in (("elastic_energy", "elastic energy"), ("interfacial_energy", "energy of the interface"),
                         ("external_work", "work of the loads"), ("interface_work", "work on the interface"),
-                        ("dissipated_work", "energy lost in jumps"), ("energy_imbalance", "error of the energy balance")):
+                        ("dissipated_work", "energy lost in jumps"), ("energy_imbalance", "error of the energy balance"),
+                        ("jump_work", "work on the interface in a jump"), ("viscous_work", "work against viscosity in a jump")):
         rows[name] = Observable(lambda m, name=name: m.energy(name), label, "R phi_n u_n,r" if plane else "w_n,r u_n,r")
     rows.update({
         "contact_area": Observable(Measurement.contact_area, "contact area", "beta^2" if plane else "beta"),

@@ -148,8 +148,9 @@ class Flow:
             self.totals[name] += count - before[name]
         if not (solved and np.isfinite(unknown).all()):
             return np.inf, None
-        aside, moved = unknown - guess, max(self._size(unknown - now.unknown), STILL)
-        error = max((0.2 if len(history) > 2 else 0.5) * self._size(aside, relative=True) / tolerance, self._size(aside) / (TURNING * moved))
+        aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
+        turned = self._size(aside) / max(self._size(unknown - now.unknown), STILL)
+        error = max(share * self._size(aside, relative=True) / tolerance, turned / TURNING)
         # The same formula for tau' = t - tau.
         return error, Moment(now.time + step, unknown, (equations.traction(unknown) + elastic) / (1.0 + shift))
 

@@ -59,7 +59,8 @@ class Point:
     external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost in jumps since the path began
     energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
     smooth_steps : steps since the path's last corner, which a quadrature may join
-    jump_work : work done on the interface along the motion of a jump, phi_n beta, where it is known
+    jump_work, viscous_work : done on the interface and against the body's viscosity along the overdamped motion of a jump, phi_n
+        beta; nan elsewhere
     jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
@@ -88,6 +89,7 @@ class Point:
     energy_imbalance: float = np.nan
     smooth_steps: int = 0
     jump_work: float = np.nan
+    viscous_work: float = np.nan
     jump_balance: str = ""
     tangents: tuple = ()
 

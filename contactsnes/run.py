@@ -17,7 +17,8 @@ from .states import State
 from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
-        "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", *energies.WORKS)
+        "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
+        *energies.WORKS)
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
