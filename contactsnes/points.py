@@ -64,6 +64,8 @@ class Point:
     jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
+    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked
+    leading_eigenvalue, mode : of overdamped motion, smallest real part, and its mode as a state (``contactsnes.stability``)
     """
 
     state: object
@@ -92,6 +94,10 @@ class Point:
     viscous_work: float = np.nan
     jump_balance: str = ""
     tangents: tuple = ()
+    stable: int = -1
+    unstable_modes: int = -1
+    leading_eigenvalue: complex = complex(np.nan, np.nan)
+    mode: object = None
 
 
 @dataclass(frozen=True)

@@ -266,6 +266,22 @@ def follow_edge(contact, states, weights, half=False):
     return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
 
 
+def carried(contact, change, origin, state):
+    """A small change of one state as one of another: moved with the edge of contact where it is one spot, to the other's window."""
+    fixed = State(state.window, onto(change, state.window), change.means)
+    ends = [edges(contact, origin), edges(contact, state)]
+    if any(end is None for end in ends):
+        return fixed
+    window = state.window
+    near = window.box(normal_gap(contact, state)) < NEAR
+    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    places = ends[0] + _nodes_between(window, origin.window)[:, None]
+    change = State(change.window, change.displacement.copy(), change.means)
+    change.displacement[0] -= change.window.take(contact.initial_gap)
+    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, ends[1], part)
+    return fixed
+
+
 def _stretched(contact, state, window, ends, target, part):
     """Normal gap and tangential displacements (components, *part) of a state where its ends have been moved to ``target``.
 
