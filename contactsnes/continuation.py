@@ -54,12 +54,13 @@ class Walk:
     history : [(position, point), ...] of this leg, oldest first; the last one is where the walk goes on
     predictor : 'none', 'secant', 'tangent' or 'edge'
     at_fold : 'jump' or 'stop'
+    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
     """
 
-    def __init__(self, system, leg, history, predictor, at_fold):
+    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point):
         self.system, self.leg = system, leg
         self.history = [(place, system.adapted(point, leg.controls, leg.load(place))) for place, point in history]
-        self.predictor, self.at_fold = predictor, at_fold
+        self.predictor, self.at_fold, self.certify = predictor, at_fold, certify
         self.stopped = False
 
     def __iter__(self):
@@ -144,7 +145,8 @@ class Walk:
 
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
-        point = replace(point, origin=self.leg.start, spent=self.system.account())
+        point = replace(self.certify(point), origin=self.leg.start)
+        point = replace(point, spent=self.system.account())
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 
@@ -228,7 +230,7 @@ def further_events(previous, point):
         yield replace(point, event=name, fold_kind="", spent={key: 0 * value for key, value in point.spent.items()})
 
 
-def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=()):
+def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point):
     """Iterate over the converged points of a load path.
 
     Parameters
@@ -239,6 +241,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     predictor, at_fold : options ``-continuation_*``
     stops : names of events that end the path
     history : the last points of an interrupted path, oldest first
+    certify : function (Point) -> Point that says of the points of legs whether they are stable
 
     Raises
     ------
@@ -264,7 +267,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         leg = make_leg(emitted)
         if leg is None:
             continue
-        walk = Walk(system, leg, leg_history(emitted, number), predictor, at_fold)
+        walk = Walk(system, leg, leg_history(emitted, number), predictor, at_fold, certify)
         for arrived in walk:
             previous = emitted[-1]
             for point in with_events(previous, arrived):

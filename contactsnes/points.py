@@ -65,7 +65,7 @@ class Point:
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked
-    leading_eigenvalue, mode : of overdamped motion, smallest real part, and its mode as a state (``contactsnes.stability``)
+    leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.stability``)
     """
 
     state: object

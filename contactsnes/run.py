@@ -13,12 +13,13 @@ from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
 from .snes import solver_type
+from .stability import Stability, refuse_without_tangent
 from .states import State
 from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
-        *energies.WORKS)
+        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
@@ -53,7 +54,9 @@ class Branch:
             self.contact = Contact(scene, heights(scene))
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(scene, self._sheared, form, solver_type())
+        refuse_without_tangent(self.steps.stability, form, solver_type())
         self.corrector = Tracer(self.contact, form, log)
+        self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
         self.legs = load.legs(scene.dimension)
@@ -62,7 +65,8 @@ class Branch:
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
         points = continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
-                                     at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history)
+                                     at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history,
+                                     certify=self.stability or (lambda point: point))
         ledger = energies.Ledger(self.contact, self.history)
         try:
             yield from map(ledger.entered, points)
@@ -101,11 +105,19 @@ class Branch:
         point = replace(self.corrector.start(controls, values), spent=self.corrector.account())
         leg = self._leg_to(0, initial, count, [point], lambda length: (0.1 * length, 0.25 * length, 1e-6 * length))
         if leg is None:
-            return point
+            return self._certified(point)
         spent = dict(point.spent)
         for point in continuation.Walk(self.corrector, leg, [(0.0, point)], self.steps.predictor, "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
-        return replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="", spent=spent)
+        point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="", spent=spent)
+        return self._certified(point)
+
+    def _certified(self, point):
+        """The first point with its stability, if that is asked for, and the cost of it."""
+        if self.stability is None:
+            return point
+        point, more = self.stability(point), self.corrector.account()
+        return replace(point, spent={name: value + more[name] for name, value in point.spent.items()})
 
     def _leg(self, number, points):
         """The continuation's leg from the last point, or None where nothing moves."""

@@ -180,7 +180,8 @@ class Steps(Options):
                                           kind="number", above=0, many="legs", default_text="1e-6 of the leg")
     predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge, where there is one spot)",
                             choices=("none", "secant", "tangent", "edge"))
-    stability: str = option("off", "stability of points: not checked", choices=("off",))
+    stability: str = option("off", "stability of points: not checked, stable or not, with the leading eigenvalue of overdamped "
+                            "motion", choices=("off", "sign", "eigenvalue"))
 
     def __post_init__(self):
         super().__post_init__()

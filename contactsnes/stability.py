@@ -7,37 +7,36 @@ So u = v + w, with the mean w of each component whose mean can move, obeys
 
 and small disturbances decay with the eigenvalues s of J (v, w) = (v + C D (v + w), (k_0 w + mean D (v + w)) / m_0), D the law's
 tangent. J is the identity plus a compact operator on the nodes where the law acts: its eigenvalues do not depend on the grid, and
-are 1 where the law does not act. m_0 is the stiffness of the cell's softest wave, of an isolated contact pi E* on a line (which
-every period has) and pi E* beta in the plane. A mean that cannot move (rigid, under displacement control) has no w.
+are 1 where the law does not act. m_0 is the stiffness of the cell's softest wave. A mean that cannot move (rigid, under
+displacement control) has no w. Around an isolated contact C is the body's whole response, and m_0 belongs to the body as a whole:
+pi E* on a line, as in a cell of any period, and pi E* beta in the plane. A half-plane, whose response to a force has no end, is that
+of a cell with the period 1000 beta.
 """
 
-from dataclasses import dataclass, replace
-from itertools import zip_longest
+from dataclasses import replace
 
 import numpy as np
-from scipy import linalg
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from . import states
 from .forms import DisplacementForm
 from .mirrored import EVEN
+from .modes import ACCURATE, joined, leading_modes, summed
 from .options import read
-from .points import NotConverged
 from .preconditioners import CoreOptions, CoreZone
+from .settings import InputError
 from .states import State
-from .symmetry import asymmetry, centred, obstacle
+from .symmetry import centred
 
-SIGN, EIGENVALUE = "sign", "eigenvalue"
-ACCURATE = 3e-4
-"""Residual |J x - s x| / |x| to which the leading mode is found; the error of its eigenvalue is much smaller."""
-DENSE, LARGEST_DENSE = 40, 3000
-"""Unknowns up to which all eigenvalues are computed at once, and where the Krylov method fails."""
-BASIS, RUNS, NOISE = 3, 25, 0.003
-"""Products of a run of ARPACK (four times as many for a first point), most runs, and the part of noise in their starts."""
+CERTIFIED = "stable: all eigenvalues of the discrete problem on this grid, linearised at the point under its controls, have positive " \
+    "real parts in overdamped motion (the body creeps, M = K, relaxation time 1); finite disturbances are not looked at"
+OFF, SIGN, EIGENVALUE = "off", "sign", "eigenvalue"
+
+LONG = 1000.0
+"""Period, beta, of the cell whose response stands for that of a half-plane."""
 
 
 class Overdamped:
-    """J of overdamped motion at a state, its preconditioner, and the mirror images under which it does not change.
+    """J of overdamped motion at a state, its preconditioner, and mirror images of vectors.
 
     A vector is [(v + w) / root, w of the components whose mean can move], as in `forms.DisplacementForm`.
 
@@ -52,8 +51,7 @@ class Overdamped:
         form, grid = self.form, contact.grid
         compliance = form.rigid_compliance.copy()
         free = np.isin(np.arange(form.components), form.forced)
-        # Around an isolated contact the rigid compliance is a part of the body's response like any other wave.
-        self._inner = compliance if contact.isolated else np.zeros(form.components)
+        self._inner = _inner_compliance(contact, compliance) if contact.isolated else np.zeros(form.components)
         self.means = np.flatnonzero(free | ((compliance != 0.0) & (not contact.isolated)))
         self._stiffness = np.array([0.0 if free[i] else 1.0 / compliance[i] for i in self.means])
         self._mass = np.array([_mean_mass(contact, form.components, i) for i in self.means])
@@ -117,15 +115,48 @@ class Overdamped:
         means[self.means] = vector[self.form.count:]
         return State(self.form.window, vector[:self.form.count].reshape(self.form.shape) * self.form.root, means)
 
-    def mirror(self, vector, axis):
-        """The mirror image of a vector about the apex, along a direction of a centred window."""
-        form, image = self.form, vector.copy()
-        box = form.window.box(vector[:form.count].reshape(form.shape))
-        flipped = np.flip(box, axis + 1)
-        if form.window.shape[axis] == form.grid.shape[axis]:
-            flipped = np.roll(flipped, 1, axis + 1)
-        image[:form.count] = flipped.reshape(-1)
+    def mirror(self, vector, symmetry):
+        """The mirror image of a vector about the apex, on a centred window, for (direction, sign of each component)."""
+        (axis, signs), form, image = symmetry, self.form, vector.copy()
+        image[:form.count] = mirrored(form.window, vector[:form.count].reshape(form.shape), axis, signs).reshape(-1)
+        image[form.count:] *= np.array(signs)[self.means]
         return image
+
+
+def mirrored(window, field, axis, signs):
+    """Mirror image about the apex of a field (components, nodes) on a centred window, its components times signs."""
+    box = np.flip(window.box(field), axis + 1)
+    if window.shape[axis] == window.grid.shape[axis]:
+        box = np.roll(box, 1, axis + 1)
+    return box.reshape(field.shape) * np.array(signs)[:, None]
+
+
+def symmetries(contact, state):
+    """[(direction, sign of each component), ...] of the mirror images about the apex that leave a state on a centred window as it is.
+
+    A body in front of a mirror has its displacement along that direction reversed; where normal and tangential displacements are
+    not coupled, tangential ones may be reversed besides.
+    """
+    components, window, found = len(state.displacement), state.window, []
+    gap = window.take(contact.initial_gap)[None]
+    for axis in range(len(window.shape)):
+        signs = np.ones(components)
+        signs[1 + axis:2 + axis] = -1.0
+        tried = [signs] if components == 1 or contact.couples() else [np.append(1.0, -signs[1:]), signs]
+        even = np.abs(gap - mirrored(window, gap, axis, (1.0,))).max() <= EVEN
+        found += [(axis, tuple(signs)) for signs in tried
+                  if even and np.abs(state.displacement - mirrored(window, state.displacement, axis, signs)).max() <= EVEN][:1]
+    return found
+
+
+def _inner_compliance(contact, rigid):
+    """What the mean traction moves the whole surface by around an isolated contact, in ranges of the law."""
+    if not np.isnan(contact.datum):
+        return rigid
+    # The half-plane's kernel -2/pi ln |x| is taken against its mean over the circle of lags: here against that of a long cell.
+    circle = contact.grid.periods[0]
+    shift = 2.0 / np.pi * (np.log(LONG / (2.0 * np.pi)) - np.log(circle / 2.0) + 1.0)
+    return shift * circle * contact.ranges[:len(rigid)] ** 2
 
 
 def _mean_mass(contact, components, i):
@@ -135,183 +166,12 @@ def _mean_mass(contact, components, i):
     return 1.0 / (contact.grid.size * np.max(contact.operator(components).blocks[i, i]))
 
 
-@dataclass(frozen=True)
-class Modes:
-    """Eigenvalues by their real parts (a complex pair once, with positive imaginary part), modes x of length 1 and J x - s x as rows.
-
-    The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the edges of contact have one each), all
-    of which are to be accurate, and a further one that only tells where to look.
-    """
-
-    values: np.ndarray
-    vectors: np.ndarray
-    defects: np.ndarray
-    certain: np.ndarray
-
-    @property
-    def residuals(self):
-        """|J x - s x| of each."""
-        return np.linalg.norm(self.defects, axis=1)
-
-    @property
-    def unstable(self):
-        """Number of eigenvalues with negative real part, both of a complex pair counted."""
-        negative = self.values.real < 0.0
-        return int(np.sum(negative)) + int(np.sum(negative & (self.values.imag > 0.0)))
-
-    @property
-    def leading(self):
-        """The eigenvalue of smallest real part."""
-        return complex(self.values[0])
-
-
-class Space:
-    """Vectors with their products with J, split by symmetry, and what the projection of J on them has for modes.
-
-    Parameters
-    ----------
-    operator : with ``size``, ``apply`` and ``mirror``
-    axes : directions in which J does not change under ``mirror``
-    """
-
-    def __init__(self, operator, axes=()):
-        self.operator, self.axes = operator, axes
-        self._sectors = [([], []) for _ in range(2 ** len(axes))]
-
-    def product(self, vector):
-        """J vector, kept."""
-        image = self.operator.apply(vector)
-        for (basis, images), part, its in zip(self._sectors, self._parts(vector), self._parts(image)):
-            _append(basis, images, part, its, np.linalg.norm(vector))
-        return image
-
-    def _parts(self, vector):
-        """The vector's even and odd parts in each direction."""
-        found = [vector]
-        for axis in self.axes:
-            pairs = [(part, self.operator.mirror(part, axis)) for part in found]
-            found = [0.5 * (part + sign * image) for part, image in pairs for sign in (1.0, -1.0)]
-        return found
-
-    def modes(self):
-        """Modes of J projected on the space, for each symmetry that occurs."""
-        certain = 1 if self.axes else 2
-        return [_projected(np.array(basis), np.array(images), certain) for basis, images in self._sectors if basis]
-
-
-def _append(basis, images, vector, image, scale):
-    """Append a vector, made orthonormal to a basis, and its image; not what is hardly new."""
-    for _ in range(2):
-        for known, its in zip(basis, images):
-            part = known @ vector
-            vector, image = vector - part * known, image - part * its
-    norm = np.linalg.norm(vector)
-    if norm > 1e-7 * scale:
-        basis.append(vector / norm)
-        images.append(image / norm)
-
-
-def _projected(basis, images, certain=1):
-    """Modes of the projection on an orthonormal basis (rows)."""
-    values, coefficients = linalg.eig(basis @ images.T)
-    kept = np.flatnonzero(values.imag >= 0.0)
-    kept = kept[np.argsort(values[kept].real)]
-    certain += np.sum(values[kept].real < 0.0)
-    kept = kept[:certain + 1]
-    coefficients = coefficients[:, kept].T
-    vectors = coefficients @ basis
-    return Modes(values[kept], vectors, coefficients @ images - values[kept, None] * vectors, np.arange(len(kept)) < certain)
-
-
-def joined(parts):
-    """Modes of all symmetries together, in the order of their real parts."""
-    order = np.argsort(np.concatenate([part.values.real for part in parts]))
-    return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in ("values", "vectors", "defects", "certain")))
-
-
-def leading_modes(operator, axes=(), start=(), accurate=ACCURATE):
-    """Unstable modes and the first stable ones of an `Overdamped` operator J with preconditioner P: `Modes` of each symmetry.
-
-    ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as far as it is known: that operator
-    has no large eigenvalues, and where s is an eigenvalue of J it has the same mode. J's own modes are those of its projection on
-    all vectors that ARPACK multiplied (the inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci. Comput. 24,
-    312), split by symmetry. Again, from these, until residuals say that the signs are certain and the leading one is accurate.
-
-    Parameters
-    ----------
-    operator : Overdamped
-    axes : directions in which the state is even
-    start : list of vectors to begin with, each a sum of modes of a point nearby that differ in symmetry
-    accurate : residual of the leading mode; None where signs alone are asked for
-
-    Raises
-    ------
-    NotConverged : where residuals stay large
-    """
-    if operator.size <= DENSE:
-        return [_all_modes(operator)]
-    space, random = Space(operator, axes), np.random.default_rng(1)
-    for vector in start:
-        space.product(vector)
-    # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one to a single run.
-    cold = 0 if start else 2
-    vectors, shift = _ahead(space, accurate) if start else ([], 0.0)
-    for run in range(RUNS):
-        noise = random.standard_normal(operator.size)
-        begin = sum(vectors, (NOISE if vectors else 1.0) / np.linalg.norm(noise) * noise)
-        _krylov(space, shift, begin, BASIS * (4 if run < cold else 1))
-        if run + 1 < cold:
-            continue
-        found = space.modes()
-        if _settled(joined(found), accurate):
-            return found
-        vectors, shift = _ahead(space, accurate)
-    if operator.size <= LARGEST_DENSE:
-        return [_all_modes(operator)]
-    modes = joined(space.modes())
-    raise NotConverged(f"the modes of the point were not found: eigenvalue {modes.leading:.3g}, residual {modes.residuals[0]:.1g} "
-                       f"after {RUNS} runs of ARPACK")
-
-
-def _real(vectors):
-    """Real and imaginary parts of vectors, a list without what vanishes."""
-    parts = [part for vector in vectors for part in (vector.real, vector.imag)]
-    return [part for part in parts if part.any()]
-
-
-def _ahead(space, accurate):
-    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of the leading one."""
-    modes = joined(space.modes())
-    loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
-    steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose])]
-    return [step / np.linalg.norm(step) for step in steps], min(modes.leading.real, 0.5)
-
-
-def _krylov(space, shift, begin, basis):
-    """ARPACK's search for modes of P^-1 (J - shift), to a loose tolerance of its own: ``space`` keeps all products on the way."""
-    operator = space.operator
-
-    def product(vector):
-        return vector - operator.precondition(space.product(vector) - shift * vector)
-
-    size = operator.size
-    try:
-        eigs(LinearOperator((size, size), matvec=product, dtype=float), k=1, which="LR", v0=begin, ncv=basis, tol=0.1, maxiter=1,
-             return_eigenvectors=False)
-    except (ArpackNoConvergence, ArpackError):
-        pass  # what it has tried serves as well
-
-
-def _settled(modes, accurate):
-    """Whether residuals are small enough for the signs of all eigenvalues, and for the leading one."""
-    signs = np.all((modes.residuals < 0.5 * np.abs(modes.values.real))[modes.certain])
-    return signs and (accurate is None or modes.residuals[0] <= accurate)
-
-
-def _all_modes(operator):
-    """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
-    images = np.array([operator.apply(unit) for unit in np.eye(operator.size)])
-    return _projected(np.eye(operator.size), images)
+def refuse_without_tangent(kind, settings, solver):
+    """InputError where stability is asked for and the method has no tangent."""
+    if kind != OFF and settings.form == "force" and not solver.startswith("newton"):
+        raise InputError(f"-continuation_stability is '{kind}', but relaxation (-contact_form force, -snes_type {solver}) has no "
+                         "tangent whose eigenvalues could be found: take -contact_form displacement with Newton's method "
+                         "(-snes_type newtonls), or -continuation_stability off")
 
 
 class Stability:
@@ -319,17 +179,21 @@ class Stability:
 
     Parameters
     ----------
-    contact : Contact
+    system : Corrector that makes the points, whose contact, log and totals are used
     kind : 'sign' or 'eigenvalue'
-    prefix : of the options of the preconditioner
     """
 
-    def __init__(self, contact, kind, prefix=""):
-        self.contact, self.kind, self.options = contact, kind, read(CoreOptions, prefix)
+    def __init__(self, system, kind):
+        self.system, self.contact, self.kind = system, system.contact, kind
+        self.options = read(CoreOptions, system.prefix)
         self._operator = self._last = None
+        self._silent = False
 
     def __call__(self, point):
         """The point with ``stable``, ``unstable_modes`` and, if asked for, ``leading_eigenvalue`` and ``mode``."""
+        if not self._silent:
+            self.system.log(CERTIFIED)
+            self._silent = True
         modes = self.modes(point, ACCURATE if self.kind == EIGENVALUE else None)
         stable = int(modes.leading.real > 0.0 and point.event != "fold")
         found = replace(point, stable=stable, unstable_modes=modes.unstable)
@@ -339,15 +203,19 @@ class Stability:
 
     def modes(self, point, accurate=ACCURATE):
         """`Modes` of a point."""
-        state, axes = self._even(point.state)
+        state = states.fitted(self.contact, point.state)
+        window = centred(state.window)
+        even = State(window, states.onto(state, window), state.means)
+        axes = symmetries(self.contact, even)
+        state = even if axes else state
         operator = self._operator
         if operator is None or operator.form.window != state.window or operator.form.controls != tuple(point.controls):
             operator = self._operator = Overdamped(self.contact, state.window, point.controls, self.options)
         operator.linearise(state, point.load)
+        products = operator.form.products
         found = leading_modes(operator, axes, self._start(state), accurate)
-        # Modes of different symmetries can be told apart again: one vector carries one of each.
-        sums = [sum(vectors) for vectors in zip_longest(*(_real(part.vectors) for part in found), fillvalue=0.0)]
-        self._last = state, [operator.state(vector) for vector in sums]
+        self.system.totals["jacobian_products"] += operator.form.products - products
+        self._last = state, [operator.state(vector) for vector in summed(found)]
         return joined(found)
 
     def _start(self, state):
@@ -356,10 +224,3 @@ class Stability:
             return []
         origin, modes = self._last
         return [self._operator.vector(states.carried(self.contact, mode, origin, state)) for mode in modes]
-
-    def _even(self, state):
-        """The state, on a centred window if it is even, and the directions in which it is."""
-        if obstacle(self.contact.scene, len(state.displacement)) is not None or not asymmetry(state.window, state.displacement) <= EVEN:
-            return state, ()
-        window = centred(state.window)
-        return State(window, states.onto(state, window), state.means), tuple(range(len(window.shape)))

@@ -75,6 +75,7 @@ TABLE = (
     Row("recorder", "a corrector whose solves leave a history", LOAD_PATH),
     Row("relaxation", "damped dynamics as SNES types", (*LOAD_PATH, "continuation", "preconditioners")),
     Row("pseudotime", "pseudo-transient continuation as a SNES type", (*LOAD_PATH, "continuation", "preconditioners")),
+    Row("modes", "modes of smallest real part of any preconditioned operator", (*LOAD_PATH, "forms", *PHYSICS)),
     Row("stability", "unstable modes of a point", LOAD_PATH),
     Row("archive", "points in a file and back", PHYSICS + SOLVERS),
     Row("tables", "tables in files", PHYSICS + SOLVERS),

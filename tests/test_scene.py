@@ -107,7 +107,7 @@ BAD = [
     (Steps, dict(smallest_step=2, largest_step=(3, 1)), "-continuation_smallest_step", "2", "-continuation_largest_step"),
     (Steps, dict(initial_step=(1, 1), largest_step=(3, 3, 3)), "-continuation_initial_step", "1,1", "one number per leg"),
     (Steps, dict(predictor="cubic"), "-continuation_predictor", "cubic", "edge"),
-    (Steps, dict(stability="sign"), "-continuation_stability", "sign", "off"),
+    (Steps, dict(stability="signs"), "-continuation_stability", "signs", "eigenvalue"),
     (Output, dict(fields="some"), "-archive_fields", "some", "none, last, all"),
     (Output, dict(resume="maybe"), "-archive_resume", "maybe", "true or false"),
     (Output, dict(resume=True, overwrite=True), "-archive_resume", "-archive_overwrite", "one of them"),

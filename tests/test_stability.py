@@ -1,0 +1,248 @@
+"""Stability of points: against dense eigenvalues of the force balance on the whole cell, a motion in time, folds, other grids."""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+import petsc4py
+import pytest
+from scipy import linalg
+
+petsc4py.init([])
+
+from contactsnes.contact import DISPLACEMENT, FORCE  # noqa: E402
+from contactsnes.load import Load  # noqa: E402
+from contactsnes.run import Branch  # noqa: E402
+from contactsnes.scene import Form, Scene, Steps  # noqa: E402
+from contactsnes.settings import InputError  # noqa: E402
+from contactsnes.stability import Overdamped, Stability  # noqa: E402
+
+SMALL = {"points": 256, "period": 30.0, "normal_maugis": 3.0}
+SHEARED = {"points": 128, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 0.5}
+COUPLED = {**SHEARED, "poisson": 0.3, "height": 20.0}
+PULLED = "normal_displacement=-2.6"
+
+
+def branch(scene, path, stability="off", start="normal_displacement=0", log=lambda sentence: None, **steps):
+    return Branch(Scene(**scene), Load(start=start, path=path), Steps(stability=stability, **steps), Form(), log=log)
+
+
+def followed(made):
+    """Points of a branch up to its end or failure."""
+    points = []
+    try:
+        points.extend(made)
+    except RuntimeError:
+        pass
+    return points
+
+
+class Cell:
+    """The balance M u' = -(K u + t) of a whole periodic cell as dense matrices, from the body's stiffness alone."""
+
+    def __init__(self, contact, point):
+        self.contact, self.controls = contact, point.controls
+        self.count, self.n = len(point.controls), contact.grid.size
+        self.unknown = contact.extended(point.state).reshape(self.count, -1)
+        symbols = contact.operator(self.count, "stiffness").blocks
+        self.stiffness = np.zeros((self.count, self.n, self.count, self.n))
+        for (i, j), symbol in symbols.items():
+            spectrum = np.fft.rfft(np.eye(self.n)).T * (symbol * self.n)[:, None]
+            self.stiffness[i, :, j] = np.fft.irfft(spectrum, self.n, axis=0)
+        self.mass, mean = self.stiffness.copy(), np.full((self.n, self.n), 1.0 / self.n)
+        self.rigid = []
+        for i, control in enumerate(self.controls):
+            compliance = contact.rigid_compliance(self.count)[i]
+            softest = np.min((symbols[i, i] * self.n)[1:])
+            if (0, 1) in symbols:  # the stiffness that belongs to the compliance of one component alone
+                softest = 1.0 / np.max(contact.operator(self.count).blocks[i, i][1:] * self.n)
+            if control == DISPLACEMENT and compliance == 0.0:
+                self.rigid.append(i)
+                continue
+            self.stiffness[i, :, i] += mean * (0.0 if control == FORCE else 1.0 / compliance)
+            self.mass[i, :, i] += mean * softest
+        size = self.count * self.n
+        self.stiffness, self.mass = self.stiffness.reshape(size, size), self.mass.reshape(size, size)
+        # Where means cannot move: displacements without them.
+        free = np.zeros((self.count, self.n, self.count, self.n))
+        for i in range(self.count):
+            free[i, :, i] = np.eye(self.n) - (mean if i in self.rigid else 0.0)
+        values, vectors = linalg.eigh(free.reshape(size, size))
+        self.basis = vectors[:, values > 0.5]
+
+    def traction(self, unknown):
+        gap = unknown.reshape(self.count, -1).copy()
+        gap[0] += self.contact.initial_gap.reshape(-1)
+        return self.contact.law.traction(gap).reshape(-1)
+
+    def tangent(self):
+        gap, tangent = self.unknown.copy(), np.zeros((self.count, self.count, self.n))
+        gap[0] += self.contact.initial_gap.reshape(-1)
+        self.contact.law.evaluate(gap, np.empty_like(gap), tangent)
+        return np.block([[np.diag(tangent[i, j]) for j in range(self.count)] for i in range(self.count)])
+
+    def eigenvalues(self):
+        """All of M^-1 (K + D), in the order of their real parts."""
+        left = self.basis.T @ (self.stiffness + self.tangent()) @ self.basis
+        values = linalg.eigvals(left, self.basis.T @ self.mass @ self.basis)
+        return values[np.argsort(values.real)]
+
+    def rate(self, unknown):
+        """u' of overdamped motion, near the point."""
+        change = unknown - self.unknown.reshape(-1)
+        force = self.stiffness @ change + self.traction(unknown) - self.traction(self.unknown)
+        return -self.mobility @ force
+
+    @cached_property
+    def mobility(self):
+        """M^-1 where means can move, and of displacements without means elsewhere."""
+        return self.basis @ np.linalg.inv(self.basis.T @ self.mass @ self.basis) @ self.basis.T
+
+
+def under(point, *controls):
+    """The same equilibrium under other controls."""
+    load = np.where([control == FORCE for control in controls], point.forces, point.displacements)
+    return replace(point, controls=controls, load=load)
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    """A branch that is pulled off by its displacement, and its points."""
+    made = branch(SMALL, PULLED)
+    return made, followed(made)
+
+
+@pytest.fixture(scope="module")
+def sheared():
+    """The same of a sheared one, uncoupled, and with coupling in a layer."""
+    return [(made, followed(made)) for made in (branch(SHEARED, "normal_displacement=1; tangential_displacement=60"),
+                                                branch(COUPLED, "normal_displacement=1; tangential_displacement=15"))]
+
+
+def assert_as_dense(made, point, unstable=None):
+    """The module's modes of a point are the dense ones."""
+    expected = Cell(made.contact, point).eigenvalues()
+    found = Stability(made.corrector, "eigenvalue")(point)
+    assert found.unstable_modes == np.sum(expected.real < 0.0) == (found.unstable_modes if unstable is None else unstable)
+    assert found.stable == (found.unstable_modes == 0)
+    leading = expected[0] if expected[0].imag >= 0.0 else expected[0].conj()
+    assert abs(found.leading_eigenvalue - leading) < 4e-4
+    assert abs(Stability(made.corrector, "eigenvalue").modes(point, 1e-8).leading - leading) < 1e-7
+    assert Stability(made.corrector, "sign")(point).unstable_modes == found.unstable_modes
+
+
+@pytest.mark.parametrize("control", [DISPLACEMENT, FORCE])
+@pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
+def test_normal_contact_as_dense(pulled, control, part):
+    made, points = pulled
+    point = under(points[int(part * (len(points) - 1))], control)
+    assert_as_dense(made, point, int(control == FORCE and part == 1.0))
+
+
+@pytest.mark.parametrize("controls", [(DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT), (DISPLACEMENT, FORCE), (FORCE, FORCE)])
+@pytest.mark.parametrize("coupled", [0, 1])
+def test_sheared_contact_as_dense(sheared, controls, coupled):
+    made, points = sheared[coupled]
+    points = [point for point in points if len(point.controls) == 2]
+    for point in (points[0], points[len(points) // 2], points[-1]):
+        assert_as_dense(made, under(point, *controls))
+
+
+def test_a_disturbance_grows_at_the_rate_of_the_eigenvalue(pulled):
+    """Explicit steps in time from a slightly disturbed unstable state, whatever the disturbance."""
+    made, points = pulled
+    point = under(points[-1], FORCE)
+    cell, found = Cell(made.contact, point), Stability(made.corrector, "eigenvalue")(point)
+    assert found.leading_eigenvalue.real < 0.0
+    unknown = cell.unknown.reshape(-1) + 1e-9 * np.random.default_rng(0).standard_normal(cell.n)
+    # The fast decaying motion needs short steps; a disturbance has to grow out of the mixture first.
+    fastest = cell.eigenvalues()[-1].real
+    size, times = [], (40.0, 60.0)
+    steps = int(times[1] * fastest)
+    length = times[1] / steps
+    for step in range(steps):
+        if step == round(times[0] / length):
+            size.append(np.linalg.norm(unknown - cell.unknown.reshape(-1)))
+        unknown = unknown + length * cell.rate(unknown)
+    size.append(np.linalg.norm(unknown - cell.unknown.reshape(-1)))
+    assert np.log(size[1] / size[0]) / (times[1] - times[0]) == pytest.approx(-found.leading_eigenvalue.real, rel=1e-2)
+
+
+def test_the_leading_eigenvalue_vanishes_at_a_fold():
+    """As the square root of the distance of the load from it, and `stable` is 0 at the fold itself."""
+    points = followed(branch(SMALL, "normal_displacement=2; normal_force=-1.9", "eigenvalue"))
+    fold = points[-1]
+    assert fold.event == "fold" and fold.stable == 0 and abs(fold.leading_eigenvalue) < 1e-3
+    on_the_way = [point for point in points if point.leg == 2 and point is not fold]
+    assert all(point.stable == 1 and point.unstable_modes == 0 for point in on_the_way)
+    near = [(point.load[0] - fold.load[0], point.leading_eigenvalue.real) for point in on_the_way[-3:]]
+    slopes = np.diff(np.log(near), axis=0)
+    assert slopes[-1, 1] / slopes[-1, 0] == pytest.approx(0.5, abs=0.15)
+
+
+@pytest.mark.parametrize("scene, path", [
+    (SMALL, "normal_displacement=2"),
+    ({**SMALL, "normal_maugis": 2.0, "tangential_maugis": 0.5}, "normal_displacement=1, tangential_displacement=4")])
+def test_eigenvalues_and_their_cost_do_not_depend_on_the_grid(scene, path):
+    runs = [followed(branch({**scene, "points": points}, path, "eigenvalue", start=path.replace("=2", "=1.9").replace("=4", "=3.9")))
+            for points in (512, 1024, 2048)]
+    values = [run[-1].leading_eigenvalue for run in runs]
+    assert abs(values[1] - values[2]) < 1e-4 and abs(values[0] - values[2]) < 1e-3
+    products = [run[-1].spent["jacobian_products"] for run in runs]
+    assert max(products) <= min(products) + 8
+
+
+def test_a_check_costs_about_two_steps():
+    """In transforms, of steps that use the symmetry that modes may break; the sign less."""
+    runs = {kind: followed(branch({**SMALL, "points": 1024}, "normal_displacement=4", kind)) for kind in ("off", "sign", "eigenvalue")}
+    plain, sign, value = (np.mean([point.spent["transforms"] for point in run[2:]]) for run in runs.values())
+    assert value <= 3.0 * plain and sign <= 2.2 * plain
+    assert all(point.stable == -1 and point.unstable_modes == -1 for point in runs["off"])
+    assert all(point.stable == 1 and np.isnan(point.leading_eigenvalue.real) for point in runs["sign"])
+
+
+def test_what_a_point_tells():
+    made = branch(SMALL, "normal_displacement=0.2", "eigenvalue")
+    for point in made:
+        row = made.observe(point)
+        assert (row["stable"], row["unstable_modes"]) == (1, 0)
+        assert row["leading_eigenvalue"] == point.leading_eigenvalue.real and row["leading_eigenvalue_imaginary"] == 0.0
+        kept = made.restored(made.packed(point))
+        assert (kept.stable, kept.unstable_modes, kept.leading_eigenvalue) == (1, 0, point.leading_eigenvalue)
+
+
+def test_it_is_said_once_what_is_certified():
+    said = []
+    followed(branch(SMALL, "normal_displacement=0.5", "sign", log=said.append))
+    assert [sentence.startswith("stable:") for sentence in said].count(True) == 1
+
+
+def test_relaxation_has_no_tangent(options):
+    options(snes_type="python", snes_python_type="contactsnes.relaxation.Verlet")
+    with pytest.raises(InputError, match="-continuation_stability is 'sign'.*newtonls"):
+        Branch(Scene(**SMALL), Load(path="normal_displacement=1"), Steps(stability="sign"), Form(form="force"))
+
+
+def test_isolated_contacts_have_stability_too():
+    """A cylinder alone under force control: as one in a long cell."""
+    scene = {"normal_maugis": 3.0, "period": np.inf, "spacing": 0.06, "height": np.inf}
+    alone = followed(branch(scene, "normal_force=1", "eigenvalue", start="normal_force=0.8"))[-1]
+    cell = followed(branch({"normal_maugis": 3.0, "period": 1000.0, "points": 17000, "height": np.inf}, "normal_force=1", "eigenvalue",
+                           start="normal_force=0.8"))[-1]
+    assert alone.stable == cell.stable == 1
+    assert alone.leading_eigenvalue.real == pytest.approx(cell.leading_eigenvalue.real, rel=2e-3)
+
+
+def test_spheres_and_shear_in_the_plane():
+    """Modes of a round contact come in pairs of different symmetry; all are found."""
+    scene = {"dimension": 2, "geometry": "sphere", "points": (16, 16), "period": 8.0, "normal_maugis": 1.0}
+    for path in ("normal_displacement=1", "normal_displacement=1, tangential_displacement_x=0.3"):
+        made = branch({**scene, "tangential_maugis": 0.5}, path)
+        point = followed(made)[-1]
+        modes = Stability(made.corrector, "eigenvalue").modes(point, 1e-6)
+        window = point.state.window
+        operator = Overdamped(made.contact, window, point.controls)
+        operator.linearise(point.state, point.load)
+        dense = np.sort(linalg.eigvals(np.array([operator.apply(unit) for unit in np.eye(operator.size)]).T).real)
+        assert abs(modes.leading - dense[0]) < 1e-5
+        assert np.all(np.abs(modes.values.real[:2] - dense[:2]) < 5e-3)
