@@ -40,6 +40,11 @@ class Station(NamedTuple):
     forces: np.ndarray
 
 
+def energy_unit(scene):
+    """Unit of energies and works, in words."""
+    return "R phi_n u_n,r" if scene.dimension == 2 else "w_n,r u_n,r"
+
+
 def weights(contact, components):
     """Energy of a component in its own units, ranges times phi_i, over that in phi_n: 1, then phi_t / phi_n."""
     return np.array([1.0] + [contact.scene.work_ratio] * (components - 1))

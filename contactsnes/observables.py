@@ -6,7 +6,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from . import states
-from .energies import BALANCES
+from .energies import BALANCES, energy_unit
 from .laws import CUTOFF
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
@@ -147,7 +147,7 @@ def _scaled_table(scene):
                         ("external_work", "work of the loads"), ("interface_work", "work on the interface"),
                         ("dissipated_work", "energy lost in jumps"), ("energy_imbalance", "error of the energy balance"),
                         ("jump_work", "work on the interface in a jump"), ("viscous_work", "work against viscosity in a jump")):
-        rows[name] = Observable(lambda m, name=name: m.energy(name), label, "R phi_n u_n,r" if plane else "w_n,r u_n,r")
+        rows[name] = Observable(lambda m, name=name: m.energy(name), label, energy_unit(scene))
     rows.update({
         "contact_area": Observable(Measurement.contact_area, "contact area", "beta^2" if plane else "beta"),
         "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),

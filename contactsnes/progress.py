@@ -4,6 +4,7 @@ import time
 
 from tqdm import tqdm
 
+from .energies import energy_unit
 from .scene import tangential_legs
 
 
@@ -31,8 +32,9 @@ class Progress:
         self.columns = {"leg": "leg", **self.loads, "contact_area": "area", "nonlinear_iterations": "nonlinear",
                         "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
-        self.points, self.events, self.began = 0, [], time.monotonic()
+        self.points, self.events, self.lost, self.began = 0, [], 0.0, time.monotonic()
         self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
+        self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
 
     def log(self, sentence):
@@ -52,6 +54,7 @@ class Progress:
             self.show(self._line(row))
         self.points += 1
         self.counts = {name: count + row[name] for name, count in self.counts.items()}
+        self.lost = row["dissipated_work"]
         if row["event"]:
             self.events.append(f"{row['event']} at {loads}")
         if self.live:
@@ -87,6 +90,8 @@ class Progress:
         """The closing table of this run; ``known``: points that an archive had before."""
         lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known else "")]
         lines += [f"  {'event':13} {event}" for event in self.events]
+        if any(event.startswith("jump") for event in self.events):
+            lines.append(f"  {'dissipated':13} {self.lost:.6g} {self.energy_unit} in jumps")
         for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
             lines.append(f"  {unit:13} {self.counts[name]} iterations")
         lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")

@@ -62,7 +62,7 @@ def ends(path):
     """Leg -> row at its end, without what it cost."""
     record = archive.read(path)
     last = {int(leg): place for place, leg in enumerate(record["leg"])}
-    costs = ("iterations", "evaluations", "transforms", "time", "residual_norm", "event", "fold_kind")
+    costs = ("iterations", "evaluations", "transforms", "time", "residual_norm", "event", "fold_kind", "jump_balance")
     return {leg: {name: record[name][place] for name in record if not name.endswith(costs)} for leg, place in last.items()}
 
 

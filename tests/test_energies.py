@@ -10,6 +10,7 @@ from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
 from contactsnes.energies import Ledger, line_integral, stored
 from contactsnes.laws import CUTOFF, McGarry, Modified
 from contactsnes.observables import observe
+from contactsnes.progress import Progress
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0, "residual_friction": 0.5}
 SCENES = {
@@ -233,3 +234,12 @@ def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
     energy = [point.elastic_energy + point.interfacial_energy for point in (before, after)]
     assert after.dissipated_work == pytest.approx(work - energy[1] + energy[0], rel=1e-12) and after.dissipated_work > 1.0
     assert found[-1].event == "fold" and abs(found[-1].energy_imbalance) < 1e-3
+
+
+def test_a_run_ends_with_what_its_jumps_dissipated():
+    path = Load(start="normal_displacement=-5", path="normal_displacement=1")
+    branch, progress = Branch(Scene(**LINE), path), Progress(Scene(**LINE), path, [].append, live=False)
+    for point in branch:
+        progress.point(branch.observe(point), point.position)
+    assert f"dissipated    {point.dissipated_work:.6g} w_n,r u_n,r in jumps" in progress.summary(0) and point.dissipated_work > 0.1
+    assert "dissipated" not in Progress(Scene(**LINE), path, [].append, live=False).summary(0)
