@@ -161,9 +161,8 @@ def _scaled_table(scene):
                                 "f8" if unit else "i8")
     rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "", "i8")
     rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes, "unstable modes (-1: not checked)", "", "i8")
-    rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real, "leading eigenvalue", "1/relaxation time")
-    rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag, "its imaginary part",
-                                                      "1/relaxation time")
+    rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real, "leading eigenvalue", "")
+    rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag, "its imaginary part", "")
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
     rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
     rows["jump_balance"] = Observable(lambda m: m.point.jump_balance, "what tells the energy lost in a jump", "", "i8", BALANCES)

@@ -54,7 +54,7 @@ class Overdamped:
         self._inner = _inner_compliance(contact, compliance) if contact.isolated else np.zeros(form.components)
         self.means = np.flatnonzero(free | ((compliance != 0.0) & (not contact.isolated)))
         self._stiffness = np.array([0.0 if free[i] else 1.0 / compliance[i] for i in self.means])
-        self._mass = np.array([_mean_mass(contact, form.components, i) for i in self.means])
+        self._mass = contact.mean_mass(form.components)[self.means]
         self._free = free[self.means]
         self.size = form.count + len(self.means)
         self.zone = None
@@ -157,13 +157,6 @@ def _inner_compliance(contact, rigid):
     circle = contact.grid.periods[0]
     shift = 2.0 / np.pi * (np.log(LONG / (2.0 * np.pi)) - np.log(circle / 2.0) + 1.0)
     return shift * circle * contact.ranges[:len(rigid)] ** 2
-
-
-def _mean_mass(contact, components, i):
-    """m_0 of a component, in ranges of the law."""
-    if contact.isolated:
-        return np.pi / (contact.ranges[i] ** 2 * contact.grid.area)
-    return 1.0 / (contact.grid.size * np.max(contact.operator(components).blocks[i, i]))
 
 
 def refuse_without_tangent(kind, settings, solver):
