@@ -29,7 +29,7 @@ class Contact:
     Parameters
     ----------
     scene : Scene
-    heights : array over the grid for the geometry ``file``, u_n,r
+    heights : array over the grid for the geometry ``file``, or in place of another's, u_n,r
     counter : the grid that counts transforms, in units of its own, if not this contact's
 
     Attributes
@@ -54,8 +54,8 @@ class Contact:
             self.law = LAWS[scene.law](scene.residual_friction, scene.residual_adhesion)
         else:
             self.law = LAWS[scene.law]()
-        gap = initial_gap(scene.geometry, self.grid.coordinates(), self.grid.periods, amplitude=scene.amplitude,
-                          heights=heights, offset=scene.gap_offset)
+        gap = initial_gap(scene.geometry if heights is None else "file", self.grid.coordinates(), self.grid.periods,
+                          amplitude=scene.amplitude, heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
         self.initial_gap = self.ranges[0] * np.ascontiguousarray(gap)
         self.convex = scene.geometry in ("cylinder", "sphere")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .rough import surface
+
 
 def _cylinder(coordinates, **_):
     """x^2/2: along y on a two-dimensional interface."""
@@ -34,23 +36,31 @@ def _file(coordinates, *, heights, **_):
     return np.max(heights) - heights
 
 
+def _rough(coordinates, *, period, roughness, **_):
+    """|x|^2/2 - h, a self-affine h (`rough.surface`), less its smallest value between nodes, too: the same on every grid."""
+    found, lowest = surface(tuple(map(float, period)), *roughness)
+    return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
+
+
 SHAPES = {
     "cylinder": _cylinder,
     "sphere": _sphere,
     "sinusoid": _sinusoid,
     "flat": _flat,
     "file": _file,
+    "rough": _rough,
 }
 
 
-def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, offset=0.0):
+def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roughness=None, offset=0.0):
     """Initial gap g_0 of a named shape, in units of u_n,r = beta^2/R.
 
     Parameters
     ----------
     name : str
         A row of `SHAPES`: ``cylinder`` (x^2/2, along y), ``sphere`` (r^2/2), ``sinusoid``
-        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`).
+        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`), ``rough`` (a parabola with
+        `roughness`).
     coordinates : tuple of ndarray
         One array a direction in units of beta, broadcastable; the apex is at the origin.
     period : float or sequence of float
@@ -59,6 +69,8 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, offs
         A of the sinusoid, units of u_n,r; by default (L/2 pi)^2 in each direction, of curvature 1.
     heights : ndarray, optional
         Heights of a ``file`` on the grid (`read_heights`); shifted so that the smallest gap is 0.
+    roughness : tuple, optional
+        Hurst exponent, rms slope, longest and shortest wave and seed of a ``rough`` shape (`rough.surface`).
     offset : float
         Constant added to the gap, units of u_n,r.
 
@@ -70,14 +82,16 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, offs
     Raises
     ------
     ValueError
-        If the name is no row of `SHAPES`, or a ``file`` comes without heights.
+        If the name is no row of `SHAPES`, or a ``file`` comes without heights, a ``rough`` shape without roughness.
     """
     if name not in SHAPES:
         raise ValueError(f"-scene_geometry {name} is not a shape: use one of {', '.join(SHAPES)}.")
     if name == "file" and heights is None:
         raise ValueError("-scene_geometry file needs heights: name their file with -scene_geometry_file.")
+    if name == "rough" and roughness is None:
+        raise ValueError("-scene_geometry rough needs its roughness: give -scene_rough_slope and -scene_rough_shortest.")
     period = np.broadcast_to(period, (len(coordinates),))
-    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights)
+    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights, roughness=roughness)
     return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
 
 

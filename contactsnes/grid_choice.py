@@ -15,6 +15,7 @@ from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import Contact
 from .geometry import read_heights
 from .isolated import lay_out
+from .rough import surface
 from .scene import tangential_legs
 from .settings import as_text, InputError
 
@@ -119,6 +120,8 @@ def predicted(scene, sheared, axis, points):
     if x == 0.0:
         return 0.0
     spacing = grid.spacings[axis]
+    if scene.geometry == "rough" and 2 * spacing > scene.rough_shortest:
+        return 1.0
     length = min(spacing / x, 1.0)
     law = length * (300.0 * math.exp(-17.7 / x) + 9e-4 * x ** 4 + (3e-5 * x ** 2 if sheared else 0.0))
     width = 1.0 / math.sqrt(scene.normal_maugis * _curvature(scene, axis))
@@ -127,7 +130,9 @@ def predicted(scene, sheared, axis, points):
 
 
 def _curvature(scene, axis):
-    """Of the initial gap at the apex, u_n,r/beta^2."""
+    """Of the initial gap at the apex, u_n,r/beta^2; of roughness that of its sharp asperities."""
+    if scene.geometry == "rough":
+        return 1.0 + 3.0 * surface(scene.periods, *scene.roughness)[0].rms(2, axis)
     return scene.amplitudes[axis] * (2 * math.pi / scene.periods[axis]) ** 2 if scene.geometry == "sinusoid" else 1.0
 
 

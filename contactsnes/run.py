@@ -12,6 +12,7 @@ from .grid_choice import chosen, heights
 from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
+from .rough import check_edge
 from .snes import solver_type
 from .stability import Stability, refuse_without_tangent
 from .states import State
@@ -52,6 +53,7 @@ class Branch:
             self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
         else:
             self.contact = Contact(scene, heights(scene))
+            check_edge(self.contact)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(scene, self._sheared, form, solver_type())
         refuse_without_tangent(self.steps.stability, form, solver_type())

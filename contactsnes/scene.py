@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from . import alone
+from . import alone, shapes
 from .cohesive import default_spacing
 from .load import Load
 from .settings import InputError, Options, as_text, option
@@ -41,12 +41,20 @@ class Scene(Units):
     spacing: float | tuple = option(None, "distance of the nodes of an isolated contact", "beta", kind="number", above=0,
                                     many="directions", default_text="resolves the cohesive zone")
     geometry: str = option("cylinder", "initial gap: cylinder x^2/2 (in two dimensions along y), sphere r^2/2, sinusoid "
-                           "A (1 - cos 2 pi x/L) summed over the directions, flat 0, file -scene_geometry_file",
-                           choices=("cylinder", "sphere", "sinusoid", "flat", "file"))
+                           "A (1 - cos 2 pi x/L) summed over the directions, flat 0, file -scene_geometry_file, rough: cylinder "
+                           "(two dimensions: sphere) with self-affine roughness",
+                           choices=("cylinder", "sphere", "sinusoid", "flat", "file", "rough"))
     amplitude: float = option(None, "A of the sinusoid", "u_n,r", kind="number", above=0,
                               default_text="(L/2 pi)^2, of curvature 1")
     geometry_file: str = option("", "heights on the grid, highest = nearest the flat: FILE.npy, FILE.txt or "
                                 "FILE.h5:dataset", "u_n,r")
+    rough_hurst: float = option(0.8, "Hurst exponent H of roughness, whose power spectrum falls as q^-(2H + dimension)", minimum=0, maximum=1)
+    rough_slope: float = option(None, "root mean square slope of roughness", "u_n,r/beta", kind="number", above=0,
+                                default_text="none: rough needs it")
+    rough_longest: float = option(None, "longest wave of roughness", "beta", kind="number", above=0, default_text="the shortest period")
+    rough_shortest: float = option(None, "length that all waves of roughness are longer than", "beta", kind="number", above=0,
+                                   default_text="none: rough needs it")
+    rough_seed: int = option(0, "seed of the phases of roughness", minimum=0, maximum=2 ** 32 - 1)
     gap_offset: float = option(0.0, "constant added to the initial gap", "u_n,r")
     law: str = option("modified", "tractions: modified (eq. 5 of the paper) or mcgarry (eq. 3)",
                       choices=("modified", "mcgarry"))
@@ -69,21 +77,16 @@ class Scene(Units):
             if self.dimension == 1 and isinstance(getattr(self, name), tuple):
                 raise InputError(f"-scene_{name} is '{as_text(self.as_typed(name))}': one dimension takes one number; "
                                  "give one, or -scene_dimension 2")
-        if self.geometry == "sphere" and self.dimension == 1:
-            raise InputError("-scene_geometry is 'sphere': it needs two dimensions; add -scene_dimension 2 or take cylinder")
-        if self.geometry == "file" and not self.geometry_file:
-            raise InputError("-scene_geometry is 'file' without a file: name it by -scene_geometry_file")
         alone.check_scene(self)
-        self._check_edge()
+        shapes.check_scene(self)
 
-    def _check_edge(self):
-        """A cylinder or sphere is out of contact at the edge of the cell: L^2/8 + offset >= threshold."""
-        needed = 8 * (self.contact_gap - self.gap_offset)
-        periods = {"cylinder": self.periods[:1], "sphere": self.periods}.get(self.geometry, ())
-        if any(period ** 2 < needed for period in periods):
-            smallest = self.told(math.ceil(1e3 * math.sqrt(needed)) / 1e3, "beta")
-            raise InputError(f"-scene_period is '{as_text(self.as_typed('period'))}': the {self.geometry} would be in contact up to the edge "
-                             f"of the cell; the smallest period allowed here is {smallest:.6g}")
+    @property
+    def roughness(self):
+        """Hurst exponent, rms slope, longest and shortest wave, and seed of a rough geometry (u_n,r, beta); None of another."""
+        if self.geometry != "rough":
+            return None
+        longest = min(self.periods) if self.rough_longest is None else self.rough_longest
+        return self.rough_hurst, self.rough_slope, longest, self.rough_shortest, self.rough_seed
 
     @property
     def components(self):
@@ -251,6 +254,7 @@ def check(scene, load, steps=Steps()):
     """InputError unless load path and steps fit the scene. A path that is not set is not missed here."""
     if scene.isolated:
         alone.check_load(scene, load)
+    shapes.check_grid(scene)
     sheared = _sheared(scene, load)
     if scene.tangential == "off" and any(sheared):
         text = [load.start or "", *load.path.split(";")][sheared.index(True)].strip()
@@ -294,6 +298,8 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
              ("scene_tangential_maugis", not sheared, unsheared),
              ("scene_work_ratio", not sheared, unsheared),
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
+             *((f"scene_rough_{name}", scene.geometry != "rough", f"the geometry is {scene.geometry}")
+               for name in ("hurst", "slope", "longest", "shortest", "seed")),
              ("scene_geometry_file", scene.geometry != "file", f"the geometry is {scene.geometry}"),
              ("scene_accuracy", not estimates, "the points are given, and no errors are estimated"),
              ("contact_cascade", scene.isolated and not load.start, "the path begins without a contact"),
@@ -316,5 +322,7 @@ def attributes(scene):
     for name, directions in (("period", scene.periods), *grid):
         values[name] = scene.told(directions if scene.dimension == 2 else directions[0], Scene.rule(name)["unit"])
     del values["accuracy"]  # an aim, which a run that is resumed may change
-    unused = {"amplitude": "sinusoid", "geometry_file": "file"}
-    return {name: value for name, value in values.items() if value is not None and scene.geometry == unused.get(name, scene.geometry)}
+    if scene.roughness:
+        values["rough_longest"] = scene.told(scene.roughness[2], "beta")
+    homes = {"amplitude": "sinusoid", "geometry_file": "file"} | {name: "rough" for name in values if name.startswith("rough_")}
+    return {name: value for name, value in values.items() if value is not None and scene.geometry == homes.get(name, scene.geometry)}

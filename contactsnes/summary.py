@@ -10,6 +10,7 @@ from .grid_choice import memory_of_solve, reason
 from .load import names, quantities
 from .mirrored import obstacles
 from .options import database
+from .rough import surface
 from .settings import as_text
 from .si import DERIVED, prefixed, Units
 
@@ -95,6 +96,7 @@ def about_scene(settings):
             ("isolated contact, spacing " if scene.isolated else
              f"period {_size(scene, scene.periods, 'beta')}, {_by(scene.shape)} points, spacing ")
             + _size(scene, scene.spacings, "beta", 4),
+            *_roughness(scene),
             *_scales(scene),
             *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
             f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
@@ -106,6 +108,17 @@ def _size(scene, values, unit, digits=8):
     size, name = scene.scale(unit)
     text = f"{_by(f'{value:.{digits}g}' for value in values)} {unit}"
     return text if name == unit else f"{_by(prefixed(value * size, name) for value in values)} ({text})"
+
+
+def _roughness(scene):
+    """What a rough surface is made of."""
+    if not scene.roughness:
+        return []
+    hurst, slope, longest, shortest, seed = scene.roughness
+    found, _ = surface(scene.periods, *scene.roughness)
+    return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} waves shorter than {_size(scene, [longest], 'beta', 4)} and "
+            f"longer than {_size(scene, [shortest], 'beta', 4)}, seed {seed}",
+            f"root mean square slope {_size(scene, [slope], 'u_n,r/beta', 4)}, height {_size(scene, [found.rms(0)], 'u_n,r', 4)}"]
 
 
 def _scales(scene):

@@ -17,6 +17,8 @@ def obstacle(scene, components):
     """Why displacements of a scene with so many components need not be even in every direction, in words; None if they are."""
     if scene.geometry == "file":
         return "heights from a file need not be even"
+    if scene.geometry == "rough":
+        return "roughness is not even"
     if components > 1 and scene.coupled:
         return "the body couples tangential displacements, which are odd, to normal ones"
     if components > 2:

@@ -34,6 +34,7 @@ TABLE = (
     Row("load", "load paths and their text form"),
     Row("laws", "tractions and tangents at a gap, node by node"),
     Row("si", "scales of scenes in SI, and what is typed and told"),
+    Row("shapes", "what a geometry asks of its scene"),
     Row("alone", "what an isolated contact asks of scene and load"),
     Row("cohesive", "spacings that resolve the cohesive zone"),
     Row("scene", "what is to be solved, as frozen data with units and checks"),
@@ -41,6 +42,7 @@ TABLE = (
     Row("fourier", "the periodic grid, windows, transforms and reductions over nodes", ("scene", "laws")),
     Row("symmetry", "even fields: half of their nodes, transforms and convolutions", ("scene", "laws")),
     Row("grids", "fields on finer grids, and blurred", ("scene", "laws")),
+    Row("rough", "self-affine roughness as waves", ("scene", "laws")),
     Row("geometry", "initial gap of a shape on the grid", ("laws",)),
     Row("elasticity", "stiffness and compliance of the body in Fourier space", ("laws",)),
     Row("freespace", "compliance of the body on the unbounded line and plane", ("scene", "laws")),
@@ -101,7 +103,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "si", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "contact", "isolated", "forms", "arclength", "states", "mirrored",
+FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "mirrored",
                  "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
