@@ -13,6 +13,7 @@ from .elasticity import Body
 from .fourier import Convolution, Grid, Operator, Transform, enclosing
 from .geometry import initial_gap
 from .laws import CUTOFF, LAWS
+from .spots import fitting
 from .symmetry import Cosines
 
 DISPLACEMENT, FORCE = "displacement", "force"
@@ -137,24 +138,28 @@ class Contact:
         """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def extended(self, state):
+    def extended(self, state, normal=False):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one convolution.
 
-        Outside the window the law is zero, so the balance itself gives the displacement there.
+        Outside the window the law is zero, so the balance itself gives the displacement there. With ``normal`` perhaps no more
+        than the normal component, which costs less.
         """
         components, window = len(state.displacement), state.window
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.shape).copy()
         gap = state.displacement.copy()
         gap[0] += window.take(self.initial_gap)
+        if normal and components > 1 and not self.couples():
+            components = 1
         cell = np.zeros((components, *self.grid.shape))
-        window.put(self.law.traction(gap), cell)
+        window.put(self.law.traction(gap)[:components], cell)
         flat = cell.reshape(components, -1)
         Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
-        np.subtract(state.means[:, None], flat, out=flat)
-        window.put(state.displacement, cell)
+        np.subtract(state.means[:components, None], flat, out=flat)
+        window.put(state.displacement[:components], cell)
         return cell
 
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""
-        return enclosing(self.grid, normal_gap < CUTOFF, margin=0.05)
+        made = fitting if self.scene.geometry in ("file", "rough") else enclosing
+        return made(self.grid, normal_gap < CUTOFF, margin=0.05)

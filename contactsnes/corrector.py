@@ -11,10 +11,12 @@ from .cohesive import PINNING, resolution
 from .coldstart import COLD
 from .contact import APPROACH, FORCE
 from .points import NotConverged, Point
+from .following import follow_edge
 from .forms import DisplacementForm, ForceForm
 from .laws import DEEPEST, SLIP
 from .mirrored import Symmetry
 from .snes import create_snes, solver_type
+from .spots import in_words
 
 WARM = 16
 """Most Newton iterations of a step: one that needs more is better made shorter."""
@@ -43,7 +45,7 @@ class Corrector:
 
     def __init__(self, contact, settings, log=lambda sentence: None, tolerance=None):
         self.contact, self.settings, self.log, self.tolerance = contact, settings, log, tolerance
-        self.form = self.snes = None
+        self.form, self.snes, self.boxes = None, None, 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "jacobian_products"), 0)
         self.symmetry = Symmetry(contact, settings, solver_type(), log)
         self._accounted = self._spent_so_far()
@@ -78,7 +80,7 @@ class Corrector:
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
         known = [point.state for point in points]
         half = self.symmetry.halves(known[-1])
-        return self.symmetry.mirrored(states.follow_edge(self.contact, known, weights, half))
+        return self.symmetry.mirrored(follow_edge(self.contact, known, weights, half))
 
     def distance(self, first, second):
         """Root mean square distance of two states, ranges of the law."""
@@ -160,6 +162,9 @@ class Corrector:
         """The form on the guess's window, kept with its SNES while window and controls stay."""
         kept, kind = self.form, ForceForm if self.settings.form == "force" else self.symmetry.form(len(controls))
         if type(kept) is not kind or kept.window != guess.window or kept.controls != tuple(controls):
+            if len(guess.window.parts) != self.boxes:
+                self.boxes = len(guess.window.parts)
+                self.log(in_words(guess.window))
             self.form = kind(self.contact, *(() if kind is ForceForm else (guess.window,)), controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
         return self.form

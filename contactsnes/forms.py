@@ -12,6 +12,7 @@ import numpy as np
 from .contact import APPROACH, DISPLACEMENT, FORCE
 from .fourier import Convolution
 from .laws import CUTOFF
+from .spots import convolution
 
 
 class DisplacementForm:
@@ -37,7 +38,7 @@ class DisplacementForm:
 
     name = "displacement"
     linear_tolerance = 0.5
-    convolution_class = Convolution
+    convolution_class = staticmethod(convolution)
 
     def __init__(self, contact, window, controls):
         self.contact, self.window, self.controls = contact, window, tuple(controls)

@@ -149,6 +149,11 @@ class Window:
         return self.start == other.start and self.shape == other.shape
 
     @property
+    def parts(self):
+        """The boxes of which the window is made: one."""
+        return (self,)
+
+    @property
     def is_whole(self):
         """Whether the window is the whole cell."""
         return self.shape == self.grid.shape
@@ -259,21 +264,25 @@ class Operator:
 
     def on_window(self, key, window):
         """The block on the padded circle of a window."""
-        shape, grid = window.circle(), self.grid
-        if shape == grid.shape:
+        shape = window.circle()
+        if shape == self.grid.shape:
             return self.blocks[key]
-        lags = [np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int), np.arange(-n + 1, 0)])
-                if m < total else np.arange(total)
-                for n, m, total in zip(window.shape, shape, grid.shape)]
-        plan = Transform(grid, shape, 1)
-        plan.real[0] = self.kernel(key)[np.ix_(*lags)]
-        for axis, (n, m, total) in enumerate(zip(window.shape, shape, grid.shape)):
+        symbol = self.between(key, window.shape, shape, (0,) * len(shape))
+        # An even block stays even on the circle.
+        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
+
+    def between(self, key, extents, circle, offset):
+        """The block on a circle for the response of a box of given extents to another, ``offset`` nodes before it."""
+        lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int), np.arange(-n + 1, 0)])
+                 if m < total else np.arange(total)) + away
+                for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
+        plan = Transform(self.grid, circle, 1)
+        plan.real[0] = self.kernel(key)[np.ix_(*(lag % total for lag, total in zip(lags, self.grid.shape)))]
+        for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
             if m < total:
                 np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
         plan.forward()
-        symbol = plan.spectrum[0] / math.prod(shape)
-        # An even block stays even on the circle.
-        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
+        return plan.spectrum[0] / math.prod(circle)
 
 
 class Convolution:

@@ -10,8 +10,11 @@ from .fourier import Transform
 
 def interpolation(window):
     """Cubic interpolation from the nodes of even number in a window to all of them, a sparse matrix."""
-    lines = [_line(*sizes) for sizes in zip(window.start, window.shape, window.grid.shape)]
-    return lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
+    boxes = []
+    for part in window.parts:
+        lines = [_line(*sizes) for sizes in zip(part.start, part.shape, part.grid.shape)]
+        boxes.append(lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr"))
+    return boxes[0] if len(boxes) == 1 else sparse.block_diag(boxes, format="csr")
 
 
 def _line(start, extent, total):

@@ -13,6 +13,7 @@ from .grids import extent, smooth
 from .mirrored import EvenForm
 from .options import read
 from .settings import InputError, option, Options
+from .spots import slices
 
 
 @dataclass(frozen=True)
@@ -26,22 +27,20 @@ class CoreOptions(Options):
     pad: float = option(1.25, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
 
 
-def core_weight(form, component, options):
-    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there; None where nothing is stiff."""
-    tangent = form.tangent[component, component]
-    largest = form.grid.maximum(tangent)
+def core_weight(form, tangent, window, options):
+    """Smoothed indicator a^2 of a component's core in a window (nodes) and the mean tangent there; None where nothing is stiff."""
+    largest = window.grid.maximum(tangent)
     if largest <= 1e-6:
         return None
     core = tangent > options.threshold * min(1.0, largest)
-    weight = np.minimum(smooth(form.window, core, options.width / form.contact.ranges[0]), 1.0)
-    return weight, form.grid.sum(weight * tangent) / form.grid.sum(weight)
+    weight = np.minimum(smooth(window, core, options.width / form.contact.ranges[0]), 1.0)
+    return weight, window.grid.sum(weight * tangent) / window.grid.sum(weight)
 
 
 class CoreBlock:
-    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core."""
+    """A component of the core zone of a box: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core."""
 
-    def __init__(self, form, component, weight, mean_tangent, pad):
-        window = form.window
+    def __init__(self, form, component, window, weight, mean_tangent, pad):
         box = window.box(weight)
         parts = (extent(box > 0.0, axis) for axis in range(box.ndim))
         self.window, self.core = window, tuple(slice(0, part.stop) if window.even else part for part in parts)
@@ -93,17 +92,16 @@ def _rounded(extent):
 
 
 class CoreZone:
-    """Preconditioner of the displacement form: a core block for each component, the scalars eliminated exactly.
+    """Preconditioner of the displacement form: a core block for each component and box, the scalars eliminated exactly.
 
-    Coupling blocks of law and body are left out. What the mean displacements add (the rigid compliance of the body, and
-    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A ``floor`` for the
-    response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
+    Coupling blocks of law and body, and what boxes are to each other, are left out. What the mean displacements add (the rigid
+    compliance of the body, and the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A
+    ``floor`` for the response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        zones = [core_weight(form, i, options) for i in range(form.components)]
-        self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
+        self.blocks = [self._blocks(i, options) for i in range(form.components)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
@@ -111,8 +109,7 @@ class CoreZone:
         self.columns = np.ones((len(self.means), form.nodes))
         self.matrix = np.zeros((len(self.means), len(self.means)))
         for place, (i, column) in enumerate(zip(self.means, self.columns)):
-            if self.blocks[i] is not None:
-                self.blocks[i].apply(column)
+            self._apply_blocks(i, column)
             self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
             if self.forced[i]:
@@ -123,6 +120,20 @@ class CoreZone:
         scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)
         self.inverse = _inverse(self.matrix / scale[:, None], floor) / scale
 
+    def _blocks(self, component, options):
+        """[(slice of nodes, core block), ...] of a component, for each box where it is stiff."""
+        form, found = self.form, []
+        for part, place in zip(form.window.parts, slices(form.window)):
+            zone = core_weight(form, form.tangent[component, component, place], part, options)
+            if zone is not None:
+                found.append((place, CoreBlock(form, component, part, *zone, options.pad)))
+        return found
+
+    def _apply_blocks(self, component, field):
+        """Replace a component's field (nodes) by that of its core blocks."""
+        for place, block in self.blocks[component]:
+            block.apply(field[place])
+
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
         return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
@@ -132,9 +143,8 @@ class CoreZone:
         form = self.form
         np.copyto(out, vector)
         field = out[:form.count].reshape(form.shape)
-        for i, block in enumerate(self.blocks):
-            if block is not None:
-                block.apply(field[i])
+        for i, own in enumerate(field):
+            self._apply_blocks(i, own)
         if not len(self.means):
             return out
         right = -self._response(field)
@@ -159,7 +169,7 @@ class ZonedStiffness:
         self.form, self.grid = form, form.grid
         self.transform = Transform(form.grid, form.grid.shape, 1, measure=True)
         self.rigid = [i for i in range(form.components) if i not in form.forced and form.rigid_compliance[i] == 0.0]
-        self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
+        self.zones = [self._zones(i, core_weight(form, form.tangent[i, i], form.window, options)) for i in range(form.components)]
         self._work = np.empty(form.grid.size)
 
     def _zones(self, i, zone):

@@ -7,13 +7,13 @@ import numpy as np
 from . import cohesive, continuation, energies, observables, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
-from .fourier import Window
 from .grid_choice import chosen, heights
 from .isolated import IsolatedContact, lay_out
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
 from .rough import check_edge
 from .snes import solver_type
+from .spots import of_boxes
 from .stability import Stability, refuse_without_tangent
 from .states import State
 from .tracing import Tracer
@@ -92,7 +92,7 @@ class Branch:
 
     def restored(self, packed):
         """The point that was ``packed``."""
-        window = Window(self.contact.grid, packed["window_start"], packed["window_shape"])
+        window = of_boxes(self.contact.grid, packed["window_start"], packed["window_shape"])
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import states
+from .following import carried
 from .forms import DisplacementForm
 from .mirrored import EVEN
 from .modes import ACCURATE, joined, leading_modes, summed
@@ -197,10 +198,12 @@ class Stability:
     def modes(self, point, accurate=ACCURATE):
         """`Modes` of a point."""
         state = states.fitted(self.contact, point.state)
-        window = centred(state.window)
-        even = State(window, states.onto(state, window), state.means)
-        axes = symmetries(self.contact, even)
-        state = even if axes else state
+        axes = []
+        if len(state.window.parts) == 1:
+            window = centred(state.window)
+            even = State(window, states.onto(state, window), state.means)
+            axes = symmetries(self.contact, even)
+            state = even if axes else state
         operator = self._operator
         if operator is None or operator.form.window != state.window or operator.form.controls != tuple(point.controls):
             operator = self._operator = Overdamped(self.contact, state.window, point.controls, self.options)
@@ -216,4 +219,4 @@ class Stability:
         if self._last is None or len(self._last[0].displacement) != len(state.displacement):
             return []
         origin, modes = self._last
-        return [self._operator.vector(states.carried(self.contact, mode, origin, state)) for mode in modes]
+        return [self._operator.vector(carried(self.contact, mode, origin, state)) for mode in modes]

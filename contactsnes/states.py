@@ -1,4 +1,4 @@
-"""States of a contact on windows: starting, resampling, extrapolating, following the contact edge.
+"""States of a contact on windows: starting, resampling, extrapolating.
 
 A state is a displacement on a window with its means over the cell, in ranges of the law. Nothing here solves.
 """
@@ -6,21 +6,15 @@ A state is a displacement on a window with its means over the cell, in ranges of
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 from scipy.optimize import brentq
 
 from .contact import APPROACH, CERTAIN, FORCE
-from .fourier import Convolution, Window
-from .grids import extent
-from .levels import crossings
+from .fourier import Convolution
 from .laws import CUTOFF
-
+from .spots import reaching, slices
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
-
-SUPPORT = 12
-"""Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than 1e-7)."""
 
 
 @dataclass(frozen=True)
@@ -96,18 +90,38 @@ def onto(state, window):
     """The state on another window; where it was not known, its nearest known displacement."""
     if window == state.window:
         return state.displacement
-    source = state.window
-    axes = []
-    for start, extent, first, known, total in zip(window.start, window.shape, source.start, source.shape, window.grid.shape):
+    boxes = [_nearest(state, part) for part in window.parts]
+    return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+
+
+def _nearest(state, box):
+    """Displacements (components, nodes) of a state at the nodes of a box, the nearest known ones."""
+    found, least = None, np.inf
+    for part, place in zip(state.window.parts, slices(state.window)):
+        axes, away = _nodes_of(part, box)
+        picked = part.box(state.displacement[:, place])
+        for axis, nodes in enumerate(axes, start=1):
+            picked = picked[(slice(None),) * axis + (nodes,)]
+        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij", sparse=True))
+        found = picked if found is None else np.where(far < least, picked, found)
+        least = np.minimum(far, least)
+        if not least.any():
+            break
+    return np.ascontiguousarray(found).reshape(len(found), -1)
+
+
+def _nodes_of(source, box):
+    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and their distances from those."""
+    axes, away = [], []
+    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape, box.grid.shape):
         # Signed distance from the middle of what is known, so that nodes on either side find their own end of it.
         offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
         inside = 0 <= offset and offset + extent <= known
-        axes.append(slice(offset, offset + extent) if inside else
-                    np.clip((offset + np.arange(extent) - known // 2 + total // 2) % total - total // 2 + known // 2, 0, known - 1))
-    picked = source.box(state.displacement)
-    for axis, places in enumerate(axes, start=1):
-        picked = picked[(slice(None),) * axis + (places,)]
-    return np.ascontiguousarray(picked).reshape(len(picked), -1)
+        wanted = (offset + np.arange(extent) - known // 2 + total // 2) % total - total // 2 + known // 2
+        nodes = np.clip(wanted, 0, known - 1)
+        axes.append(slice(offset, offset + extent) if inside else nodes)
+        away.append(wanted - nodes)
+    return axes, away
 
 
 def fitted(contact, state, afresh=False):
@@ -116,7 +130,8 @@ def fitted(contact, state, afresh=False):
     gap = normal_gap(contact, state)
     rim = window.rim()
     closest = contact.grid.minimum(gap, where=rim)
-    if not afresh and not window.is_whole and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
+    idle = max(contact.grid.minimum(gap[place]) for place in slices(window)) > 1.2 * CUTOFF and len(window.parts) > 1
+    if not afresh and not window.is_whole and not idle and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
         return state
     cell = contact.extended(state)
     fresh = contact.window(cell[0] + contact.initial_gap)
@@ -127,11 +142,7 @@ def fitted(contact, state, afresh=False):
 
 def wider(state, window):
     """The state on a window that reaches a fifth further than ``window`` on either side."""
-    extra = [max(2, extent // 5) for extent in window.shape]
-    if any(extent + 2 * more >= total for extent, more, total in zip(window.shape, extra, window.grid.shape)):
-        return State(window, onto(state, window), state.means)
-    wide = Window(window.grid, [start - more for start, more in zip(window.start, extra)],
-                  [extent + 2 * more for extent, more in zip(window.shape, extra)])
+    wide = reaching(window)
     return State(wide, onto(state, wide), state.means)
 
 
@@ -144,8 +155,8 @@ def covers(contact, state):
         return False
     if contact.convex:
         return True
-    outside = contact.extended(state)[0] + contact.initial_gap
-    outside[state.window.indices] = np.inf
+    outside = contact.extended(state, normal=True)[0] + contact.initial_gap
+    state.window.put(np.full(state.window.size, np.inf), outside)
     return contact.grid.minimum(outside) >= CERTAIN
 
 
@@ -212,114 +223,3 @@ def progress(contact, origin, ahead, state):
     start = onto(origin, ahead.window)
     way, gone = ahead.displacement - start, onto(state, ahead.window) - start
     return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)
-
-
-def edges(contact, state):
-    """First and last place, in nodes of the window, of the one spot of contact along each direction, an array (directions, 2).
-
-    In two dimensions on the lines through its middle. None where there is no such spot: none, several, one across the border.
-    """
-    box, level, ends = state.window.box(normal_gap(contact, state)), contact.scene.contact_threshold, []
-    touching = box < level
-    lines = [extent(touching, axis) for axis in range(box.ndim)]
-    if not touching.any() or any(line.start == 0 for line in lines):
-        return None
-    for axis, line in enumerate(lines):
-        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2 for i, other in enumerate(lines))
-        places, _ = crossings(box[through], level)
-        # The extent of all that touches is that on the line, give or take the roundness of a spot.
-        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
-            return None
-        ends.append(places)
-    return np.array(ends)
-
-
-def follow_edge(contact, states, weights, half=False):
-    """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
-
-    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at fixed places.
-
-    The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
-    at a fixed distance from the edge hardly do. Where the law hardly acts, displacements are extrapolated at fixed places.
-    """
-    ends = [edges(contact, state) for state in states]
-    if any(end is None for end in ends):
-        return None
-    window = states[-1].window
-    # Places of all states in nodes from the first one of the last window; a wider window begins before it.
-    places = [end + _nodes_between(window, state.window)[:, None] for end, state in zip(ends, states)]
-    target = np.tensordot(weights, places, axes=1)
-    if np.any(target[:, 1] - target[:, 0] < 4.0):
-        return None
-    near = window.box(normal_gap(contact, states[-1])) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
-    if half:
-        part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
-    states = [wider(state, window) for state in states]
-    far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
-    far[0] += window.take(contact.initial_gap)
-    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place, target, part)
-                                                for state, weight, place in zip(states, weights, places))
-    # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
-    far[0] -= window.take(contact.initial_gap)
-    return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
-
-
-def carried(contact, change, origin, state):
-    """A small change of one state as one of another: moved with the edge of contact where it is one spot, to the other's window."""
-    fixed = State(state.window, onto(change, state.window), change.means)
-    ends = [edges(contact, origin), edges(contact, state)]
-    if any(end is None for end in ends):
-        return fixed
-    window = state.window
-    near = window.box(normal_gap(contact, state)) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
-    places = ends[0] + _nodes_between(window, origin.window)[:, None]
-    change = State(change.window, change.displacement.copy(), change.means)
-    change.displacement[0] -= change.window.take(contact.initial_gap)
-    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, ends[1], part)
-    return fixed
-
-
-def _stretched(contact, state, window, ends, target, part):
-    """Normal gap and tangential displacements (components, *part) of a state where its ends have been moved to ``target``.
-
-    ``ends`` and ``target`` are counted from the first node of ``window``, of whose box ``part`` is a part.
-    """
-    known, sources = [], []
-    for (first, last), (left, right), wanted, begin, count in \
-            zip(ends, target, part, _nodes_between(window, state.window), state.window.shape):
-        source = first + (np.arange(wanted.start, wanted.stop) - left) * (last - first) / (right - left) - begin
-        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2))
-        known.append(slice(min(low, count - 2), high))
-        sources.append(source - known[-1].start)
-    field = state.window.box(state.displacement)[(slice(None), *known)].copy()
-    field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
-    for axis, places in enumerate(sources, start=1):
-        field = spline(field, places, axis)
-    return field
-
-
-def spline(values, places, axis):
-    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an array with these along the axis."""
-    count = values.shape[axis]
-    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
-    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
-    first = np.minimum(places.astype(int), count - 2)
-    t = places - first
-    along = [1] * values.ndim
-    along[axis] = len(places)
-    total = 0.0
-    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3)):
-        # Mirrored beyond the ends, as the coefficients are.
-        node = np.abs(first + shift)
-        node = np.where(node > count - 1, 2 * (count - 1) - node, node)
-        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
-    return total
-
-
-def _nodes_between(window, other):
-    """Nodes from the first one of a window to that of another near it in each direction, over the cell's border or not."""
-    total = np.array(window.grid.shape)
-    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2

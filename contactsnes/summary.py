@@ -23,12 +23,12 @@ def resolution_warnings(settings):
 
 
 def start_window(settings, branch):
-    """Nodes on which the law acts when the path begins, in each direction."""
+    """The window when the path begins."""
     contact, initial = branch.contact, settings.load.initial(settings.scene.dimension, settings.scene.isolated)
     if settings.form.form == "force" or settings.form.window == "off":
-        return contact.grid.shape
+        return contact.grid.whole
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
-    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape)).shape
+    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape))
 
 
 def skipped(settings, branch):
@@ -48,14 +48,15 @@ def skipped(settings, branch):
     if np.isnan(branch.contact.datum):
         sentences.append("no displacement of the body as a whole (nan): that of a half-plane under a force has no bound")
     if scene.isolated:
-        sentences.append(f"nodes beyond the law's range: the window has {_by(window)} nodes at the start; there is room for "
+        sentences.append(f"nodes beyond the law's range: the window has {_by(window.shape)} nodes at the start; there is room for "
                          f"{_by(n // 2 for n in cell)}")
     elif form.form == "force":
         sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
-    elif math.prod(window) == math.prod(cell):
+    elif window.is_whole:
         sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
     else:
-        sentences.append(f"nodes beyond the law's range: the window has {_by(window)} of {_by(cell)} nodes at the start")
+        nodes = _by(window.shape) if len(window.parts) == 1 else f"{len(window.parts)} boxes with {window.size}"
+        sentences.append(f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start")
     return [*sentences, _mirror_images(settings, sheared)]
 
 
@@ -160,12 +161,13 @@ def about_unknowns(settings, branch):
             controls = controls | legs[number - 1].controls
         components = scene.components if sheared else 1
         forced = sum(controls[i].control == "force" for i in range(components)) if settings.form.form == "displacement" else 0
-        nodes = window if uneven else [extent // 2 + 1 for extent in window]
+        nodes = [extent // 2 + 1 for extent in window.shape] if not uneven else \
+            window.shape if len(window.parts) == 1 else [window.size]
         count = components * math.prod(nodes) + forced
         largest = max(largest, count)
         lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(nodes)} displacements"
                      + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
-    if math.prod(window) < branch.contact.grid.size:
+    if window.size < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = scene.components * branch.contact.grid.size
     estimates = "; to estimate errors, four times as much again" if settings.estimates else ""

@@ -108,7 +108,7 @@ class EvenWindow:
             weights = np.multiply.outer(weights, line)
         self.grid = EvenGrid(cell, weights.reshape(-1))
 
-    box = Window.box
+    box, parts = Window.box, Window.parts
 
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""

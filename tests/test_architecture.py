@@ -40,6 +40,7 @@ TABLE = (
     Row("scene", "what is to be solved, as frozen data with units and checks"),
     Row("levels", "where interpolated values cross a level", ("scene", "laws")),
     Row("fourier", "the periodic grid, windows, transforms and reductions over nodes", ("scene", "laws")),
+    Row("spots", "windows of several boxes, which to take, and their convolution", ("scene", "laws")),
     Row("symmetry", "even fields: half of their nodes, transforms and convolutions", ("scene", "laws")),
     Row("grids", "fields on finer grids, and blurred", ("scene", "laws")),
     Row("rough", "self-affine roughness as waves", ("scene", "laws")),
@@ -50,6 +51,7 @@ TABLE = (
     Row("forms", "the balance as residual and tangent, however it is solved", LOAD_PATH),
     Row("arclength", "a form with its load as one more unknown", LOAD_PATH),
     Row("states", "displacements to start from, and between windows", LOAD_PATH),
+    Row("following", "predictions that follow the edges of contact", LOAD_PATH),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("energies", "energies of a point and works along a path", LOAD_PATH),
     Row("observables", "numbers of a converged point"),
@@ -103,7 +105,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "mirrored",
+FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
                  "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactsnes import states
+from contactsnes import following, states
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact
 from contactsnes.continuation import lagrange_weights
 from contactsnes.fourier import Window
@@ -280,7 +280,7 @@ def test_following_the_edge_is_exact_for_a_profile_that_travels(components):
         edges = [(-2.0 - 0.11 * s + (order - 1) * 0.01 * s * s, 2.2 + 0.2 * s - (order - 1) * 0.02 * s * s) for s in (0, 1, 2, 3)]
         given = [profile(contact, window, *ends, components) for ends in edges]
         weights = lagrange_weights(range(3 - order - 1, 3), 3)
-        found = states.follow_edge(contact, given[2 - order:3], weights)
+        found = following.follow_edge(contact, given[2 - order:3], weights)
         near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
         wrong = np.abs(found.displacement - given[3].displacement)[:, near].max()
         still = np.abs(states.combined(contact, given[2 - order:3], weights).displacement - given[3].displacement)[:, near].max()
@@ -294,7 +294,7 @@ def test_following_the_edge_converges_with_the_grid():
         contact = line(points=points)
         window = Window(contact.grid, (points // 2 - 15 * points // 128,), (30 * points // 128 + 1,))
         given = [profile(contact, window, -2.0 - 0.13 * s, 2.0 + 0.17 * s, 2) for s in range(3)]
-        found = states.follow_edge(contact, given[:2], np.array([-1.0, 2.0]))
+        found = following.follow_edge(contact, given[:2], np.array([-1.0, 2.0]))
         near = states.normal_gap(contact, given[2]) < 0.7 * states.NEAR
         wrong.append(np.abs(found.displacement - given[2].displacement)[:, near].max())
     assert wrong[1] < wrong[0] / 7
@@ -313,7 +313,7 @@ def test_following_the_edge_does_not_depend_on_where_the_contact_lies(shift):
             window = Window(contact.grid, (POINTS // 2 - extent + nodes,), (2 * extent + 1,))
             gap = contact.scene.contact_threshold + 25.0 * ((centred.coordinates()[0] / half) ** 2 - 1.0)
             given.append(with_gap(contact, window, gap))
-        found = states.follow_edge(contact, given, lagrange_weights([0, 1, 2], 3))
+        found = following.follow_edge(contact, given, lagrange_weights([0, 1, 2], 3))
         assert found.window == given[-1].window
         predictions.append(states.normal_gap(contact, found))
     np.testing.assert_allclose(predictions[1], predictions[0], atol=1e-9)
@@ -328,9 +328,9 @@ def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
     touching_the_rim = with_gap(contact, window, -5.0 + x)
     good = parabola(contact, window, 2.0)
     for state in (off, two, touching_the_rim):
-        assert states.edges(contact, state) is None
-        assert states.follow_edge(contact, [good, state], np.array([-1.0, 2.0])) is None
-        assert states.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
+        assert following.edges(contact, state) is None
+        assert following.follow_edge(contact, [good, state], np.array([-1.0, 2.0])) is None
+        assert following.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
 
 
 def spot(contact, window, places, level):
@@ -350,9 +350,9 @@ def test_following_the_edge_in_two_dimensions(boxed):
     window = Window(contact.grid, (10, 12), (76, 104)) if boxed else contact.grid.whole
     given = [spot(contact, window, [(-2.0 - 0.11 * t + 0.01 * t * t, 2.2 + 0.15 * t), (-2.5 + 0.1 * t, 2.4 - 0.12 * t - 0.01 * t * t)],
                   contact.scene.contact_threshold) for t in range(4)]
-    assert np.all(np.isfinite(states.edges(contact, given[0])))
+    assert np.all(np.isfinite(following.edges(contact, given[0])))
     weights = lagrange_weights(range(3), 3)
-    found = states.follow_edge(contact, given[:3], weights)
+    found = following.follow_edge(contact, given[:3], weights)
     near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
     wrong, still = (np.abs(state.displacement - given[3].displacement)[:, near].max()
                     for state in (found, states.combined(contact, given[:3], weights)))
@@ -365,7 +365,7 @@ def test_two_spots_of_a_plane_have_no_edge_to_follow():
     x, y = contact.grid.coordinates()
     for gap in (np.minimum((x - 2) ** 2, (x + 2) ** 2) + y ** 2, np.minimum((x - 2) ** 2 + (y - 2) ** 2, (x + 2) ** 2 + (y + 2) ** 2)):
         displacement = (4.0 * gap - contact.initial_gap).reshape(1, -1)
-        assert states.edges(contact, states.State(contact.grid.whole, displacement, np.zeros(1))) is None
+        assert following.edges(contact, states.State(contact.grid.whole, displacement, np.zeros(1))) is None
 
 
 def test_a_second_spot_next_to_the_window_is_no_trouble():
@@ -374,8 +374,8 @@ def test_a_second_spot_next_to_the_window_is_no_trouble():
     contact = shaped(np.minimum((x + 10) ** 2 / 2, 3.0 + 20.0 * np.abs(x + 2)))
     window = Window(contact.grid, (POINTS // 2 - 128 - 76,), (153,))
     given = [states.State(window, np.full((1, 153), depth), np.array([depth])) for depth in (-13.9, -14.0)]
-    assert states.edges(contact, given[-1]) is not None
-    found = states.follow_edge(contact, given, np.array([-1.0, 2.0]))
+    assert following.edges(contact, given[-1]) is not None
+    found = following.follow_edge(contact, given, np.array([-1.0, 2.0]))
     assert found is None or np.all(np.isfinite(found.displacement))
 
 
@@ -383,12 +383,12 @@ def test_an_edge_that_would_vanish_is_not_followed():
     contact = line()
     window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
     given = [parabola(contact, window, half) for half in (2.0, 1.0)]
-    assert states.follow_edge(contact, given, np.array([-1.0, 2.0])) is None
+    assert following.follow_edge(contact, given, np.array([-1.0, 2.0])) is None
 
 
 def test_following_the_edge_does_not_go_into_deep_overlap():
     contact = line()
     window = Window(contact.grid, (POINTS // 2 - 51,), (103,))
     given = [parabola(contact, window, 2.0, opening=opening) for opening in (10.0, 20.0)]
-    found = states.follow_edge(contact, given, np.array([-3.0, 4.0]))
+    found = following.follow_edge(contact, given, np.array([-3.0, 4.0]))
     assert states.normal_gap(contact, found).min() == pytest.approx(states.normal_gap(contact, given[-1]).min() - 1.0)

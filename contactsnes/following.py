@@ -1,0 +1,159 @@
+"""Predictions that follow the edges of spots of contact: states extrapolated in coordinates in which the edges stay in place."""
+
+import numpy as np
+from scipy import ndimage
+
+from .fourier import Window
+from .grids import extent
+from .levels import crossings
+from .spots import MOST, slices
+from .states import NEAR, State, combined, normal_gap, onto, wider
+
+SUPPORT = 12
+"""Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than 1e-7)."""
+
+
+def edges(contact, state):
+    """First and last place, in nodes of the window, of the one spot of contact along each direction, an array (directions, 2).
+
+    In two dimensions on the lines through its middle. None where there is no such spot: none, several, one across the border.
+    """
+    if len(state.window.parts) > 1:
+        return None
+    box, level, ends = state.window.box(normal_gap(contact, state)), contact.scene.contact_threshold, []
+    touching = box < level
+    lines = [extent(touching, axis) for axis in range(box.ndim)]
+    if not touching.any() or any(line.start == 0 for line in lines):
+        return None
+    for axis, line in enumerate(lines):
+        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2 for i, other in enumerate(lines))
+        places, _ = crossings(box[through], level)
+        # The extent of all that touches is that on the line, give or take the roundness of a spot.
+        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
+            return None
+        ends.append(places)
+    return np.array(ends)
+
+
+def follow_edge(contact, states, weights, half=False):
+    """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
+
+    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at fixed places. Of several spots
+    each is followed in a box of its own.
+
+    The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
+    at a fixed distance from the edge hardly do. Where the law hardly acts, displacements are extrapolated at fixed places.
+    """
+    ahead = _follow_spot(contact, states, weights, half)
+    return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
+
+
+def _follow_spot(contact, states, weights, half=False):
+    """The same for the one spot of a window of one box."""
+    ends = [edges(contact, state) for state in states]
+    if any(end is None for end in ends):
+        return None
+    window = states[-1].window
+    # Places of all states in nodes from the first one of the last window; a wider window begins before it.
+    places = [end + _nodes_between(window, state.window)[:, None] for end, state in zip(ends, states)]
+    target = np.tensordot(weights, places, axes=1)
+    if np.any(target[:, 1] - target[:, 0] < 4.0):
+        return None
+    near = window.box(normal_gap(contact, states[-1])) < NEAR
+    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    if half:
+        part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
+    states = [wider(state, window) for state in states]
+    far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
+    far[0] += window.take(contact.initial_gap)
+    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place, target, part)
+                                                for state, weight, place in zip(states, weights, places))
+    # An extrapolation into deep overlap would meet the exponential.
+    np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
+    far[0] -= window.take(contact.initial_gap)
+    return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def _follow_spots(contact, states, weights):
+    """The same for several boxes, or several spots in one; None where no spot can be followed."""
+    last, several = states[-1], len(states[-1].window.parts) > 1
+    ahead, one = combined(contact, states, weights), last.window.parts[0]
+    if several:
+        boxes, targets = last.window.parts, [ahead.displacement[:, place] for place in slices(last.window)]
+    else:
+        cuts = _near_boxes(one.box(normal_gap(contact, last)))
+        boxes = [Window(one.grid, [s + cut.start for s, cut in zip(one.start, cut)], [line.stop - line.start for line in cut]) for cut in cuts]
+        targets = [one.box(ahead.displacement)[(slice(None), *cut)] for cut in cuts]
+    followed = False
+    for box, target in zip(boxes, targets):
+        own = [*(wider(state, box) for state in states[:-1]), State(box, onto(last, box), last.means)]
+        moved = (follow_edge if several else _follow_spot)(contact, own, weights)
+        if moved is not None:
+            target[...], followed = moved.displacement.reshape(target.shape), True
+    return ahead if followed else None
+
+
+def carried(contact, change, origin, state):
+    """A small change of one state as one of another: moved with the edge of contact where it is one spot, to the other's window."""
+    fixed = State(state.window, onto(change, state.window), change.means)
+    ends = [edges(contact, origin), edges(contact, state)]
+    if any(end is None for end in ends):
+        return fixed
+    window = state.window
+    near = window.box(normal_gap(contact, state)) < NEAR
+    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    places = ends[0] + _nodes_between(window, origin.window)[:, None]
+    change = State(change.window, change.displacement.copy(), change.means)
+    change.displacement[0] -= change.window.take(contact.initial_gap)
+    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, ends[1], part)
+    return fixed
+
+
+def _near_boxes(gap):
+    """Slices, for each direction, of the boxes around places where the law acts, four nodes wider; none where they are many."""
+    labels, count = ndimage.label(gap < NEAR)
+    return [tuple(slice(max(line.start - 4, 0), line.stop + 4) for line in box)
+            for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
+
+
+def _stretched(contact, state, window, ends, target, part):
+    """Normal gap and tangential displacements (components, *part) of a state where its ends have been moved to ``target``.
+
+    ``ends`` and ``target`` are counted from the first node of ``window``, of whose box ``part`` is a part.
+    """
+    known, sources = [], []
+    for (first, last), (left, right), wanted, begin, count in \
+            zip(ends, target, part, _nodes_between(window, state.window), state.window.shape):
+        source = first + (np.arange(wanted.start, wanted.stop) - left) * (last - first) / (right - left) - begin
+        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2))
+        known.append(slice(min(low, count - 2), high))
+        sources.append(source - known[-1].start)
+    field = state.window.box(state.displacement)[(slice(None), *known)].copy()
+    field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
+    for axis, places in enumerate(sources, start=1):
+        field = spline(field, places, axis)
+    return field
+
+
+def spline(values, places, axis):
+    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an array with these along the axis."""
+    count = values.shape[axis]
+    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
+    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
+    first = np.minimum(places.astype(int), count - 2)
+    t = places - first
+    along = [1] * values.ndim
+    along[axis] = len(places)
+    total = 0.0
+    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3)):
+        # Mirrored beyond the ends, as the coefficients are.
+        node = np.abs(first + shift)
+        node = np.where(node > count - 1, 2 * (count - 1) - node, node)
+        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
+    return total
+
+
+def _nodes_between(window, other):
+    """Nodes from the first one of a window to that of another near it in each direction, over the cell's border or not."""
+    total = np.array(window.grid.shape)
+    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2
