@@ -326,7 +326,7 @@ def test_each_spot_is_followed_on_its_own():
             for number, centre in enumerate(centres):
                 left, right = centre - 2.0 - 0.1 * number * t, centre + 2.0 + 0.12 * t - 0.01 * t * t
                 s = 2.0 * (places - left) / (right - left) - 1.0
-                gaps = np.minimum(gaps, contact.scene.contact_threshold + 25.0 * (s ** 2 - 1.0) * (1.0 + 0.02 * s))
+                gaps = np.minimum(gaps, contact.scene.contact_threshold + 25.0 * (s ** 2 - 1.0))
             field = (gaps - window.take(contact.initial_gap))[None]
             given.append(states.State(window, field, contact.grid.mean(field)))
         weights = np.array([1.0, -3.0, 3.0])
