@@ -237,6 +237,19 @@ def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
     assert found[-1].event == "fold" and abs(found[-1].energy_imbalance) < 1e-3
 
 
+@pytest.mark.parametrize("changes, start, path, step, events", (
+    ({"height": 4.0, "poisson": 0.45, "tangential": "off", "normal_maugis": 4.0}, "normal_displacement=-4",
+     "normal_displacement=1; normal_displacement=-4", 0.2, ["fold", "jump", "fold", "jump", "pull_off"]),
+    ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0}, "normal_displacement=-2",
+     "normal_displacement=0.5; normal_displacement=-2", 0.1, ["fold", "jump", "fold", "jump", "pull_off"]),
+    ({"points": None, "period": math.inf, "height": math.inf, "spacing": 0.04, "normal_maugis": 3.0}, None,
+     "normal_force=1; normal_force=-1.6", 0.2, ["fold", "jump"])), ids=("layer", "plane", "isolated cylinder"))
+def test_balance_closes_through_folds_and_jumps(changes, start, path, step, events):
+    _, found, _ = points(changes, path, start, step)
+    assert [point.event for point in found if point.event != "none"] == events
+    assert found[-1].dissipated_work > 0.3 and abs(found[-1].energy_imbalance) < 2e-3 * found[-1].dissipated_work
+
+
 def test_a_run_ends_with_what_its_jumps_dissipated():
     path = Load(start="normal_displacement=-5", path="normal_displacement=1")
     branch, progress = Branch(Scene(**LINE), path), Progress(Scene(**LINE), path, [].append, live=False)
