@@ -1,0 +1,47 @@
+"""Figure 3: contact area for several thresholds of the gap below which there is contact, and what e delta_n means.
+
+(a) From the fields of one run of normal loading at lambda_n = 10; (b) the law, and a rectangle of the same work and height.
+"""
+
+import numpy as np
+
+from contactsnes import reference
+
+from observed import profile, width_below
+from runs import PERIOD, pressed
+from style import AREA, panels, shades
+
+THRESHOLDS = (0.0, 1.0, np.e, 5.0, 8.0, 10.0)
+NEEDED = (pressed(10),)
+
+
+def widths(record, threshold):
+    """(forces, contact widths) of a run for a threshold in delta_n."""
+    found = [width_below(*profile(record, point)[:2], threshold) for point in record.field_points]
+    return record["normal_force"][record.field_points], np.array(found)
+
+
+def draw(results):
+    """The figure."""
+    figure, ((left, right),) = panels(1, 2)
+    record = results["pressed-n10"]
+    for threshold, colour in zip(THRESHOLDS, shades(len(THRESHOLDS))):
+        forces, found = widths(record, threshold)
+        name = "e" if threshold == np.e else f"{threshold:g}\\,"
+        left.plot(forces, found, color=colour, label=f"tresh $= {name}\\delta_n$" if threshold else "tresh $= 0$")
+    a = np.linspace(reference.jkr_line_pull_off(PERIOD)[0], 6.7, 200)
+    left.plot(reference.jkr_line_load(a, PERIOD), 2 * a, "k--", linewidth=0.8, label="JKR")
+    left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA)
+    left.legend()
+    gap = np.linspace(-0.3, 8, 500)
+    law = gap * np.exp(-gap)
+    right.plot(gap, law, "C0")
+    right.fill_between(gap, 0, law, where=gap >= 0, color="C0", alpha=0.25)
+    right.fill_between([0, np.e], 0, np.exp(-1), facecolor="none", edgecolor="C1", hatch="///", linewidth=0.8)
+    right.annotate(r"$\sigma_{\max}$", (4.2, np.exp(-1)), va="center")
+    right.annotate(r"e$\,\delta_n$", (np.e, -0.05), ha="center", va="center")
+    right.axhline(0, color="0.7", linewidth=0.4, zorder=0)
+    right.set(xlabel=r"$g_n/\delta_n$", ylabel=r"$p_{int,n}\,\delta_n/\phi_n$", ylim=(-0.2, 0.45))
+    for axes, letter in zip((left, right), "ab"):
+        axes.set_title(f"({letter})", loc="left")
+    return figure

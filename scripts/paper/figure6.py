@@ -1,0 +1,54 @@
+"""Figure 6: decay of the contact area with the tangential force, for more tangential parameters, with power laws and theory.
+
+Dotted grey: the best power law of each curve, fitted where up to half of the area is lost that is lost before sliding. Thin black:
+fracture mechanics - Savkoor and Briggs (mode parameter 1) and mixed-mode functions of Hutchinson and Suo with smaller ones, where
+nothing slips; and the slip zone of a contact that has peeled to Hertz's width, at tau_max, for the largest parameter: that curve is
+the width that sticks.
+"""
+
+import numpy as np
+
+from contactsnes import reference
+
+from observed import onset, peel, power_law
+from runs import LOADS, MORE_TANGENTIAL, PERIOD, sheared
+from style import AREA, FORCE, GREY, panels, shades
+
+MODE_PARAMETERS = (1.0, 0.6, 0.3)
+"""Of the mixed-mode function, 1 being Griffith's criterion."""
+NEEDED = tuple(sheared("full", maugis, force, fields="all" if maugis in (0.1, 1, 10) and force == 25 else "none")
+               for maugis in MORE_TANGENTIAL for force in LOADS)
+
+
+def mixed_mode_curve(force, parameter):
+    """(tangential forces, contact widths) of bonded contacts at a normal force up to their strength."""
+    largest = reference.mixed_mode_line_strength(force, parameter, period=PERIOD)[1]
+    forces = largest * np.sin(np.linspace(0, np.pi / 2, 40))[:-1]
+    return forces, np.array([2 * reference.mixed_mode_line_half_width(force, one, parameter, period=PERIOD) for one in forces])
+
+
+def draw(results):
+    """The figure."""
+    figure, (line,) = panels(1, 2)
+    for axes, force in zip(line, LOADS[::-1]):
+        end = 0.0
+        for maugis, colour in zip(MORE_TANGENTIAL, shades(len(MORE_TANGENTIAL))):
+            record = results[f"full-t{maugis:g}-w{force:g}"]
+            forces, areas = peel(record)
+            axes.plot(forces, areas, color=colour, label=f"$\\lambda_t = {maugis:g}$")
+            begun = onset(record)
+            if begun:
+                axes.plot(begun.force, begun.area, "o", color=colour, markersize=3.5, markeredgecolor="k", markeredgewidth=0.3, zorder=4)
+            fit = power_law(forces, areas)
+            along = np.linspace(0, min(1.5 * fit.end, (fit.area / fit.factor) ** (1 / fit.exponent)), 60)
+            axes.plot(along, fit(along), ":", color=GREY, linewidth=1.0, zorder=3)
+            end = max(end, forces[-1] if maugis <= 1 else 0.0)
+        for parameter, dashes in zip(MODE_PARAMETERS, ((6, 2), (3, 2), (1, 2))):
+            forces, widths = mixed_mode_curve(force, parameter)
+            axes.plot(forces, widths, color="k", linewidth=0.7, dashes=dashes, label=f"mixed mode, $m = {parameter:g}$")
+        axes.axhline(2 * reference.hertz_line_half_width(force, PERIOD), color="k", linewidth=0.4, label="Hertz")
+        initial = areas[0]
+        axes.set(xlabel=FORCE, ylabel=AREA, title=f"$w_n/w_{{n,r}} = {force:g}$", xlim=(0, 1.4 * end),
+                 ylim=(2 * reference.hertz_line_half_width(force, PERIOD) - (0.12 if force < 2 else 0.1) * initial, 1.03 * initial))
+    line[0].legend(fontsize=5.5, ncols=2, loc="lower left")
+    return figure

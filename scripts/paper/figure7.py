@@ -1,0 +1,63 @@
+"""Figure 7: decay of the contact area with the tangential force until the onset of sliding, for several normal forces.
+
+A row for each tangential parameter (the paper shows the first), a column for each law. Dotted black: w_t = tau_max a_r; red: the
+same with tau_fit, fitted to the onsets (dots; open where the onset is stable).
+"""
+
+import numpy as np
+
+from contactsnes import reference
+
+from observed import onset, peel
+from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
+from style import AREA, FORCE, LAW_NAMES, panels, shades
+
+
+def loads(maugis):
+    """Normal forces that are shown for a tangential parameter, from the largest."""
+    return MORE_LOADS[::-2] if maugis == 10 else MORE_LOADS[::-1]
+
+
+NEEDED = tuple(sheared(law, maugis, force, fields="all" if force == 25 and law != "mcgarry" else "none")
+               for maugis in TANGENTIAL for law in LAWS for force in loads(maugis))
+
+
+def onset_line(results, law, maugis):
+    """(tau_fit, half width of its 95 % interval, largest relative distance of an onset from the line, onsets).
+
+    Least squares of w_t = tau_fit a_r through the origin.
+    """
+    found = [onset(results[f"{law}-t{maugis:g}-w{force:g}"]) for force in loads(maugis)]
+    found = [one for one in found if one]
+    areas, forces = (np.array([getattr(one, name) for one in found]) for name in ("area", "force"))
+    slope = np.sum(areas * forces) / np.sum(areas ** 2)
+    rest = forces - slope * areas
+    spread = np.sqrt(np.sum(rest ** 2) / max(len(found) - 1, 1) / np.sum(areas ** 2))
+    return slope, 1.96 * spread, np.max(np.abs(rest / forces)), found
+
+
+def draw(results):
+    """The figure."""
+    figure, axes = panels(3, 3, height=6.3)
+    for line, maugis in zip(axes, TANGENTIAL):
+        peak = reference.peak_tangential_traction(maugis)
+        for one, law in zip(line, LAWS):
+            slope, _, _, found = onset_line(results, law, maugis)
+            for force, colour in zip(loads(maugis), shades(len(loads(maugis)), "plasma")):
+                record = results[f"{law}-t{maugis:g}-w{force:g}"]
+                one.plot(*peel(record), color=colour, label=f"{force:g}")
+            for begun in found:
+                one.plot(begun.force, begun.area, "o", color="k", markersize=3.5, markerfacecolor="k" if begun.unstable else "w", zorder=4)
+            areas = np.array([0, 13.5])
+            one.plot(peak * areas, areas, "k:", linewidth=0.9)
+            one.plot(slope * areas, areas, "r-", linewidth=0.8)
+            one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])), ylim=(0, 13.5))
+            if maugis == TANGENTIAL[0]:
+                one.set_title(LAW_NAMES[law])
+            one.annotate(f"$\\lambda_t = {maugis:g}$\n$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),
+                         xycoords="axes fraction", ha="right", fontsize=6.5)
+        line[0].set_ylabel(AREA)
+    for one in axes[-1]:
+        one.set_xlabel(FORCE)
+    axes[0, 0].legend(title=r"$w_n/w_{n,r}$", fontsize=5.5, title_fontsize=5.5, ncols=2, loc="upper left")
+    return figure

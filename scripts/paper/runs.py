@@ -1,0 +1,218 @@
+"""The runs behind the figures: what each one is, how they are made, and their archives.
+
+Every run is one command, ``contactsnes run`` with the options of `Run.options`; its archive and what it said lie in the folder
+of results, and a run whose archive is complete is not made again. Lengths are in beta, normal displacements in u_n,r, tangential
+ones in u_t,r, forces in w_n,r and w_t,r, as everywhere.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from contactsnes import Scene, reference
+from contactsnes.archive import ArchiveError, read
+from contactsnes.cohesive import resolution
+
+ROOT = Path(__file__).resolve().parents[2]
+LAWS = {"mcgarry": {"law": "mcgarry"}, "full": {"residual_friction": 1.0}, "half": {"residual_friction": 0.5}}
+"""Name of a law -> its options: eq. 3; eq. 5 with tau_inf = tau_max; eq. 5 with tau_inf = tau_max/2."""
+NORMAL = (3, 10, 20)
+"""Normal Maugis parameters of figure 4."""
+TANGENTIAL = (0.1, 1, 10)
+"""Tangential Maugis parameters of figures 5 and 7."""
+MORE_TANGENTIAL = (0.1, 0.2, 0.36, 1, 2, 3.6, 6, 10, 14)
+"""Tangential Maugis parameters of figure 6."""
+LOADS = (0.8, 25)
+"""Normal forces of figures 5 and 6."""
+MORE_LOADS = (-1, 0, 0.8, 3, 6, 10.4, 16, 25)
+"""Normal forces of figure 7; for a tangential parameter of 10 every second one."""
+PERIOD = 100.0
+
+
+class Run(NamedTuple):
+    """A run: its name and options, name -> value."""
+
+    name: str
+    options: dict
+
+    def arguments(self):
+        """The options as words of a command."""
+        return [word for name, value in self.options.items() for word in (f"-{name}", str(value))]
+
+
+def points(refinement=1, **scene):
+    """Least power of two of points that resolves the cohesive zone of a sheared scene, times a refinement; at least 2^13."""
+    ratio = max(resolution(Scene(points=8192, **scene), "tangential_maugis" in scene))
+    return refinement * max(8192, 2 ** (13 + int(np.ceil(np.log2(ratio)))))
+
+
+def half_width(force):
+    """Half width of the JKR contact in the cell."""
+    return reference.jkr_line_half_width(force, PERIOD)
+
+
+def pressed(maugis, refinement=1):
+    """Normal loading without shear: from above W = 25 down by the forces of the figures to pull-off, figures 3 and 4."""
+    scene = {"normal_maugis": float(maugis)}
+    return Run(f"pressed-n{maugis}" + f"-x{refinement}" * (refinement > 1), {
+        **{f"scene_{name}": value for name, value in scene.items()}, "scene_points": points(refinement, **scene),
+        "load_start": "normal_displacement=40",
+        "load_path": "normal_force=25; normal_force=10.4; normal_force=0.8; normal_displacement=-8",
+        "continuation_initial_step": "0.5,0.5,0.5,0.1", "continuation_largest_step": "1.5,1.5,0.6,0.2",
+        "continuation_at_fold": "stop", "continuation_stability": "sign", "archive_fields": "all", "archive_errors": "true"})
+
+
+def strength(law, maugis, force):
+    """A tangential force that is surely beyond the onset of sliding."""
+    width = 2 * half_width(force) + 1.0 / np.sqrt(maugis)
+    carried = reference.peak_tangential_traction(maugis) * width
+    if law == "mcgarry":
+        return min(carried, 2.5 * reference.ligament_force(half_width(force), PERIOD))
+    return carried
+
+
+def sheared(law, maugis, force, *, refinement=1, control="displacement", fields="none", beyond=None, suffix="", **scene):
+    """A contact that is pressed to a normal force and then sheared to gross sliding, and ``beyond`` (by default where it is cheap).
+
+    control : what stays as it is normally under shear, the "displacement" (as in the paper) or the "force"
+    """
+    scene = {"tangential_maugis": float(maugis), **LAWS[law], **scene}
+    size = scene.pop("points", None) or points(refinement, **scene)
+    begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
+    # The whole contact slips at once where the interface is compliant: smaller steps.
+    legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 1 else 120)]
+    if control == "displacement":
+        legs[1] = "normal_displacement=hold, " + legs[1]
+    if drive(scene, begin) < 0.6 * end:
+        # The contact peels long before it slides: smaller steps first.
+        legs.insert(1, legs[1].replace(f"{end:.6g}", f"{drive(scene, begin):.6g}"))
+        steps.insert(1, drive(scene, begin) / 40)
+    if beyond is None:
+        beyond = law != "mcgarry" and maugis <= 1 or fields == "all"
+    name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + f"-x{refinement}" * (refinement > 1) + suffix
+    return Run(name, {
+        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": size,
+        "load_start": f"normal_displacement={max(2.0, reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)):.3f}",
+        "load_path": "; ".join(legs), "load_stop": "pull_off" if beyond else "gross_sliding,pull_off",
+        "continuation_initial_step": ",".join(f"{min(step, 0.5):.4g}" if not leg else f"{step / 2:.4g}"
+                                              for leg, step in enumerate(steps)),
+        "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
+        "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
+        # The modes of eq. 3 lie too close together for a stiff interface to be told apart.
+        "continuation_stability": "off" if law == "mcgarry" and maugis >= 10 else "sign",
+        **({"archive_errors": "true"} if maugis <= 1 and law != "mcgarry" else {})})
+
+
+def peeling(maugis, force):
+    """A tangential force at which a contact with a stiff interface has peeled: some times its brittle strength."""
+    return 2.0 * reference.ligament_force(half_width(force), PERIOD)
+
+
+def drive(scene, force):
+    """Tangential displacement of the top at a tangential force, without slip."""
+    return reference.driven_displacement(0.0, force, scene.get("period", PERIOD), scene.get("height", 2000.0))
+
+
+def approach(displacement, **scene):
+    """One point: the top approaches by a displacement."""
+    suffix = "".join(f"-{name}{value:g}" for name, value in scene.items() if name != "points")
+    return Run(f"approach-{displacement:g}{suffix}", {
+        **{f"scene_{name}": value for name, value in scene.items()}, "load_start": f"normal_displacement={displacement:g}",
+        "load_path": f"normal_displacement={displacement:g}", "archive_errors": "true"})
+
+
+def catalogue():
+    """Name -> Run of all runs, the longest first."""
+    found = [sheared(law, 10, force) for law in LAWS for force in MORE_LOADS[::-2] if (law, force) not in (("full", 25), ("half", 25))]
+    found += [sheared(law, maugis, 25, fields="all") for maugis in (10, 1, 0.1) for law in ("full", "half")]
+    found += [sheared("half", 10, 25, points=size, suffix=f"-p{size}", beyond=size == 8192) for size in (8192, 16384)]
+    found += [sheared(law, 10, 0.8) for law in ("full", "half")]
+    found += [sheared("full", maugis, force) for maugis in MORE_TANGENTIAL[::-1] for force in LOADS]
+    found += [sheared(law, maugis, force) for law in LAWS for maugis in (1, 0.1) for force in MORE_LOADS if force != 25 or law == "mcgarry"]
+    found += [sheared("half", maugis, force, control="force") for maugis in TANGENTIAL for force in LOADS]
+    found += [sheared("half", 1, 25, control="force", suffix="-period", period=2 * PERIOD, points=16384),
+              sheared("half", 1, 25, control="force", suffix="-height", height=4000.0)]
+    found += [sheared("half", maugis, 25, refinement=2) for maugis in (1, 0.1)]
+    found += [pressed(maugis) for maugis in NORMAL[::-1]]
+    found += [approach(displacement, **scene) for displacement in (40, 2)
+              for scene in ({}, {"period": 139.0, "gap_offset": -1.0, "points": 16384})]
+    unique = {}
+    for run in found:
+        unique.setdefault(run.name, run)
+    return unique
+
+
+class Results:
+    """Archives of runs in a folder.
+
+    Parameters
+    ----------
+    folder : path, made where it is missing
+    """
+
+    def __init__(self, folder):
+        self.folder, self._read = Path(folder), {}
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def __getitem__(self, name):
+        """The archive of a run, as `contactsnes.read` gives it; KeyError where there is none with points."""
+        if name not in self._read:
+            try:
+                record = read(self.path(name))
+            except ArchiveError as error:
+                raise KeyError(name) from error
+            if not record.points:
+                raise KeyError(name)
+            self._read[name] = record
+        return self._read[name]
+
+    def __contains__(self, name):
+        try:
+            return bool(self[name])
+        except KeyError:
+            return False
+
+    def path(self, name):
+        """Where the archive of a run lies."""
+        return self.folder / f"{name}.h5"
+
+    def done(self, run):
+        """Whether a run has been made, with these options, to whatever end."""
+        log = self.path(run.name).with_suffix(".log")
+        if not log.is_file() or not self.path(run.name).is_file():
+            return False
+        lines = log.read_text(encoding="utf-8").splitlines()
+        return lines[:1] == [" ".join(run.arguments())] and lines[-1].startswith("exit status")
+
+    def make(self, run):
+        """Make a run, or go on with it; (exit status, seconds)."""
+        path, began = self.path(run.name), time.perf_counter()
+        command = [sys.executable, "-m", "contactsnes", "run", *run.arguments(), "-archive_file", str(path)]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+        for how in ("-archive_resume", "-archive_overwrite"):
+            # Bad input is an archive of other options: it gives way.
+            done = subprocess.run([*command, how], env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+            if done.returncode != 2:
+                break
+        said = "\n".join([" ".join(run.arguments()), done.stdout, done.stderr, f"exit status {done.returncode}", ""])
+        path.with_suffix(".log").write_text(said, encoding="utf-8")
+        self._read.pop(run.name, None)
+        return done.returncode, time.perf_counter() - began
+
+    def make_all(self, runs, workers, say):
+        """Make the runs that are missing, several at a time; ``say`` is called with a line on each."""
+        missing = [run for run in runs if not self.done(run)]
+        with ThreadPoolExecutor(workers) as pool:
+            futures = {pool.submit(self.make, run): run for run in missing}
+            for count, future in enumerate(as_completed(futures), start=1):
+                status, seconds = future.result()
+                name = futures[future].name
+                numbers = f"{self[name].points} points, {np.sum(self[name]['transforms']):.0f} transforms" if name in self else "no points"
+                end = {0: "", 1: ", ended early", 2: ", bad input"}.get(status, f", status {status}")
+                say(f"{count:3} of {len(missing)}  {name:28} {numbers}, {seconds:.1f} s{end}")

@@ -1,0 +1,48 @@
+"""What the figures of the paper have in common: sizes, colours, labels, and files."""
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from contactsnes.plots import STYLE, pieces
+
+WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
+"""Width of a page and of a column, inches."""
+AREA, FORCE = r"$a_r/\beta$", r"$w_t/w_{t,r}$"
+GREY = "#808080"
+LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max}$", "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
+
+
+matplotlib.rcParams.update(STYLE)
+
+
+def panels(rows, columns, width=WIDE, height=None):
+    """(figure, axes) of panels in the style of the package's figures."""
+    figure = Figure((width, height or 0.8 * rows * width / columns), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def save(figure, name, folder, pages=None):
+    """Write a figure as PNG and PDF to a folder, and a small PNG to another one."""
+    figure.savefig(Path(folder) / f"{name}.png", dpi=200)
+    figure.savefig(Path(folder) / f"{name}.pdf")
+    if pages is not None:
+        figure.savefig(Path(pages) / f"{name}.png", dpi=110)
+
+
+def branch(axes, record, x, y, part=slice(None), **look):
+    """Curve of one column over another: jumps dashed and thin."""
+    horizontal, vertical = record[x][part], record[y][part]
+    for piece in pieces(record["event"][part]):
+        line, = axes.plot(horizontal[piece], vertical[piece], **look)
+        if piece[0] > 0:
+            jump = slice(piece[0] - 1, piece[0] + 1)
+            axes.plot(horizontal[jump], vertical[jump], color=line.get_color(), linestyle=":", linewidth=0.7)
+        look = {**look, "color": line.get_color(), "label": None}
+
+
+def shades(count, name="viridis"):
+    """Colours of a family of curves, dark to light."""
+    return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))

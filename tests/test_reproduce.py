@@ -1,0 +1,123 @@
+"""The pieces of scripts/reproduce on small runs: what is read off them, figures, and the table of statements."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contactsnes import Load, Scene, reference
+from contactsnes.scene import Steps, check
+
+HERE = Path(__file__).resolve().parents[1] / "scripts" / "paper"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def modules():
+    """The folder of the scripts on the path, without bytecode in it."""
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    sys.path.insert(0, str(HERE))
+    yield
+    sys.path.remove(str(HERE))
+    sys.dont_write_bytecode = before
+
+
+@pytest.fixture(scope="module")
+def results(modules, tmp_path_factory):
+    """Two small sheared runs under the names of the large ones; law -> archive is `results[name]`."""
+    import runs
+
+    found = runs.Results(tmp_path_factory.mktemp("paper"))
+    small = {"points": 512, "normal_maugis": 2.0, "period": 60.0}
+    runs_of = [runs.sheared(law, 1, 0.8, fields="all", **small) for law in ("half", "full")]
+    lines = []
+    found.make_all(runs_of, 1, lines.append)
+    assert len(lines) == 2 and all("transforms" in line for line in lines)
+    assert all(found.done(run) for run in runs_of)
+    found.make_all(runs_of, 1, lines.append)
+    assert len(lines) == 2
+    return found
+
+
+def test_catalogue_is_of_valid_scenes_and_loads():
+    import cost
+    import runs
+
+    found = runs.catalogue()
+    for run in [*found.values(), *cost.NEEDED]:
+        options = {name: value for name, value in run.options.items()}
+        scene = Scene(**{name[6:]: value for name, value in options.items() if name.startswith("scene_")})
+        sizes = {name: tuple(map(float, options[f"continuation_{name}"].split(",")))
+                 for name in ("initial_step", "largest_step") if f"continuation_{name}" in options}
+        check(scene, Load(start=options["load_start"], path=options["load_path"]), Steps(**sizes))
+    needed = {run.name for number in range(2, 8) for run in __import__(f"figure{number}").NEEDED}
+    assert needed <= set(found)
+    for number in range(2, 8):
+        for run in __import__(f"figure{number}").NEEDED:
+            assert run == found[run.name]
+
+
+def test_power_law_finds_its_exponent():
+    from observed import power_law
+
+    forces = np.linspace(0, 3, 40)
+    fit = power_law(forces, 12.0 - 0.05 * forces ** 1.9)
+    assert fit.exponent == pytest.approx(1.9, abs=1e-6) and fit.interval < 1e-5
+    assert fit(2.0) == pytest.approx(12.0 - 0.05 * 2.0 ** 1.9)
+    with pytest.raises(ValueError, match="four points"):
+        power_law(forces[:4], 12.0 - forces[:4] ** 2)
+
+
+def test_width_below_a_threshold_is_interpolated():
+    from observed import width_below
+
+    x = np.linspace(-2, 2, 257)
+    assert width_below(x, x ** 2, 1.3) == pytest.approx(2 * np.sqrt(1.3), rel=1e-4)
+    assert width_below(x, x ** 2, -1.0) == 0.0
+
+
+def test_onset_of_sliding_with_and_without_a_fold(results):
+    from observed import onset, peel
+
+    half, full = (results[f"{law}-t1-w0.8"] for law in ("half", "full"))
+    assert half.complete and full.complete
+    begun = onset(half)
+    assert begun.unstable and half["event"][begun.point] == "fold"
+    assert half["tangential_force"][-1] < 0.8 * begun.force
+    # Nothing carries more than the peak of the law over the contact.
+    assert begun.force < reference.peak_tangential_traction(1.0) * half["contact_area"][0]
+    forces, areas = peel(half)
+    assert forces[0] == 0 and areas[0] == areas.max() and forces[-1] == begun.force
+    assert onset(full).force >= begun.force
+
+
+def test_profiles_end_at_the_edge(results):
+    from observed import onset, profile, width_below
+
+    record = results["half-t1-w0.8"]
+    x, gap, slip, normal, tangential = profile(record, onset(record).point)
+    assert width_below(x, gap, np.e) == pytest.approx(record["contact_area"][onset(record).point], rel=2e-3)
+    assert np.max(tangential) == pytest.approx(record["maximum_tangential_traction"][onset(record).point])
+    assert np.max(np.abs(slip[gap < np.e])) == pytest.approx(record["maximum_tangential_gap"][onset(record).point])
+    assert np.sum(-normal) * (x[1] - x[0]) * 2.0 == pytest.approx(record["normal_force"][onset(record).point], rel=1e-6)
+
+
+def test_figure_without_runs_is_drawn(tmp_path):
+    import figure2
+    import style
+
+    style.save(figure2.draw(None), "figure2", tmp_path, tmp_path)
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".pdf", ".png"]
+
+
+def test_statements_without_runs_are_open_or_analytic(modules, tmp_path):
+    import pages
+    import runs
+    import statements
+
+    empty = runs.Results(tmp_path / "empty")
+    rows = statements.table(empty)
+    assert len(rows) == len(statements.ALL) > 15
+    closed = [row for row in rows if row.verdict != "open"]
+    assert len(closed) == 2 and all("confirmed" in row.verdict for row in closed)
+    assert len(pages.statement_table(empty)) == len(rows) + 2
