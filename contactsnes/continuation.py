@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import bifurcations
 from .folds import Turn
 from .points import NoFold, NotConverged, lagrange_weights
 
@@ -54,13 +55,17 @@ class Walk:
     history : [(position, point), ...] of this leg, oldest first; the last one is where the walk goes on
     predictor : 'none', 'secant', 'tangent' or 'edge'
     at_fold : 'jump' or 'stop'
-    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
+    certify : function (Point) -> Point that says of a point that is accepted whether it is stable (``Stability``)
+    at_bifurcation : 'pass', 'stop' or 'follow'
     """
 
-    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point):
+    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point, at_bifurcation="pass"):
         self.system, self.leg = system, leg
-        self.history = [(place, system.adapted(point, leg.controls, leg.load(place))) for place, point in history]
-        self.predictor, self.at_fold, self.certify = predictor, at_fold, certify
+        # What was stable under other controls may not be under these.
+        self.history = [(place, system.adapted(point if point.controls == leg.controls else replace(point, stable=-1), leg.controls,
+                                               leg.load(place))) for place, point in history]
+        self.predictor, self.at_fold = predictor, at_fold
+        self.certify, self.at_bifurcation = certify, at_bifurcation
         self.stopped = False
 
     def __iter__(self):
@@ -97,7 +102,29 @@ class Walk:
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
-            yield self._accept(replace(point, step=step))
+            yield from self._arrive(replace(point, step=step))
+            if self.stopped:
+                return
+            step = self.history[-1][1].step
+
+    def _arrive(self, point):
+        """Yield what bifurcates on the way to a point, then the point, or the stable one beside it that is to be followed."""
+        last, point = self.history[-1], self.certify(point)
+        if last[1].stable < 0 <= point.stable:
+            last = last[0], self.certify(last[1])
+        for critical in bifurcations.between(self.system, self.certify, self.leg, last, (point.position, point)):
+            if critical.position > last[0]:
+                yield replace(critical, origin=self.leg.start, spent=self.system.account(), step=point.position - critical.position)
+            if self.at_bifurcation == "stop":
+                self.stopped = True
+                return
+            if self.at_bifurcation == "follow" and point.unstable_modes > last[1].unstable_modes:
+                found = bifurcations.followed(self.system, self.certify, self.leg, critical, point)
+                if found is not None:
+                    self.history = []
+                    yield self._accept(replace(found, step=min(point.step, self.leg.initial)))
+                    return
+        yield self._accept(point)
 
     def _give_up(self, error, where):
         """Raise NoEquilibrium where the leg's end has none, else ``error``."""
@@ -145,7 +172,7 @@ class Walk:
 
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
-        point = replace(self.certify(point), origin=self.leg.start)
+        point = replace(point if point.stable >= 0 else self.certify(point), origin=self.leg.start)
         point = replace(point, spent=self.system.account())
         self.history = [*self.history[-3:], (point.position, point)]
         return point
@@ -166,8 +193,10 @@ class Walk:
             yield self._accept(passed)
             return
         kind = fold_kind(self.leg)
-        fold = self._accept(replace(fold, event="fold", fold_kind=kind))
-        yield fold
+        yield from self._arrive(replace(fold, event="fold", fold_kind=kind))
+        if self.stopped or self.history[-1][1].event != "fold":
+            return
+        fold = self.history[-1][1]
         if self.at_fold == "stop":
             self.stopped = True
             return
@@ -230,7 +259,8 @@ def further_events(previous, point):
         yield replace(point, event=name, fold_kind="", spent={key: 0 * value for key, value in point.spent.items()})
 
 
-def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point):
+def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point,
+           at_bifurcation="pass"):
     """Iterate over the converged points of a load path.
 
     Parameters
@@ -238,10 +268,10 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     system : solves, extrapolates and jumps (``Corrector``)
     start : function () -> Point, the first point with what it cost, for a path without ``history``
     legs : functions (last point) -> Leg or None (nothing to do), one a leg
-    predictor, at_fold : options ``-continuation_*``
+    predictor, at_fold, at_bifurcation : options ``-continuation_*``
     stops : names of events that end the path
     history : the last points of an interrupted path, oldest first
-    certify : function (Point) -> Point that says of the points of legs whether they are stable
+    certify : function (Point) -> Point that says of the points of legs whether they are stable (``Stability``)
 
     Raises
     ------
@@ -267,7 +297,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         leg = make_leg(emitted)
         if leg is None:
             continue
-        walk = Walk(system, leg, leg_history(emitted, number), predictor, at_fold, certify)
+        walk = Walk(system, leg, leg_history(emitted, number), predictor, at_fold, certify, at_bifurcation)
         for arrived in walk:
             previous = emitted[-1]
             for point in with_events(previous, arrived):
@@ -283,7 +313,8 @@ def leg_history(points, number):
     """[(position, point), ...] of the points that a walk along leg ``number`` extrapolates from."""
     found = []
     for point in reversed(points):
-        found.append((point.position if point.leg == number else 0.0, point))
+        if point.event != "bifurcation" or not found:
+            found.append((point.position if point.leg == number else 0.0, point))
         if point.leg != number or point.event == "jump":
             break
     distinct = [found[0]] + [later for earlier, later in zip(found, found[1:]) if later[0] < earlier[0]]

@@ -11,6 +11,8 @@ from .points import NotConverged
 
 ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found; the error of its eigenvalue is smaller."""
+NEUTRAL = 1e-5
+"""Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
 DENSE, LARGEST_DENSE = 40, 3000
 """Unknowns up to which all eigenvalues are computed at once, and where the Krylov method fails."""
 BASIS, RUNS, NOISE, MOST = 3, 40, 0.003, 16
@@ -39,8 +41,11 @@ class Modes:
     @property
     def unstable(self):
         """Number of eigenvalues with negative real part, both of a complex pair counted."""
-        negative = self.values.real < 0.0
-        return int(np.sum(negative)) + int(np.sum(negative & (self.values.imag > 0.0)))
+        return int(np.sum(self.real_parts() < -NEUTRAL))
+
+    def real_parts(self):
+        """Real parts in order, both of a complex pair."""
+        return np.repeat(self.values.real, np.where(self.values.imag > 0.0, 2, 1))
 
     @property
     def leading(self):
@@ -122,7 +127,7 @@ def joined(parts):
     return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in ("values", "vectors", "defects", "certain")))
 
 
-def leading_modes(operator, axes=(), start=(), accurate=ACCURATE):
+def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0):
     """Unstable modes (real part negative) and the first stable ones of J with preconditioner P: `Modes` of each symmetry.
 
     ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as far as it is known: that operator
@@ -136,6 +141,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE):
     axes : symmetries, second arguments of ``mirror``, under which J does not change
     start : list of vectors to begin with, each a sum of modes of a point nearby that differ in symmetry
     accurate : residual of the leading mode; None where signs alone are asked for
+    number : of the last mode that is to be accurate, 0 for the leading one
 
     Raises
     ------
@@ -147,7 +153,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE):
     space.begin(start)
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one to a single run.
     cold = 0 if start else 2
-    vectors, shift = _ahead(space, accurate) if start else ([], 0.0)
+    vectors, shift = _ahead(space, accurate, number) if start else ([], 0.0)
     for run in range(RUNS):
         noise = random.standard_normal(operator.size)
         begin = sum(vectors, (NOISE if vectors else 1.0) / np.linalg.norm(noise) * noise)
@@ -155,9 +161,9 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE):
         if run + 1 < cold:
             continue
         found = space.modes()
-        if _settled(joined(found), accurate):
+        if _settled(joined(found), accurate, number):
             return found
-        vectors, shift = _ahead(space, accurate)
+        vectors, shift = _ahead(space, accurate, number)
         if space.largest > MOST:
             space.begin(summed(found))
     if operator.size <= LARGEST_DENSE:
@@ -178,12 +184,13 @@ def _real(vectors):
     return [part for part in parts if part.any()]
 
 
-def _ahead(space, accurate):
-    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of the leading one."""
+def _ahead(space, accurate, number):
+    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of the one that counts."""
     modes = joined(space.modes())
     loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
     steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose])]
-    return [step / np.linalg.norm(step) for step in steps], min(modes.leading.real, 0.5)
+    shift = modes.values[min(number, len(modes.values) - 1)].real
+    return [step / np.linalg.norm(step) for step in steps], min(shift, 0.5)
 
 
 def _krylov(space, shift, begin, basis):
@@ -201,10 +208,10 @@ def _krylov(space, shift, begin, basis):
         pass  # what it has tried serves as well
 
 
-def _settled(modes, accurate):
-    """Whether residuals are small enough for the signs of all eigenvalues, and for the leading one."""
-    signs = np.all((modes.residuals < 0.5 * np.abs(modes.values.real))[modes.certain])
-    return signs and (accurate is None or modes.residuals[0] <= accurate)
+def _settled(modes, accurate, number):
+    """Whether residuals are small enough for the signs of all eigenvalues, and for the one that counts."""
+    signs = np.all((modes.residuals < np.maximum(0.5 * np.abs(modes.values.real), NEUTRAL))[modes.certain])
+    return signs and (accurate is None or np.all(modes.residuals[:number + 1] <= accurate))
 
 
 def _all_modes(operator):

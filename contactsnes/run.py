@@ -68,7 +68,8 @@ class Branch:
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
         points = continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
                                      at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history,
-                                     certify=self.stability or (lambda point: point))
+                                     certify=self.stability or (lambda point: point),
+                                     at_bifurcation=self.steps.at_bifurcation)
         ledger = energies.Ledger(self.contact, self.history)
         try:
             yield from map(ledger.entered, points)

@@ -183,11 +183,16 @@ class Steps(Options):
                                           kind="number", above=0, many="legs", default_text="1e-6 of the leg")
     predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge, where there is one spot)",
                             choices=("none", "secant", "tangent", "edge"))
+    at_bifurcation: str = option("pass", "at a bifurcation, which -continuation_stability finds: pass, stop, follow the stable "
+                                 "branch", choices=("pass", "stop", "follow"))
     stability: str = option("off", "stability of points: not checked, stable or not, with the leading eigenvalue of overdamped "
                             "motion", choices=("off", "sign", "eigenvalue"))
 
     def __post_init__(self):
         super().__post_init__()
+        if self.at_bifurcation != "pass" and self.stability == "off":
+            raise InputError(f"-continuation_at_bifurcation is '{self.at_bifurcation}', but -continuation_stability is 'off', and "
+                             "bifurcations are not looked for: take -continuation_stability sign or eigenvalue, or leave it out")
         lists = [name for name in self._NAMES if isinstance(getattr(self, name), tuple)]
         if len({len(getattr(self, name)) for name in lists}) > 1:
             raise InputError(" and ".join(f"-continuation_{name} is '{as_text(getattr(self, name))}'" for name in lists)

@@ -21,17 +21,19 @@ from . import states
 from .following import carried
 from .forms import DisplacementForm
 from .mirrored import EVEN
-from .modes import ACCURATE, joined, leading_modes, summed
+from .modes import ACCURATE, NEUTRAL, joined, leading_modes, summed
 from .options import read
 from .preconditioners import CoreOptions, CoreZone
 from .settings import InputError
 from .states import State
-from .symmetry import centred
+from .symmetry import asymmetry, centred
 
 CERTIFIED = "stable: all eigenvalues of the discrete problem on this grid, linearised at the point under its controls, have positive " \
     "real parts in overdamped motion (the body creeps, M = K, relaxation time 1); finite disturbances are not looked at"
 OFF, SIGN, EIGENVALUE = "off", "sign", "eigenvalue"
 
+CRITICAL = 1e-8
+"""Residual of a mode where its eigenvalue is to be made to vanish."""
 LONG = 1000.0
 """Period, beta, of the cell whose response stands for that of a half-plane."""
 
@@ -189,14 +191,41 @@ class Stability:
             self.system.log(CERTIFIED)
             self._silent = True
         modes = self.modes(point, ACCURATE if self.kind == EIGENVALUE else None)
-        stable = int(modes.leading.real > 0.0 and point.event != "fold")
-        found = replace(point, stable=stable, unstable_modes=modes.unstable)
-        if self.kind == SIGN:
-            return found
-        return replace(found, leading_eigenvalue=modes.leading, mode=self._operator.state(modes.vectors[0].real))
+        unstable = modes.unstable
+        if point.event == "fold":
+            # The null mode is neither.
+            unstable -= int(modes.real_parts()[np.argmin(np.abs(modes.real_parts()))] < -NEUTRAL)
+        self._leave_symmetry(modes)
+        found = replace(point, stable=int(modes.leading.real > NEUTRAL and point.event != "fold"), unstable_modes=unstable)
+        return found if self.kind == SIGN else self._with_leading(found, modes, 0)
 
-    def modes(self, point, accurate=ACCURATE):
-        """`Modes` of a point."""
+    def critical(self, point, number):
+        """(real part of eigenvalue ``number``, the point with it as its leading one), to high accuracy."""
+        modes = self.modes(point, CRITICAL, number)
+        value = modes.real_parts()[number]
+        return float(value), self._with_leading(point, modes, int(np.argmin(np.abs(modes.values.real - value))))
+
+    def aside(self, point):
+        """A state that differs from a point's by its mode, one range of the law at most."""
+        state, mode = point.state, point.mode
+        largest = self.contact.grid.maximum(np.abs(mode.displacement))
+        moved = states.onto(state, mode.window) + mode.displacement / largest
+        return State(mode.window, moved, state.means + mode.means / largest)
+
+    def _with_leading(self, point, modes, number):
+        """The point with an eigenvalue and its mode."""
+        return replace(point, leading_eigenvalue=complex(modes.values[number]), mode=self._operator.state(modes.vectors[number].real))
+
+    def _leave_symmetry(self, modes):
+        """Take no state for even any more where an unstable mode is not."""
+        symmetry = self.system.symmetry
+        uneven = [vector for value, vector in zip(modes.values, modes.vectors) if value.real < 0.0
+                  and asymmetry(self._operator.form.window, self._operator.state(vector.real).displacement) > EVEN]
+        if uneven and symmetry.holds(self._operator.form.components):
+            symmetry.leave("an unstable mode is not even about the apex")
+
+    def modes(self, point, accurate=ACCURATE, number=0):
+        """`Modes` of a point, accurate up to a ``number``."""
         state = states.fitted(self.contact, point.state)
         axes = []
         if len(state.window.parts) == 1:
@@ -209,7 +238,7 @@ class Stability:
             operator = self._operator = Overdamped(self.contact, state.window, point.controls, self.options)
         operator.linearise(state, point.load)
         products = operator.form.products
-        found = leading_modes(operator, axes, self._start(state), accurate)
+        found = leading_modes(operator, axes, self._start(state), accurate, number)
         self.system.totals["jacobian_products"] += operator.form.products - products
         self._last = state, [operator.state(vector) for vector in summed(found)]
         return joined(found)

@@ -61,6 +61,8 @@ TABLE = (
     Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
     Row("limit_points", "limit points located to rounding", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("bifurcations", "places where an eigenvalue crosses zero",
+        ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
@@ -106,7 +108,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "bifurcations", "modes", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -12,6 +12,7 @@ petsc4py.init([])
 
 from contactsnes.contact import DISPLACEMENT, FORCE  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
+from contactsnes.modes import NEUTRAL  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
@@ -123,8 +124,8 @@ def assert_as_dense(made, point, unstable=None):
     """The module's modes of a point are the dense ones."""
     expected = Cell(made.contact, point).eigenvalues()
     found = Stability(made.corrector, "eigenvalue")(point)
-    assert found.unstable_modes == np.sum(expected.real < 0.0) == (found.unstable_modes if unstable is None else unstable)
-    assert found.stable == (found.unstable_modes == 0)
+    assert found.unstable_modes == np.sum(expected.real < -NEUTRAL) == (found.unstable_modes if unstable is None else unstable)
+    assert found.stable == (expected[0].real > NEUTRAL)
     leading = expected[0] if expected[0].imag >= 0.0 else expected[0].conj()
     assert abs(found.leading_eigenvalue - leading) < 4e-4
     assert abs(Stability(made.corrector, "eigenvalue").modes(point, 1e-8).leading - leading) < 1e-7

@@ -1,0 +1,113 @@
+"""Bifurcations of a branch: places of a leg where an eigenvalue crosses zero though the load has no limit there, and what follows."""
+
+from dataclasses import replace
+
+from scipy.optimize import brentq
+
+from .points import NotConverged, lagrange_weights
+
+PRECISION = 2e-9
+"""Relative accuracy in the load to which a bifurcation is located."""
+KICKS = (0.1, -0.1, 0.5, -0.5)
+"""How far along the mode, in ranges of the law where it acts, a motion away from the branch begins; the next if it leads back."""
+
+
+def between(system, stability, leg, before, after):
+    """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
+
+    None where they are not marked as stable or not. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
+    which is solved for in between.
+
+    Parameters
+    ----------
+    system : Corrector
+    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that eigenvalue, point marked at it)
+    leg : Leg
+    before, after : (position, Point)
+    """
+    if min(before[1].stable, after[1].stable) < 0:
+        return []
+    fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
+    found = []
+    if before[1].event == "bifurcation" and fewer < more:
+        # A path that goes on from an archive: one of the modes that change is that of its last point.
+        found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
+    for index in range(fewer, more):
+        try:
+            point = _root(system, stability, leg, [before, after], index)
+        except NotConverged as error:
+            system.log(f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} between "
+                       f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
+                       f"but no bifurcation was located there: {error}")
+            continue
+        # Both of a complex pair cross at one place.
+        if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
+            found.append(point)
+    return sorted(found, key=lambda point: point.position)
+
+
+def _precision(leg, position):
+    """That of the position at a place."""
+    reached, way = leg.load(position)[leg.moving], leg.direction[leg.moving]
+    return PRECISION * max(abs(reached), 1e-3 * abs(way)) / abs(way)
+
+
+def _root(system, stability, leg, ends, index):
+    """The point where an eigenvalue vanishes; NotConverged where it does not, or where a solve leaves the branch."""
+    known, values = dict(ends), {}
+    far = system.missed(ends[0][1].state, ends[1][1].state)
+
+    def value(position):
+        if position not in known:
+            known[position] = _solved(system, leg, known, position, far)
+        values[position], known[position] = stability.critical(known[position], index)
+        return values[position]
+
+    first, last = (value(position) for position, _ in ends)
+    if first * last > 0.0:
+        raise NotConverged(f"the eigenvalue is {first:.2g} and {last:.2g} there")
+    precision = min(_precision(leg, position) for position, _ in ends)
+    place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
+    value(place)
+    if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
+        raise NotConverged(f"an eigenvalue jumps to {values[place]:.2g}")
+    return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation", stable=0,
+                   unstable_modes=index)
+
+
+def _solved(system, leg, known, position, far):
+    """The point at a position between two known ones."""
+    nodes = [max(place for place in known if place < position), min(place for place in known if place > position)]
+    guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
+    point = system.solve(guess, leg.controls, leg.load(position))
+    if system.missed(guess, point.state) > 0.5 * far:
+        raise NotConverged("a solve in between left the branch")
+    return point
+
+
+def followed(system, stability, leg, critical, beyond):
+    """The stable point to which a disturbance leads where a branch has lost its stability, and None if it leads nowhere else.
+
+    Motion begins next to the point ``beyond``, which is not stable any more: at the bifurcation itself it would be infinitely
+    slow. Where it leads to a state that is another one at the bifurcation's load, too, that is a jump there (event ``jump``); else
+    it is the branch that begins there.
+
+    Raises NotConverged or NoEquilibrium as motion does.
+    """
+    where = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch that has lost its stability"
+    for kick in KICKS:
+        start = system.kicked(beyond.state, stability.aside(replace(beyond, mode=critical.mode)), kick)
+        reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
+        away = system.missed(beyond.state, reached.state)
+        if away < 0.3 * abs(kick):
+            continue
+        reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
+        try:
+            there = system.solve(reached.state, leg.controls, leg.load(critical.position))
+        except NotConverged:
+            return reached
+        if system.missed(critical.state, there.state) < 0.5 * away:
+            return reached
+        return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
+    system.log(f"the motion {where} led back to it")
+    return None

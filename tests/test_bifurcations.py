@@ -1,0 +1,205 @@
+"""Bifurcations: on problems of few unknowns with known branches, and where one of two contact spots lets go first."""
+
+from dataclasses import replace
+
+import numpy as np
+import petsc4py
+import pytest
+from scipy.optimize import brentq
+
+petsc4py.init([])
+
+from test_continuation import Problem, System, assert_solutions, events, followed, path, pitchfork  # noqa: E402
+
+from contactsnes.load import Load  # noqa: E402
+from contactsnes.run import Branch  # noqa: E402
+from contactsnes.scene import Form, Scene, Steps  # noqa: E402
+from contactsnes.settings import InputError  # noqa: E402
+from contactsnes.stability import Stability  # noqa: E402
+
+
+class Dense:
+    """What continuation asks of stability, by the eigenvalues of a problem's dense Jacobian."""
+
+    def __init__(self, system):
+        self.problem = system.problem
+
+    def _modes(self, point):
+        values, vectors = np.linalg.eig(self.problem.jacobian(point.state, point.load[-1]))
+        order = np.argsort(values.real)
+        return values[order], vectors.T[order]
+
+    def __call__(self, point):
+        values, _ = self._modes(point)
+        return replace(point, stable=int(values[0].real > 0.0 and point.event != "fold"),
+                       unstable_modes=int(np.sum(values.real < (-1e-3 if point.event == "fold" else 0.0))))
+
+    def critical(self, point, number):
+        values, vectors = self._modes(point)
+        return values[number].real, replace(point, leading_eigenvalue=complex(values[number]), mode=vectors[number].real)
+
+    def aside(self, point):
+        return point.state + point.mode
+
+
+def walked(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
+    """Points along a path of a problem, with stability."""
+    system = System(problem)
+    points, error = followed(path(system, values, guess, certify=Dense(system), **settings))
+    assert_solutions(system, points)
+    return points, error
+
+
+def crossing_subcritical():
+    """(u - load, v (1/2 - load - v^2 + v^4)): at 1/2 the branch v = 0 loses its stability, and v jumps to 1."""
+    return Problem(lambda x, load: np.array([x[0] - load, x[1] * (0.5 - load - x[1] ** 2 + x[1] ** 4)]),
+                   lambda x, load: np.diag([1.0, 0.5 - load - 3 * x[1] ** 2 + 5 * x[1] ** 4]),
+                   lambda x, load: np.array([-1.0, -x[1]]))
+
+
+def two_crossings(first, second):
+    """Two unknowns that lose their stability at two loads, beside one that follows the load."""
+    places = np.array([first, second])
+    return Problem(lambda x, load: np.append(x[0] - load, x[1:] * (x[1:] ** 2 + places - load)),
+                   lambda x, load: np.diag(np.append(1.0, 3 * x[1:] ** 2 + places - load)),
+                   lambda x, load: np.append(-1.0, -x[1:]))
+
+
+def flutter():
+    """A pair of unknowns that begins to oscillate at load 0.3: a complex pair crosses the imaginary axis."""
+    turn = np.array([[0.0, 2.0], [-2.0, 0.0]])
+    matrix = lambda load: (0.3 - load) * np.eye(2) + turn
+    return Problem(lambda x, load: np.append(x[0] - load, matrix(load) @ x[1:]),
+                   lambda x, load: np.block([[np.eye(1), np.zeros((1, 2))], [np.zeros((2, 1)), matrix(load)]]),
+                   lambda x, load: np.append(-1.0, -x[1:]))
+
+
+def test_a_pitchfork_is_passed_and_its_place_stored():
+    points, error = walked(pitchfork())
+    assert error is None and events(points) == ["bifurcation"]
+    critical = next(point for point in points if point.event == "bifurcation")
+    assert critical.load[-1] == pytest.approx(0.5, rel=1e-8) and critical.stable == 0 and critical.unstable_modes == 0
+    assert np.abs(critical.mode) == pytest.approx([0.0, 1.0])
+    for point in points[1:]:
+        if point is not critical:
+            assert (point.stable, point.unstable_modes) == ((1, 0) if point.load[-1] < 0.5 else (0, 1))
+    assert [point.load[-1] for point in points] == sorted(point.load[-1] for point in points)
+
+
+def test_a_path_may_stop_there():
+    points, error = walked(pitchfork(), at_bifurcation="stop")
+    assert error is None and points[-1].event == "bifurcation" and points[-1].load[-1] == pytest.approx(0.5, rel=1e-8)
+
+
+@pytest.mark.parametrize("problem, branch, event", [(pitchfork, lambda load: np.sqrt(load - 0.5), "none"),
+                                                     (crossing_subcritical, lambda load: np.sqrt(0.5 + np.sqrt(load - 0.25)), "jump")])
+def test_the_stable_branch_is_followed_on_request(problem, branch, event):
+    points, error = walked(problem(), at_bifurcation="follow")
+    assert error is None and points[-1].position == 1.0
+    place = [point.event for point in points].index("bifurcation")
+    assert points[place + 1].event == event
+    for point in points[place + 1:]:
+        assert abs(point.state[1]) == pytest.approx(branch(max(point.load[-1], 0.5)), rel=1e-6) and point.stable == 1
+
+
+@pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
+def test_all_modes_that_change_in_a_step_are_found(second):
+    points, _ = walked(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
+    assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
+
+
+def test_a_complex_pair_is_one_bifurcation():
+    points, _ = walked(flutter(), guess=(0.0, 0.0, 0.0))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert len(found) == 1 and found[0].load[-1] == pytest.approx(0.3, rel=1e-8)
+    assert abs(found[0].leading_eigenvalue.imag) == pytest.approx(2.0) and points[-1].unstable_modes == 2
+
+
+def test_stability_may_come_back():
+    points, _ = walked(pitchfork(), values=(0.9, 0.1))
+    assert events(points) == ["bifurcation"] and points[1].stable == 0 and points[-1].stable == 1
+
+
+def test_a_resumed_path_goes_on_after_its_bifurcation():
+    points, _ = walked(pitchfork())
+    place = events(points) and [point.event for point in points].index("bifurcation")
+    for last in (place - 1, place, place + 1):
+        rest, _ = walked(pitchfork(), resumed=points[max(0, last - 3):last + 1])
+        assert [(point.event, point.stable) for point in rest] == [(point.event, point.stable) for point in points[last + 1:]]
+        np.testing.assert_allclose([point.load[-1] for point in rest], [point.load[-1] for point in points[last + 1:]], rtol=1e-8)
+
+
+def test_what_follows_a_bifurcation_needs_its_search():
+    with pytest.raises(InputError, match="-continuation_at_bifurcation is 'follow'.*-continuation_stability"):
+        Steps(at_bifurcation="follow")
+
+
+# Two contact spots
+
+
+@pytest.fixture(scope="module")
+def spots(tmp_path_factory):
+    """A function that makes the branch of two equal adhesive spots in a cell, pulled off by the mean displacement."""
+    points, period = 192, 18.0
+    places = (np.arange(points) - points // 2) * period / points
+    heights = -1.5 * (1.0 - np.cos(4.0 * np.pi * places / period))
+    file = tmp_path_factory.mktemp("spots") / "two.npy"
+    np.save(file, heights)
+
+    def make(path, log=lambda sentence: None, start="normal_displacement=-1.2", **steps):
+        scene = Scene(points=points, period=period, normal_maugis=2.0, geometry="file", geometry_file=str(file))
+        return Branch(scene, Load(start=start, path=path), Steps(stability="eigenvalue", **steps), Form(), log=log)
+
+    return make
+
+
+def halves_differ(point):
+    """Difference between the two spots."""
+    field = point.state.displacement[0]
+    return np.abs(field - np.roll(field, len(field) // 2)).max()
+
+
+def test_one_of_two_spots_lets_go_first(spots):
+    """Pulled by the mean displacement, which could hold both: the mode takes from one spot what it gives the other."""
+    made = spots("normal_displacement=-1.75")
+    points, _ = followed(made)
+    assert events(points) == ["bifurcation"]
+    critical = next(point for point in points if point.event == "bifurcation")
+    mode = critical.mode.displacement[0]
+    assert np.abs(mode + np.roll(mode, mode.size // 2)).max() < 1e-4 * np.abs(mode).max() and halves_differ(critical) < 1e-6
+    for point in points:
+        beyond = abs(point.load[0]) > abs(critical.load[0])
+        assert point is critical or (point.stable, point.unstable_modes) == ((0, 1) if beyond else (1, 0)), point.event
+    # On either side, at 1e-8 of the load, the eigenvalue has the signs that it should have.
+    signs = []
+    for part in (1.0 - 2e-8, 1.0 + 2e-8):
+        near = made.corrector.solve(critical.state, critical.controls, part * critical.load)
+        signs.append(np.sign(Stability(made.corrector, "eigenvalue").critical(near, 0)[0]))
+    assert signs == [1.0, -1.0]
+
+
+def test_the_other_spot_is_followed(spots):
+    points, error = followed(spots("normal_displacement=-1.75", at_bifurcation="follow"))
+    place = [point.event for point in points].index("bifurcation")
+    jump = points[place + 1]
+    assert error is None and jump.event == "jump" and jump.load == points[place].load and halves_differ(jump) > 1.0
+    assert all(point.stable == 1 for point in points[place + 1:]) and points[-1].position == 1.0
+    assert jump.forces[0] > points[place].forces[0] and jump.dissipated_work > points[place].dissipated_work
+
+
+def test_a_flat_layer_parts_in_waves():
+    """A uniform gap loses its stability to the cell's longest wave where 1 + C(q) t'(a) = 0, to cosine and sine at once."""
+    maugis, period = 3.0, 6.0
+    scene = Scene(geometry="flat", points=64, period=period, normal_maugis=maugis, height=np.inf)
+    compliance = 2.0 * maugis ** 2 / (2.0 * np.pi / period)
+    gaps = [brentq(lambda gap, wave=wave: 1.0 + compliance / wave * (1.0 - gap) * np.exp(-gap), 1.0, 2.0) for wave in (1, 2)]
+    said = []
+    points = list(Branch(scene, Load(start="normal_displacement=-0.3", path="normal_displacement=-0.55"), Steps(stability="sign"),
+                         log=said.append))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert [-maugis * point.load[0] for point in found] == pytest.approx(gaps, rel=1e-8)
+    assert [point.unstable_modes for point in found] == [0, 2] and points[-1].unstable_modes == 4
+    # The run took its states for even, which sines are not.
+    assert any("not even about the apex: going on without symmetry" in sentence for sentence in said)
