@@ -26,7 +26,7 @@ DEFAULTS = {
     "contact_first": "none", "contact_first_tolerance": "0.01",
     "load_start": "", "load_path": "", "load_stop": "none", "continuation_type": "natural",
     "continuation_at_fold": "jump", "continuation_initial_step": "", "continuation_largest_step": "",
-    "continuation_smallest_step": "", "continuation_predictor": "edge", "continuation_stability": "off", "archive_file": "",
+    "continuation_smallest_step": "", "continuation_predictor": "edge", "continuation_stability": "off", "continuation_at_bifurcation": "pass", "archive_file": "",
     "archive_fields": "none", "archive_errors": "false", "archive_resume": "false", "archive_overwrite": "false"}
 
 
