@@ -12,7 +12,8 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .archive import ArchiveError, read
+from .archive import ArchiveError
+from .prefixes import read
 
 WIDTH = 8.5 / 2.54  # inches
 STYLE = {
@@ -301,10 +302,9 @@ def draw_map(axes, record, values, colormap, norm):
 
 def draw_edge(axes, record, gap):
     """Line where the contact ends, if the scene says at which gap."""
-    threshold = record.scene.get("contact_threshold", np.nan) / record.scene.get("normal_maugis", np.nan)
-    if np.min(gap) < threshold < np.max(gap):
-        axes.contour(*record.coordinates, gap.T, levels=[threshold], colors="white", linewidths=1.4)
-        axes.contour(*record.coordinates, gap.T, levels=[threshold], colors="black", linewidths=0.6)
+    if np.min(gap) < record.contact_gap < np.max(gap):
+        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="white", linewidths=1.4)
+        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="black", linewidths=0.6)
 
 
 def zoom(stack, x, gaps, tractions):
@@ -448,7 +448,7 @@ def column_label(record, name):
     """Label of a column: words, symbol and unit."""
     unit = record.units[name]
     if name == "contact_area":
-        return label(*(("contact area", "A") if unit.endswith("^2") else ("contact length", "2a")), unit)
+        return label(*(("contact area", "A") if unit.endswith(("^2", "²")) else ("contact length", "2a")), unit)
     return label(*word_and_symbol(name), unit)
 
 

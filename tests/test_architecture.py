@@ -89,6 +89,7 @@ TABLE = (
     Row("methods", "methods as files of options, and the options of a comparison", PHYSICS + SOLVERS),
     Row("compare", "several methods on one scene, on equal terms", ("laws", "geometry", "elasticity", "forms", "archive")),
     Row("comparison_table", "a comparison as table, text and files", PHYSICS + SOLVERS),
+    Row("prefixes", "archives in SI for readers of figures", PHYSICS + SOLVERS),
     Row("plots", "figures of archives", SOLVERS),
     Row("comparison_figure", "the figure of a comparison", PHYSICS + SOLVERS),
     Row("summary", "what would be solved, in words", PHYSICS[:-1] + SOLVERS),

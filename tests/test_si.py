@@ -13,13 +13,16 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes import si  # noqa: E402
+from contactsnes import plots, prefixes, si  # noqa: E402
+from contactsnes.archive import Archive, Column  # noqa: E402
+from contactsnes.contact import Contact  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.observables import frame, Measurement, table  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import attributes, Scene, Steps  # noqa: E402
 from contactsnes.settings import as_text, InputError  # noqa: E402
 
+ROOT = Path(__file__).resolve().parents[1]
 PHI_N, PHI_T, MODULUS, RADIUS, DELTA_N, DELTA_T = 0.03, 0.07, 2e6, 0.01, 0.7e-6, 1.1e-6
 TYPED = {"units": "si", "work_of_adhesion_normal": PHI_N, "work_of_adhesion_tangential": PHI_T, "contact_modulus": MODULUS,
          "radius": RADIUS, "range_normal": DELTA_N, "range_tangential": DELTA_T}
@@ -245,7 +248,7 @@ SMALL = [*OPTIONS, "-scene_points", "256", "-scene_period", "0.003", "-load_path
 def call(*arguments, folder):
     """A finished process of the command."""
     return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder, capture_output=True, text=True, timeout=120,
-                          check=False, env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[1])})
+                          check=False, env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
 def test_archives_are_in_si_and_are_resumed(tmp_path):
@@ -315,3 +318,89 @@ def test_heights_of_a_file_are_in_metres(tmp_path):
 def test_bad_input_has_status_2(tmp_path, words, sentence):
     done = call("info", *words, folder=tmp_path)
     assert done.returncode == 2 and sentence in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+# Figures
+
+
+def test_the_example_goes_from_si_to_figures(tmp_path):
+    """The numbers of the paper below equation 12: ranges of 0.4 and 0.6 micrometres, and a load of 25 w_n,r."""
+    run = call("run", str(ROOT / "options/pdms.opts"), "-archive_file", "pdms.h5", "-archive_fields", "last", folder=tmp_path)
+    assert run.returncode == 0 and "warning" not in run.stderr, run.stderr
+    with h5py.File(tmp_path / "pdms.h5") as file:
+        scene, branch = dict(file["scene"].attrs), {name: column[:] for name, column in file["branch"].items()}
+        assert 3 <= scene["normal_maugis"] < 3.5 and 1 <= scene["tangential_maugis"] <= 3.6
+        assert "gross_sliding" in file["branch/event"].attrs["names"][branch["event"]]
+        # At large slip: residual friction, half of sqrt(2/e) phi_t/delta_t, over a Hertzian contact, and a little beyond it.
+        hertz = 2 * math.sqrt(4 * 0.01 * 65.5 / (math.pi * 2e6))
+        assert branch["tangential_force"][-1] == pytest.approx(0.5 * math.sqrt(2 / math.e) * 0.03 / 0.6e-6 * hertz, rel=0.06)
+        assert branch["maximum_pressure"][-1] == pytest.approx(2 * 65.5 / (math.pi * hertz / 2), rel=0.02)
+    figures = call("plot", "pdms.h5", folder=tmp_path)
+    assert figures.returncode == 0 and {f"pdms-{name}.png" for name in ("shear", "area", "approach", "profiles")} <= {
+        path.name for path in tmp_path.glob("*.png")}
+
+
+@pytest.fixture(params=(1, 2))
+def archives(request, tmp_path):
+    """The same two points in SI and without dimensions, as `prefixes.read` has them, and the scene in SI."""
+    dimension = request.param
+    typed = dict(PDMS, dimension=dimension, period=0.01, points=32)
+    found = []
+    for scene in (Scene.typed(**typed), Scene(dimension=dimension, period=0.01 / ((0.01 ** 2 * 0.03 / 2e6) ** (1 / 3)), points=32)):
+        contact, path = Contact(scene), tmp_path / f"{scene.units}.h5"
+        columns = {name: Column(row.unit, row.kind, row.names) for name, row in table(scene).items()}
+        content = frame(contact)
+        archive = Archive.create(path, scene=attributes(scene), options="", versions={}, columns=columns, fields="all",
+                                 components=scene.components, **content)
+        shape = (scene.components, *contact.grid.shape)
+        for place in (1.0, 2.0):
+            row = {name: 10 * place * scene.scale(observable.unit)[0] if observable.kind == "f8" else 0
+                   for name, observable in table(Scene(dimension=dimension)).items()}
+            fields = [np.ones(shape) * np.reshape([scene.scale(f"{symbol}_n,r")[0], *[scene.scale(f"{symbol}_t,r")[0]] * dimension],
+                                                  (-1, *[1] * dimension)) for symbol in "up"]
+            archive.append(row, {}, *fields)
+        found.append(prefixes.read(path))
+    return (dimension, *found)
+
+
+FACTORS = {"µm": 1e-6, "mm": 1e-3, "nm": 1e-9, "m": 1.0, "mm²": 1e-6, "µm²": 1e-12, "kPa": 1e3, "Pa": 1.0, "MPa": 1e6, "N/m": 1.0, "mN": 1e-3,
+           "µN": 1e-6, "N": 1.0, "kN/m": 1e3, "µJ/m": 1e-6, "nJ": 1e-9, "pJ": 1e-12, "µJ": 1e-6, "mJ/m": 1e-3, "nJ/m": 1e-9}
+
+
+def test_figures_have_prefixes_whose_values_are_those_of_the_archive(archives):
+    dimension, mine, plain = archives
+    scales = Scene.typed(**PDMS, dimension=dimension, period=0.01)
+    converted = 0
+    for name in mine:
+        if plain.units[name] in si.UNITS:
+            factor = FACTORS[mine.units[name]]
+            np.testing.assert_allclose(mine[name] * factor, plain[name] * scales.scale(plain.units[name])[0], rtol=1e-3)
+            assert 1e-3 <= np.max(np.abs(mine[name])) < 1e3
+            converted += 1
+        elif mine[name].dtype.kind == "f":
+            assert mine.units[name] == plain.units[name]
+    assert converted > 10
+    assert mine.units["approach"] == mine.units["normal_displacement"] == "µm"
+    for end in ("",) if dimension == 1 else ("_x", "_y"):
+        assert mine.units[f"tangential_displacement{end}"] == mine.units[f"mean_tangential_displacement{end}"] == "µm"
+
+
+def test_fields_in_figures_have_prefixes(archives):
+    dimension, mine, plain = archives
+    beta, gap = mine._scales["beta"], mine._scales["u_n,r"]
+    for axis, other, name in zip(mine.coordinates, plain.coordinates, "xy"):
+        np.testing.assert_allclose(axis * FACTORS[mine.units[name]], other * beta, rtol=1e-9)
+    np.testing.assert_allclose(mine.initial_gap * FACTORS[mine.units["initial_gap"]], plain.initial_gap * gap, rtol=1e-9)
+    assert mine.contact_gap * FACTORS[mine.units["initial_gap"]] == pytest.approx(2.718281828 * 0.131e-6, rel=1e-9)
+    assert plain.contact_gap == pytest.approx(0.2718281828)
+    for name, sizes in (("displacement", (gap, mine._scales["u_t,r"])), ("traction", (0.03 / 0.131e-6, 0.03 / 1.31e-6))):
+        factors = [FACTORS[unit] for unit in mine.units[name].split("; ")]
+        assert mine.field(name, 1).shape == plain.field(name, 1).shape
+        for component, values in enumerate(mine.field(name, 1)):
+            np.testing.assert_allclose(values * factors[min(component, 1)], sizes[min(component, 1)], rtol=1e-9)
+    assert mine.units["displacement"].split("; ")[0] == mine.units["initial_gap"]  # they are added
+
+
+def test_labels_have_units_in_brackets():
+    assert plots.label("contact length", "2a", "mm") == "contact length $2a$ (mm)"
+    assert plots.label("", "A", "mm²") == "$A$ (mm²)" and plots.label("normal force", "W_n", "N/m") == "normal force $W_n$ (N/m)"
