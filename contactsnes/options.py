@@ -14,6 +14,7 @@ from pathlib import Path
 
 from .scene import OPTION_CLASSES
 from .settings import allowed, InputError, nearest
+from .si import UNITS
 
 BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromkeys(("false", "no", "off", "0"), False)}
 
@@ -270,7 +271,8 @@ def help_text(classes=(), width=None):
 
 def _entry(name, rule, width):
     """One option of the help: name, meaning, unit, default and range, wrapped."""
-    unit = f" [{rule['unit']}]" if rule["unit"] else ""
+    in_si = f", or {UNITS[rule['unit']]}" if UNITS.get(rule["unit"]) else ""
+    unit = f" [{rule['unit']}{in_si}]" if rule["unit"] else ""
     default = f"default {rule['default_text']}" if rule["default_text"] else "no default"
     text = f"{rule['meaning']}{unit} ({default}; {allowed(rule)})"
     return f"  -{name}\n" + textwrap.fill(text, width, initial_indent="      ", subsequent_indent="      ")
