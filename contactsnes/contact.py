@@ -97,12 +97,12 @@ class Contact:
                 (i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power for (i, j), symbol in blocks.items()})
         return self._operators[key]
 
-    def _circle(self, component, components, shape, even=False):
+    def _circle(self, component, components, shape, even=False, count=1):
         """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to ranges, 0 at q = 0.
 
-        For ``even`` fields the points of each direction are those from the axis outwards.
+        For ``even`` fields the points of each direction are those from the axis outwards. Transforms are of ``count`` fields.
         """
-        transform = (Cosines if even else Transform)(self.grid, shape, 1)
+        transform = (Cosines if even else Transform)(self.grid, shape, count)
         vectors = transform.wavevectors(self.grid.spacings) if even else self.grid.wavevectors(shape)
         block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component, component]
         return transform, block * self.ranges[component] ** 2

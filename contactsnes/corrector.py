@@ -154,7 +154,9 @@ class Corrector:
         widest, whole = self.contact.widest, self.settings.window == "off" or self.settings.form == "force"
         if not whole:
             state = states.fitted(self.contact, state)
-        elif state.window != widest:
+            # Coarser grids for the full approximation scheme are made of one window.
+            whole = len(state.window.parts) > 1 and solver_type() == "fas"
+        if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
         return self.symmetry.centred(state)
 

@@ -6,7 +6,7 @@ from scipy import ndimage
 from .fourier import Window
 from .grids import extent
 from .levels import crossings
-from .spots import MOST, slices
+from .spots import MOST
 from .states import NEAR, State, combined, normal_gap, onto, wider
 
 SUPPORT = 12
@@ -79,14 +79,15 @@ def _follow_spots(contact, states, weights):
     last, several = states[-1], len(states[-1].window.parts) > 1
     ahead, one = combined(contact, states, weights), last.window.parts[0]
     if several:
-        boxes, targets = last.window.parts, [ahead.displacement[:, place] for place in slices(last.window)]
+        boxes, targets = last.window.parts, np.moveaxis(last.window.box(ahead.displacement), 1, 0)
     else:
         cuts = _near_boxes(one.box(normal_gap(contact, last)))
         boxes = [Window(one.grid, [s + cut.start for s, cut in zip(one.start, cut)], [line.stop - line.start for line in cut]) for cut in cuts]
         targets = [one.box(ahead.displacement)[(slice(None), *cut)] for cut in cuts]
     followed = False
     for box, target in zip(boxes, targets):
-        own = [*(wider(state, box) for state in states[:-1]), State(box, onto(last, box), last.means)]
+        own = [State(box, onto(state, box), state.means) if state is last or box in state.window.parts else wider(state, box)
+               for state in states]
         moved = (follow_edge if several else _follow_spot)(contact, own, weights)
         if moved is not None:
             target[...], followed = moved.displacement.reshape(target.shape), True

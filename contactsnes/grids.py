@@ -10,11 +10,8 @@ from .fourier import Transform
 
 def interpolation(window):
     """Cubic interpolation from the nodes of even number in a window to all of them, a sparse matrix."""
-    boxes = []
-    for part in window.parts:
-        lines = [_line(*sizes) for sizes in zip(part.start, part.shape, part.grid.shape)]
-        boxes.append(lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr"))
-    return boxes[0] if len(boxes) == 1 else sparse.block_diag(boxes, format="csr")
+    lines = [_line(*sizes) for sizes in zip(window.start, window.shape, window.grid.shape)]
+    return lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
 
 
 def _line(start, extent, total):
@@ -51,19 +48,22 @@ def smooth(window, values, width):
     """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width`` (beta).
 
     Three running means: no transform, and a cost that does not depend on the width. Periodic in directions that the
-    window fills; in others the values on its border continue outwards, in an even window as their mirror images.
+    window fills; in others the values on its border continue outwards, in an even window as their mirror images. Each box of
+    several for itself.
     """
     box = window.box(values)
+    first = box.ndim - len(window.shape)
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
     reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
                for points, spacing in zip(window.shape, window.grid.spacings)]
     # Zeros far from all other values stay zeros.
-    part = tuple(extent(box != 0.0, axis, 3 * reach) for axis, reach in enumerate(reaches))
-    blurred, out = box[part].astype(float), np.zeros(window.shape)
+    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach) for axis, reach in enumerate(reaches, first))
+    blurred, out = box[part].astype(float), np.zeros(box.shape)
     negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)
-    for axis, (points, total, reach) in enumerate(zip(blurred.shape, window.grid.shape, reaches)):
+    for axis, (total, reach) in enumerate(zip(window.grid.shape, reaches), first):
+        mode = "wrap" if blurred.shape[axis] == total else "mirror" if window.even else "nearest"
         for _ in range(3 if reach else 0):
-            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode="wrap" if points == total else "mirror" if window.even else "nearest")
+            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
     blurred[np.abs(blurred) < negligible] = 0.0
     out[part] = blurred

@@ -14,11 +14,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from .forms import DisplacementForm
+from .fourier import Window
 from .grids import interpolation
 from .laws import MOVING_STIFFNESS
 from .options import read
 from .settings import InputError, Options, option
-from .spots import every_other
 
 LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
@@ -56,7 +56,8 @@ class Transfer:
         self.fine, self.coarse = fine, coarse
         self.nodes = interpolation(fine.window)
         self.restriction = (self.nodes.T / 2 ** len(fine.window.shape)).tocsr()
-        self.kept = np.flatnonzero(np.concatenate([_even(part) for part in fine.window.parts]))
+        even = [np.arange(start, start + extent) % 2 == 0 for start, extent in zip(fine.window.start, fine.window.shape)]
+        self.kept = np.flatnonzero(reduce(np.logical_and.outer, even))
         self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
         self.scalars = self.ranges[fine.forced]
         self.stiffness = MOVING_STIFFNESS / self.ranges[0] ** 2
@@ -97,19 +98,15 @@ class CoarseForm(DisplacementForm):
 
     def __init__(self, finer, resolution):
         self.finer = finer
-        contact = finer.contact.coarse(resolution)
-        super().__init__(contact, every_other(finer.window, contact.grid), finer.controls)
+        window, contact = finer.window, finer.contact.coarse(resolution)
+        start = [(first + 1) // 2 for first in window.start]
+        shape = [(first + extent + 1) // 2 - begin for first, extent, begin in zip(window.start, window.shape, start)]
+        super().__init__(contact, Window(contact.grid, start, shape), finer.controls)
 
     def residual(self, unknown, out):
         """F under the load that the finer form has now."""
         self.set_load(self.finer.load)
         return super().residual(unknown, out)
-
-
-def _even(window):
-    """Mask of the nodes of even number in each direction of a window of one box."""
-    even = [np.arange(start, start + extent) % 2 == 0 for start, extent in zip(window.start, window.shape)]
-    return reduce(np.logical_and.outer, even).reshape(-1)
 
 
 class Applied:

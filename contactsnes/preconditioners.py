@@ -13,7 +13,6 @@ from .grids import extent, smooth
 from .mirrored import EvenForm
 from .options import read
 from .settings import InputError, option, Options
-from .spots import slices
 
 
 @dataclass(frozen=True)
@@ -27,49 +26,59 @@ class CoreOptions(Options):
     pad: float = option(1.25, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
 
 
-def core_weight(form, tangent, window, options):
-    """Smoothed indicator a^2 of a component's core in a window (nodes) and the mean tangent there; None where nothing is stiff."""
-    largest = window.grid.maximum(tangent)
+def core_weight(form, component, options):
+    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there in each box; None where nothing is stiff."""
+    tangent = form.tangent[component, component]
+    largest = form.grid.maximum(tangent)
     if largest <= 1e-6:
         return None
     core = tangent > options.threshold * min(1.0, largest)
-    weight = np.minimum(smooth(window, core, options.width / form.contact.ranges[0]), 1.0)
-    return weight, window.grid.sum(weight * tangent) / window.grid.sum(weight)
+    weight = np.minimum(smooth(form.window, core, options.width / form.contact.ranges[0]), 1.0)
+    by_box = (len(form.window.parts), -1)
+    count = form.grid.sum(weight.reshape(by_box))
+    return weight, form.grid.sum((weight * tangent).reshape(by_box)) / np.where(count > 0.0, count, 1.0)
 
 
 class CoreBlock:
-    """A component of the core zone of a box: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core."""
+    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core.
 
-    def __init__(self, form, component, window, weight, mean_tangent, pad):
-        box = window.box(weight)
-        parts = (extent(box > 0.0, axis) for axis in range(box.ndim))
-        self.window, self.core = window, tuple(slice(0, part.stop) if window.even else part for part in parts)
-        extents = [part.stop - part.start for part in self.core]
+    Of several boxes each has a circle of its own, all of one size.
+    """
+
+    def __init__(self, form, component, weight, mean_tangent, pad):
+        window = form.window
+        self.boxes = (len(window.parts), *window.shape)
+        box = weight.reshape(self.boxes)
+        parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
+        parts = [slice(0, part.stop) if window.even else part for part in parts]
+        extents = [part.stop - part.start for part in parts]
+        self.core = (slice(None), *parts)
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
                        for extent, total in zip(extents, window.limits))
-        self.transform, compliance = form.contact.circle(component, form.components, circle, window.even)
-        self.symbol = compliance * mean_tangent
+        self.transform, compliance = form.contact.circle(component, form.components, circle, window.even, len(box))
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled, stands for the rest.
-        if self.symbol.flat[0] == 0.0:
-            self.symbol.flat[0] = 2.0 * np.max(self.symbol)
+        if compliance.flat[0] == 0.0:
+            compliance = compliance.copy()
+            compliance.flat[0] = 2.0 * np.max(compliance)
+        self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, box.ndim)))
         self.symbol += 1.0
         np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
-        self.inside = (0, *(slice(0, extent) for extent in extents))
+        self.inside = (slice(None), *(slice(0, extent) for extent in extents))
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
 
     def apply(self, field):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        core, plan = self.window.box(field)[self.core], self.transform
+        core, plan = field.reshape(self.boxes)[self.core], self.transform
         inner = plan.real[self.inside]
         np.multiply(self.root, core, out=inner)
         plan.forward()
-        plan.spectrum[0] *= self.symbol
+        plan.spectrum *= self.symbol
         plan.backward()
         inner *= self.root
         core *= self.outside
         core += inner
-        clear_padding(plan.real, inner.shape)
+        clear_padding(plan.real, inner.shape[1:])
 
 
 def _inverse(matrix, floor):
@@ -94,14 +103,15 @@ def _rounded(extent):
 class CoreZone:
     """Preconditioner of the displacement form: a core block for each component and box, the scalars eliminated exactly.
 
-    Coupling blocks of law and body, and what boxes are to each other, are left out. What the mean displacements add (the rigid
-    compliance of the body, and the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A
-    ``floor`` for the response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
+    Coupling blocks of law and body, and of boxes, are left out. What the mean displacements add (the rigid compliance of the body, and
+    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A ``floor`` for the
+    response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        self.blocks = [self._blocks(i, options) for i in range(form.components)]
+        zones = [core_weight(form, i, options) for i in range(form.components)]
+        self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
@@ -109,7 +119,8 @@ class CoreZone:
         self.columns = np.ones((len(self.means), form.nodes))
         self.matrix = np.zeros((len(self.means), len(self.means)))
         for place, (i, column) in enumerate(zip(self.means, self.columns)):
-            self._apply_blocks(i, column)
+            if self.blocks[i] is not None:
+                self.blocks[i].apply(column)
             self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
             if self.forced[i]:
@@ -120,20 +131,6 @@ class CoreZone:
         scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)
         self.inverse = _inverse(self.matrix / scale[:, None], floor) / scale
 
-    def _blocks(self, component, options):
-        """[(slice of nodes, core block), ...] of a component, for each box where it is stiff."""
-        form, found = self.form, []
-        for part, place in zip(form.window.parts, slices(form.window)):
-            zone = core_weight(form, form.tangent[component, component, place], part, options)
-            if zone is not None:
-                found.append((place, CoreBlock(form, component, part, *zone, options.pad)))
-        return found
-
-    def _apply_blocks(self, component, field):
-        """Replace a component's field (nodes) by that of its core blocks."""
-        for place, block in self.blocks[component]:
-            block.apply(field[place])
-
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
         return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
@@ -143,8 +140,9 @@ class CoreZone:
         form = self.form
         np.copyto(out, vector)
         field = out[:form.count].reshape(form.shape)
-        for i, own in enumerate(field):
-            self._apply_blocks(i, own)
+        for i, block in enumerate(self.blocks):
+            if block is not None:
+                block.apply(field[i])
         if not len(self.means):
             return out
         right = -self._response(field)
@@ -169,7 +167,7 @@ class ZonedStiffness:
         self.form, self.grid = form, form.grid
         self.transform = Transform(form.grid, form.grid.shape, 1, measure=True)
         self.rigid = [i for i in range(form.components) if i not in form.forced and form.rigid_compliance[i] == 0.0]
-        self.zones = [self._zones(i, core_weight(form, form.tangent[i, i], form.window, options)) for i in range(form.components)]
+        self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
         self._work = np.empty(form.grid.size)
 
     def _zones(self, i, zone):

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
-from .fourier import Convolution, Transform, Window, enclosing
+from .fourier import Convolution, Transform, Window, clear_padding, enclosing
 
 MOST = 24
 """Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their neighbours."""
@@ -25,24 +25,26 @@ WORTH = 0.8
 
 
 class Spots:
-    """Nodes of several disjoint boxes of the cell, one box after the other, with the interface of `fourier.Window`.
+    """Nodes of several disjoint boxes of the cell, all of one shape, with the interface of `fourier.Window`.
 
     Parameters
     ----------
     grid : the cell
-    parts : Windows of it
+    start : first nodes, array (boxes, directions)
+    shape : nodes of a box in each direction
 
     Attributes
     ----------
-    start, shape : those of the parts, one after the other
+    parts : the boxes, each a Window; nodes are those of one box after the other
     """
 
     even, is_whole = False, False
 
-    def __init__(self, grid, parts):
-        self.grid, self.parts = grid, tuple(sorted(parts, key=lambda part: part.start))
-        self.start, self.shape = (tuple(getattr(part, name) for part in self.parts) for name in ("start", "shape"))
-        self.size, self.limits = sum(part.size for part in self.parts), grid.shape
+    def __init__(self, grid, start, shape):
+        self.grid, self.limits, self.shape = grid, grid.shape, tuple(int(n) for n in shape)
+        self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start), key=lambda part: part.start))
+        self.start = tuple(part.start for part in self.parts)
+        self.size = len(self.parts) * self.parts[0].size
 
     __eq__ = Window.__eq__
 
@@ -58,46 +60,41 @@ class Spots:
 
     def put(self, values, field):
         """Write values (..., nodes) into a field (..., *grid) at these nodes."""
-        for part, place in zip(self.parts, slices(self)):
-            part.put(values[..., place], field)
+        for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
+            field[(..., *part.indices)] = own
+
+    def box(self, values):
+        """View values (..., nodes) as (..., boxes, *box)."""
+        return values.reshape(*values.shape[:-1], len(self.parts), *self.shape)
 
     def rim(self):
         """Mask of the nodes on the borders of the boxes, in directions that these do not fill."""
-        return np.concatenate([part.rim() for part in self.parts])
+        return np.tile(self.parts[0].rim(), len(self.parts))
 
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, as that of a window in each box."""
-        return sum(part.area_below(values[place], level) for part, place in zip(self.parts, slices(self)))
+        return sum(part.area_below(own.reshape(-1), level) for part, own in zip(self.parts, self.box(values)))
 
     def circle(self):
         """Shape of the circle on which each box is transformed."""
-        return Window(self.grid, self.parts[0].start, np.max(self.shape, axis=0)).circle()
-
-
-def slices(window):
-    """Slices of a window's nodes that each of its boxes has."""
-    ends = np.cumsum([part.size for part in window.parts]).tolist()
-    return [slice(end - part.size, end) for part, end in zip(window.parts, ends)]
+        return self.parts[0].circle()
 
 
 def of_boxes(grid, start, shape):
-    """The window of which start and shape are given: one box, or several if these are arrays (boxes, directions)."""
-    if np.ndim(start) == 1:
-        return Window(grid, start, shape)
-    return Spots(grid, [Window(grid, *box) for box in zip(start, shape)])
+    """The window of a shape at a first node, or that of several boxes at some (boxes, directions)."""
+    return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
 
 
 def reaching(window):
-    """The window a fifth further on either side of its boxes, which are joined where they meet; itself where the cell has no room."""
-    shape, dimension = window.grid.shape, len(window.grid.shape)
-    first, extent = (np.reshape(values, (-1, dimension)) for values in (window.start, window.shape))
-    more = np.maximum(2, extent // 5)
-    first, extent = (first - more) % shape, extent + 2 * more
-    if np.any(extent >= shape):
+    """The window a fifth further on either side of its boxes; itself where there is no room for that."""
+    shape, extra = window.grid.shape, [max(2, extent // 5) for extent in window.shape]
+    wide = [extent + 2 * more for extent, more in zip(window.shape, extra)]
+    if any(extent >= total for extent, total in zip(wide, shape)):
         return window
-    while (touching := np.triu(_overlap(first, extent, shape), 1)).any():
-        first, extent = _joined(first, extent, touching, shape)
-    return of_boxes(window.grid, first, extent) if len(first) > 1 else Window(window.grid, first[0], extent[0])
+    if len(window.parts) == 1:
+        return Window(window.grid, [start - more for start, more in zip(window.start, extra)], wide)
+    first = (np.array(window.start) - extra) % shape
+    return window if np.triu(_overlap(first, np.broadcast_to(wide, first.shape), shape), 1).any() else Spots(window.grid, first, wide)
 
 
 def in_words(window):
@@ -106,13 +103,6 @@ def in_words(window):
     if boxes == 1:
         return f"spots near one another: one window of {window.size} nodes of {total}"
     return f"spots far apart: {boxes} boxes with {window.size} nodes in all instead of {total}"
-
-
-def every_other(window, grid):
-    """The nodes of even number of a window, as a window of the grid that has every other node."""
-    start = (np.array(window.start) + 1) // 2
-    shape = (np.array(window.start) + np.array(window.shape) + 1) // 2 - start
-    return of_boxes(grid, start, shape)
 
 
 class SpotsConvolution:
@@ -132,13 +122,12 @@ class SpotsConvolution:
         self._real, self._spectrum = plan.real.reshape(count, boxes, *circle), plan.spectrum.reshape(count, boxes, -1)
         self._product = np.empty_like(self._spectrum[0])
         self._sums = np.empty_like(self._spectrum)
-        self._boxes = [(part, place, (slice(None), k, *(slice(0, n) for n in part.shape)))
-                       for k, (part, place) in enumerate(zip(window.parts, slices(window)))]
+        self._inside = (slice(None), slice(None), *(slice(0, n) for n in window.shape))
         self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
 
     def _couplings(self, operator, key, circle):
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
-        parts, extents = self.window.parts, np.max(self.window.shape, axis=0)
+        parts, extents = self.window.parts, self.window.shape
         found = np.empty((len(parts), *self._spectrum.shape[1:]), dtype=complex)
         # The kernel of a real block is even, that of an imaginary one odd: the way back is the conjugate of the way there.
         sign = 1.0 if np.isrealobj(operator.blocks[key]) else -1.0
@@ -151,9 +140,7 @@ class SpotsConvolution:
 
     def apply(self, values, out, transposed=False):
         """out (components, nodes) = operator, or its transpose, times values (components, nodes), perhaps the same array."""
-        self._real[...] = 0.0
-        for part, place, inside in self._boxes:
-            self._real[inside] = part.box(values[:, place])
+        self._real[self._inside] = self.window.box(values)
         self.transform.forward()
         self._sums[...] = 0.0
         for (i, j), block in self.blocks.items():
@@ -164,8 +151,8 @@ class SpotsConvolution:
                 self._sums[i] += np.einsum("abk,bk->ak", block, self._spectrum[j], out=self._product)
         self._spectrum[...] = self._sums
         self.transform.backward()
-        for part, place, inside in self._boxes:
-            out[:, place] = self._real[inside].reshape(self.count, -1)
+        self.window.box(out)[...] = self._real[self._inside]
+        clear_padding(self.transform.real, self.window.shape)
         return out
 
 
@@ -191,10 +178,10 @@ def fitting(grid, mask, margin):
         return one
     boxes, best, least = _clusters(mask), one, WORTH * cost(one)
     while len(boxes[0]) > 1:
-        wide = _widened(*boxes, margin, grid.shape)
-        touching = np.triu(_overlap(*wide, grid.shape), 1)
+        first, extent = _widened(*boxes, margin, grid.shape)
+        touching = np.triu(_overlap(first, extent, grid.shape), 1)
         if not touching.any():
-            window = Spots(grid, [Window(grid, *box) for box in zip(*wide)])
+            window = Spots(grid, first, extent[0])
             if cost(window) < least:
                 best, least = window, cost(window)
         boxes = _joined(*boxes, touching, grid.shape)
@@ -217,11 +204,12 @@ def _clusters(mask):
 
 
 def _widened(first, extent, margin, shape):
-    """Boxes widened on each side by two nodes and a part of their extent; all of a direction where padding would be as long."""
-    more = 2 + (margin * extent).astype(int)
-    first, extent, total = first - more, extent + 2 * more, np.array(shape)
-    whole = 2 * extent - 1 >= total
-    return np.where(whole, 0, first % total), np.where(whole, total, extent)
+    """Boxes widened to one extent, the largest and on each side two nodes and a part of it; all of a direction if not half as long."""
+    largest = np.max(extent, axis=0)
+    wide = largest + 2 * (2 + (margin * largest).astype(int))
+    wide = np.where(2 * wide - 1 >= shape, shape, wide)
+    first = (first - (wide - extent) // 2) % shape
+    return np.where(wide == shape, 0, first), np.broadcast_to(wide, extent.shape)
 
 
 def _overlap(first, extent, shape):

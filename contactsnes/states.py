@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from .contact import APPROACH, CERTAIN, FORCE
 from .fourier import Convolution
 from .laws import CUTOFF
-from .spots import reaching, slices
+from .spots import reaching
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
@@ -96,18 +96,30 @@ def onto(state, window):
 
 def _nearest(state, box):
     """Displacements (components, nodes) of a state at the nodes of a box, the nearest known ones."""
-    found, least = None, np.inf
-    for part, place in zip(state.window.parts, slices(state.window)):
-        axes, away = _nodes_of(part, box)
-        picked = part.box(state.displacement[:, place])
+    source, found, least = state.window, None, np.inf
+    fields = state.displacement.reshape(len(state.displacement), len(source.parts), *source.shape)
+    gaps = _gaps(source, box)
+    for k in np.argsort(gaps):
+        if found is not None and gaps[k] ** 2 >= np.max(least):
+            break
+        axes, away = _nodes_of(source.parts[k], box)
+        picked = fields[:, k]
         for axis, nodes in enumerate(axes, start=1):
             picked = picked[(slice(None),) * axis + (nodes,)]
-        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij", sparse=True))
+        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij", sparse=True)) if len(gaps) > 1 else 0.0
         found = picked if found is None else np.where(far < least, picked, found)
         least = np.minimum(far, least)
-        if not least.any():
-            break
     return np.ascontiguousarray(found).reshape(len(found), -1)
+
+
+def _gaps(source, box):
+    """Nodes between each box of a window and another, at least."""
+    if len(source.parts) == 1:
+        return np.zeros(1)
+    total, shape = np.array(box.grid.shape), np.array(source.shape)
+    ahead = (np.array(box.start) - np.array(source.start)) % total
+    between = np.maximum(np.minimum(ahead - shape, total - ahead - box.shape), 0)
+    return np.sqrt(np.sum(between.astype(float) ** 2, axis=1))
 
 
 def _nodes_of(source, box):
@@ -130,7 +142,7 @@ def fitted(contact, state, afresh=False):
     gap = normal_gap(contact, state)
     rim = window.rim()
     closest = contact.grid.minimum(gap, where=rim)
-    idle = max(contact.grid.minimum(gap[place]) for place in slices(window)) > 1.2 * CUTOFF and len(window.parts) > 1
+    idle = len(window.parts) > 1 and gap.reshape(len(window.parts), -1).min(axis=1).max() > 1.2 * CUTOFF
     if not afresh and not window.is_whole and not idle and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
         return state
     cell = contact.extended(state)

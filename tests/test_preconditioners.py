@@ -192,7 +192,7 @@ def test_a_body_off_the_flat_has_no_core():
     form.set_load([0.0])
     form.linearise(np.zeros(form.size))
     vector = np.random.default_rng(0).normal(size=form.size)
-    assert core_weight(form, form.tangent[0, 0], form.window, CoreOptions()) is None
+    assert core_weight(form, 0, CoreOptions()) is None
     np.testing.assert_array_equal(CoreZone(form).apply(vector, np.empty(form.size)), vector)
 
 
@@ -226,10 +226,10 @@ def test_weight_of_the_core():
     """One inside, zero outside, between the two over the width; the mean tangent is that of the core."""
     form, _ = pressed(contact_of(512), (DISPLACEMENT,), slip=0.0)
     tangent = form.tangent[0, 0]
-    weight, mean = core_weight(form, tangent, form.window, CoreOptions(threshold=0.5, width=0.0))
+    weight, mean = core_weight(form, 0, CoreOptions(threshold=0.5, width=0.0))
     np.testing.assert_array_equal(weight, tangent > 0.5)
     assert mean == pytest.approx(tangent[tangent > 0.5].mean())
-    smooth, _ = core_weight(form, tangent, form.window, CoreOptions(threshold=0.5, width=0.6))
+    smooth, _ = core_weight(form, 0, CoreOptions(threshold=0.5, width=0.6))
     x = form.window.coordinates()[0]
     edge = np.abs(x[tangent > 0.5]).max()
     # 0.6 / lambda_n is a fifth of beta; three times that is about the reach of three running means.

@@ -8,21 +8,19 @@ from contactsnes import spots, states
 from contactsnes.contact import Contact
 from contactsnes.following import follow_edge
 from contactsnes.fourier import Convolution, Grid, Operator, Window, enclosing, transform_cost
-from contactsnes.grids import interpolation
 from contactsnes.load import Load
 from contactsnes.run import Branch
 from contactsnes.scene import Form, Scene, Steps
 from contactsnes.spots import Spots, SpotsConvolution
 
 LINE, PLANE = (512,), (48, 64)
-BOXES = {LINE: [((500,), (40,)), ((100,), (33,)), ((300,), (51,))],
-         PLANE: [((44, 5), (9, 14)), ((10, 58), (12, 11)), ((24, 30), (8, 13))]}
+BOXES = {LINE: ([(500,), (100,), (300,)], (40,)), PLANE: ([(44, 5), (10, 58), (24, 30)], (9, 14))}
 DEPTHS = {1: (0.0, 0.2, 0.5), 2: (0.0, 0.1, 0.3)}
 
 
 def boxes_of(shape):
     grid = Grid(shape, [0.1 * n for n in shape])
-    return Spots(grid, [Window(grid, *box) for box in BOXES[shape]])
+    return Spots(grid, *BOXES[shape])
 
 
 def heights(directory, dimension, places, depths, points, period):
@@ -82,7 +80,7 @@ def test_convolution_is_that_of_the_cell(shape, transposed):
     count = len(shape) + 1
     contact = Contact(Scene(dimension=len(shape), points=shape if len(shape) == 2 else shape[0], period=20.0, poisson=0.3,
                             tangential_maugis=2.0, height=5.0))
-    window = Spots(contact.grid, [Window(contact.grid, *box) for box in BOXES[shape]])
+    window = Spots(contact.grid, *BOXES[shape])
     operator = contact.operator(count)
     assert (0, 1) in operator.blocks
     values = np.random.default_rng(1).normal(size=(count, window.size))
@@ -98,7 +96,7 @@ def test_convolution_is_that_of_the_cell(shape, transposed):
 def test_convolution_of_stripes_that_fill_a_direction():
     grid = Grid((48, 64), (5.0, 7.0))
     waves = np.hypot(*grid.wavevectors())
-    window = Spots(grid, [Window(grid, (5, 0), (8, 64)), Window(grid, (30, 0), (11, 64))])
+    window = Spots(grid, [(5, 0), (30, 0)], (9, 64))
     operator = Operator(grid, {(0, 0): np.exp(-waves)})
     values = np.random.default_rng(2).normal(size=(1, window.size))
     cell = np.zeros((1, *grid.shape))
@@ -126,21 +124,6 @@ def test_a_window_is_made_again_from_start_and_shape():
     assert boxes_of(LINE) != boxes_of(LINE).parts[0]
 
 
-@pytest.mark.parametrize("shape", [LINE, PLANE])
-def test_every_other_node(shape):
-    """Nodes of even number, and a field of them interpolated to all within each box."""
-    window = boxes_of(shape)
-    coarse = Grid([n // 2 for n in shape], window.grid.periods)
-    found = spots.every_other(window, coarse)
-    even, kept = np.zeros(shape, bool), np.zeros(shape, bool)
-    even[(slice(None, None, 2),) * len(shape)] = True
-    window.put(np.ones(window.size), kept)
-    mask = np.zeros(coarse.shape, bool)
-    found.put(np.ones(found.size), mask)
-    np.testing.assert_array_equal(mask, (even & kept)[(slice(None, None, 2),) * len(shape)])
-    np.testing.assert_allclose(interpolation(window) @ np.ones(found.size), 1.0)
-
-
 # Which boxes
 
 
@@ -159,7 +142,7 @@ def test_spots_far_apart_have_a_box_each(shape, boxes):
     """Across the border of the cell, too; every node is inside, with a margin."""
     grid, mask = mask_of(shape, boxes)
     window = spots.fitting(grid, mask, 0.05)
-    assert len(window.parts) == 3 and window.size < 1.7 * np.count_nonzero(mask)
+    assert len(window.parts) == 3 and window.size < 2.0 * np.count_nonzero(mask)
     outside = mask.copy()
     outside[window.indices] = False
     assert not outside.any() and not window.take(mask)[window.rim()].any()
@@ -206,7 +189,7 @@ def test_states_on_other_boxes_take_the_nearest_known_values():
     for node in (60, 70, 71, 210, 290, 420, 424, 425, 430, 499):
         away = np.abs((known - node + 256) % 512 - 256)
         assert any(np.array_equal(cell[:, node], values[:, k]) for k in np.flatnonzero(away == away.min()))
-    other = Spots(window.grid, [Window(window.grid, (90,), (60,)), Window(window.grid, (310,), (20,))])
+    other = Spots(window.grid, [(90,), (310,)], (60,))
     np.testing.assert_array_equal(states.onto(state, other), other.take(cell))
 
 
@@ -318,8 +301,8 @@ def test_each_spot_is_followed_on_its_own():
     centres = (-50.0, -8.0, 45.0)
     gap = np.min([(x - centre) ** 2 / 2 for centre in centres], axis=0)
     contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file", geometry_file="-"), -gap)
-    parts = [Window(contact.grid, (int((centre - 6.0) / period * points) + points // 2,), (154,)) for centre in centres]
-    for window in (Spots(contact.grid, parts), contact.grid.whole):
+    start = [(int((centre - 6.0) / period * points) + points // 2,) for centre in centres]
+    for window in (Spots(contact.grid, start, (154,)), contact.grid.whole):
         places, given = window.take(x), []
         for t in range(4):
             gaps = np.full(window.size, np.inf)
@@ -335,3 +318,12 @@ def test_each_spot_is_followed_on_its_own():
         wrong, still = (np.abs(state.displacement - given[3].displacement)[0, near].max()
                         for state in (found, states.combined(contact, given[:3], weights)))
         assert found.window == window and wrong < 2e-3 and wrong < 0.05 * still
+
+
+def test_the_full_approximation_scheme_takes_the_cell(tmp_path, always, options):
+    scene, path = line_scene(tmp_path, (-20.0, 0.0, 18.0), points=1024, period=75.0), "normal_displacement=1.5"
+    whole = points_of(scene, path, window="off")[1]
+    options(snes_type="fas")
+    points = points_of(scene, path)[1]
+    assert points[-1].state.window.is_whole
+    np.testing.assert_allclose(points[-1].forces, whole[-1].forces, rtol=1e-5, atol=1e-5)
