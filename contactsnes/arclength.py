@@ -6,7 +6,7 @@ import numpy as np
 class ArcLength:
     """A form whose load s is one more unknown, fixed by how far the state has gone along a direction.
 
-    F = [form's F at the load start + s direction;  <tangent, x - anchor> - length]. The unknown is [x, s].
+    F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The unknown is [x, s].
 
     Parameters
     ----------
@@ -14,11 +14,12 @@ class ArcLength:
     start, direction : controlled values at s = 0, and their change per unit of s
     anchor, tangent : arrays of the form's size; the tangent measures how far an unknown has gone from the anchor
     length : how far to go
+    rate : how much of that a unit of s is
     """
 
-    def __init__(self, form, start, direction, anchor, tangent, length):
+    def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form, self.start, self.direction = form, start, direction
-        self.anchor, self.tangent, self.length = anchor, tangent, length
+        self.anchor, self.tangent, self.length, self.rate = anchor, tangent, length, rate
         self.name, self.contact, self.grid = form.name, form.contact, form.grid
         self.components, self.nodes, self.shape = form.components, form.nodes, form.shape
         self.count, self.root, self.size = form.count, form.root, form.size + 1
@@ -47,7 +48,7 @@ class ArcLength:
         """F of the form and of the arc length."""
         self.set_position(unknown[-1])
         self.form.residual(unknown[:-1], out[:-1])
-        out[-1] = self.grid.inner(self.tangent, unknown[:-1] - self.anchor) - self.length
+        out[-1] = self.grid.inner(self.tangent, unknown[:-1] - self.anchor) + self.rate * unknown[-1] - self.length
         return out
 
     def displacement_norm(self, unknown, imbalance):
@@ -64,12 +65,12 @@ class ArcLength:
         """out = J vector."""
         self.form.apply_jacobian(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.load_column
-        out[-1] = self.grid.inner(self.tangent, vector[:-1])
+        out[-1] = self.grid.inner(self.tangent, vector[:-1]) + self.rate * vector[-1]
         return out
 
     def apply_transpose(self, vector, out):
         """out = J^T vector."""
         self.form.apply_transpose(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.tangent
-        out[-1] = self.grid.inner(self.load_column, vector[:-1])
+        out[-1] = self.grid.inner(self.load_column, vector[:-1]) + self.rate * vector[-1]
         return out

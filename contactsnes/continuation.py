@@ -59,6 +59,8 @@ class Walk:
     at_bifurcation : 'pass', 'stop' or 'follow'
     """
 
+    past = staticmethod(lambda points, number: leg_history(points, number))
+
     def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point, at_bifurcation="pass"):
         self.system, self.leg = system, leg
         # What was stable under other controls may not be under these.
@@ -183,24 +185,30 @@ class Walk:
         lowered = self.system.lowered(last)
         if lowered is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
-            starts = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
-            lowered = None if fold is None else self.system.lowered(fold)
-            starts = starts if lowered is None else [lambda: lowered, *starts]
+            starts = [] if fold is None else self._starts(fold, beyond)
         else:
             # A body off the flat under a force has no branch to follow.
             fold, passed, starts = replace(last, leg=self.leg.number, position=place, step=self.leg.initial), None, [lambda: lowered]
         if fold is None:
             yield self._accept(passed)
             return
-        kind = fold_kind(self.leg)
-        yield from self._arrive(replace(fold, event="fold", fold_kind=kind))
-        if self.stopped or self.history[-1][1].event != "fold":
-            return
-        fold = self.history[-1][1]
+        yield from self._arrive(replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
+        if not self.stopped and self.history[-1][1].event == "fold":
+            yield from self._leave(self.history[-1][1], starts)
+
+    def _starts(self, fold, beyond):
+        """Functions that return states from which the motion of a jump begins, in the order in which to try them."""
+        kicks = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
+        lowered = self.system.lowered(fold)
+        return kicks if lowered is None else [lambda: lowered, *kicks]
+
+    def _leave(self, fold, starts):
+        """What follows a fold: nothing, or the point after the jump."""
         if self.at_fold == "stop":
             self.stopped = True
             return
-        point = self._jump(fold, starts, f"at {self._place(1.0)}, beyond the fold ({kind}) at {self._place(fold.position)}")
+        where = f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at {self._place(fold.position)}"
+        point = self._jump(fold, starts, where)
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial, event="jump")
         self.history = []
         yield self._accept(point)
@@ -224,11 +232,11 @@ class Walk:
         return self._give_up(NotConverged(f"no other equilibrium was reached {where}: the motion led back"), where)
 
 
-def fold_kind(leg):
-    """Name of the fold that ends natural continuation along a leg."""
+def fold_kind(leg, heading=1.0):
+    """Name of the fold that a branch meets as the load moves along a leg, or (heading -1) back."""
     if leg.moving > 0:
         return "sliding"
-    return "jump_in" if leg.direction[0] > 0.0 else "pull_off"
+    return "jump_in" if heading * leg.direction[0] > 0.0 else "pull_off"
 
 
 def events_between(previous, point):
@@ -256,11 +264,11 @@ def further_events(previous, point):
     """Copies of a point, at no cost, for the events that it has besides the one that it carries."""
     names = events_between(previous, point)
     for name in names[names.index(point.event) + 1 if point.event in names else 0:]:
-        yield replace(point, event=name, fold_kind="", spent={key: 0 * value for key, value in point.spent.items()})
+        yield replace(point, event=name, fold_kind="", tangents=(), spent={key: 0 * value for key, value in point.spent.items()})
 
 
 def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point,
-           at_bifurcation="pass"):
+           at_bifurcation="pass", walker=Walk):
     """Iterate over the converged points of a load path.
 
     Parameters
@@ -272,6 +280,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     stops : names of events that end the path
     history : the last points of an interrupted path, oldest first
     certify : function (Point) -> Point that says of the points of legs whether they are stable (``Stability``)
+    walker : class of what walks along a leg
 
     Raises
     ------
@@ -297,7 +306,7 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         leg = make_leg(emitted)
         if leg is None:
             continue
-        walk = Walk(system, leg, leg_history(emitted, number), predictor, at_fold, certify, at_bifurcation)
+        walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify, at_bifurcation)
         for arrived in walk:
             previous = emitted[-1]
             for point in with_events(previous, arrived):

@@ -22,7 +22,7 @@ class Turn:
         """
         begin = self.history[-1][0]
         try:
-            trail = self._trail()
+            trail = self.trail()
         except NotConverged as second:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
         end = min(begin + self.leg.largest, 1.0)
@@ -63,7 +63,7 @@ class Turn:
         curvature, slope, _ = np.polyfit(arc, [place for place, _ in trail], 2)
         return arc, slope + 2.0 * curvature * arc
 
-    def _trail(self):
+    def trail(self):
         """The last two points, made by a tiny tangent step where the leg has only begun."""
         if len(self.history) > 1:
             return [(position, point) for position, point in self.history[-2:]]

@@ -9,6 +9,8 @@ from .points import Direction, NotConverged, Point
 
 FOLD_TOLERANCE = 1e-8
 """Relative accuracy in the load to which a fold is located."""
+MOST = 50
+"""Most points that a search makes: enough to halve its bracket to rounding."""
 CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
@@ -53,25 +55,30 @@ class LimitPoint:
 
     def locate(self):
         """The fold, with its tangents."""
-        first, proposals, waiting = (self.left, self.right), (self._smooth, self._corner, self._middle), 0
+        first, proposals, mode, failures = (self.left, self.right), (self._smooth, self._corner, self._middle), 0, 0
         before = self.uncertainty()
-        while before > 0.1 * FOLD_TOLERANCE and waiting < 9:
+        for _ in range(MOST):
+            if before <= 0.1 * FOLD_TOLERANCE or failures == 3:
+                break
             try:
-                self._narrow(proposals[waiting % 3]())
+                self._narrow(proposals[mode]())
             except NotConverged:
-                waiting += 1
+                failures, mode = failures + 1, (mode + 1) % 3
                 continue
             after = self.uncertainty()
-            waiting, before = 0 if after < 0.25 * before else waiting + 1, after
+            mode, before = mode if after < 0.5 * before else (mode + 1) % 3, after
         if before > FOLD_TOLERANCE:
             self.system.log(f"the fold is located to {before:.2g} of its load only")
         return self._fold(self._is_corner(*first))
 
     def uncertainty(self):
         """What the load may lack to its limit, relative to itself."""
-        left, right = abs(self.left.slope), abs(self.right.slope)
-        steep, width = min(left, right), self.right.place - self.left.place
-        return self.relative(steep * width * min(1.0, 2.0 * steep / max(left + right, 1e-300)))
+        left, right = self.left.slope, self.right.slope
+        steep, steepest, width = min(abs(left), abs(right)), max(abs(left), abs(right), 1e-300), self.right.place - self.left.place
+        rise = self.right.point.position - self.left.point.position
+        # Slopes that go with the rise are those of a parabola; else the limit may be a corner anywhere in between.
+        smooth = abs(rise - 0.5 * (left + right) * width) < 0.1 * steepest * width
+        return self.relative(steep * width * (2.0 * steep / (steep + steepest) if smooth else 1.0))
 
     def relative(self, change):
         """A change of position in the leg as one of the moving load, relative to itself."""

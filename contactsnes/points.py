@@ -50,6 +50,7 @@ class Point:
     load : controlled values (u_n,r, u_t,r or w_n,r, w_t,r by ``controls``)
     displacements, forces : D, U, ... and W, T, ... of each component, controlled or not
     leg, position, step : leg of the path (0: start), place in it (0 to 1) and the step to try next (same unit)
+    arc : length of the step along the branch to try next, ranges of the law; 0 in natural continuation
     origin : controlled values where the leg began
     in_contact, sliding : whether a node is in contact; whether all of those have slipped past the law's peak
     residual_norm : of the archive
@@ -79,6 +80,7 @@ class Point:
     leg: int = 0
     position: float = 0.0
     step: float = 0.0
+    arc: float = 0.0
     origin: np.ndarray = None
     spent: dict = field(default_factory=dict)
     event: str = "none"

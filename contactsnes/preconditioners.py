@@ -218,7 +218,7 @@ class ArcElimination:
         inner = KINDS.get(type(form.form), CoreZone)
         self.form, self.inner = form, inner(form.form, options, 1e-5) if inner is not ZonedStiffness else inner(form.form, options)
         self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
-        self.slope = form.grid.inner(form.tangent, self.column)
+        self.slope = form.grid.inner(form.tangent, self.column) - form.rate
 
     def apply(self, vector, out):
         """out = M^-1 vector, arrays of the form's size."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import cohesive, continuation, energies, observables, scene as scenes
+from . import arcs, cohesive, continuation, energies, observables, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights
@@ -18,7 +18,7 @@ from .stability import Stability, refuse_without_tangent
 from .states import State
 from .tracing import Tracer
 
-KEPT = ("leg", "position", "step", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
+KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
         *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
@@ -57,6 +57,7 @@ class Branch:
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(scene, self._sheared, form, solver_type())
         refuse_without_tangent(self.steps.stability, form, solver_type())
+        arcs.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
         self._resting = FORCE if scene.isolated else DISPLACEMENT
@@ -69,7 +70,7 @@ class Branch:
         points = continuation.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
                                      at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history,
                                      certify=self.stability or (lambda point: point),
-                                     at_bifurcation=self.steps.at_bifurcation)
+                                     at_bifurcation=self.steps.at_bifurcation, walker=arcs.walker(self.steps))
         ledger = energies.Ledger(self.contact, self.history)
         try:
             yield from map(ledger.entered, points)

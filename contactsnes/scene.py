@@ -173,8 +173,10 @@ class Steps(Options):
     _NAMES: ClassVar[tuple] = ("smallest_step", "initial_step", "largest_step")
     prefix: ClassVar[str] = "continuation_"
     title: ClassVar[str] = "Steps along the load path"
-    type: str = option("natural", "parameter of the path: natural, the load", choices=("natural",))
-    at_fold: str = option("jump", "at a limit point: jump to the next equilibrium, or stop", choices=("jump", "stop"))
+    type: str = option("natural", "parameter of the path: natural, the load; arclength, the length of the branch",
+                       choices=("natural", "arclength"))
+    at_fold: str = option("jump", "at a limit point: jump to the next equilibrium, stop, or trace the branch through it",
+                          choices=("jump", "stop", "trace"))
     initial_step: float | tuple = option(None, "first step of a leg", "of what moves", kind="number", above=0, many="legs",
                                          default_text="1/40 of the leg")
     largest_step: float | tuple = option(None, "largest step", "of what moves", kind="number", above=0, many="legs",

@@ -7,14 +7,17 @@ from petsc4py import PETSc
 
 from . import states
 from .arclength import ArcLength
+from .contact import FORCE
 from .corrector import KSP_REASONS, WARM, Corrector
 from .forms import DisplacementForm
-from .laws import MOVING_STIFFNESS
+from .laws import CUTOFF, MOVING_STIFFNESS
 from .points import Direction, NotConverged
 from .snes import create_snes
 
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
+FAR = 8.0
+"""Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
 
 
 class Tracer(Corrector):
@@ -23,13 +26,16 @@ class Tracer(Corrector):
     A ``chord``, a pair of states, measures how far a state has gone (``states.chord``).
     """
 
-    def solve_arc(self, chord, length, guess, position, leg):
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """The point at a place of a chord, near a guess and its position in the leg; NotConverged otherwise.
 
+        ``border``: what the place counts in the equation that holds it, and a unit of the position, from the given one on.
         By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
         """
+        share, rate = border
+        length = share * length + rate * position
         for _ in range(6):
-            form, arc, snes, start = self._on_chord(chord, length, guess, position, leg)
+            form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
             unknown, iterations = self._newton(arc, start, WARM, snes)
             arc.set_position(unknown[-1])
             state = self._state(form, unknown[:-1])
@@ -64,6 +70,19 @@ class Tracer(Corrector):
         length = self.chord_length(point.state, ahead)
         return Direction(states.State(change.window, change.displacement / length, change.means / length), direction.rate / length)
 
+    def lost(self, point, leg, heading):
+        """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in words, or ""."""
+        gap = states.normal_gap(self.contact, point.state)
+        free = point.controls[0] == FORCE or heading < 0.0
+        if free and not point.in_contact and self.contact.grid.minimum(gap) > CUTOFF:
+            return "it has left the range of the law"
+        if FORCE in point.controls[1:] and point.in_contact:
+            slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+            touching = gap < self.contact.scene.contact_threshold
+            if self.contact.grid.minimum(slip, where=touching) > FAR:
+                return "the whole contact slides without end"
+        return ""
+
     def chord_length(self, first, last):
         """Root mean square way from one state to another where the law acts, ranges of the law."""
         return states.chord(self.contact, first, last, last.window)[1]
@@ -90,7 +109,7 @@ class Tracer(Corrector):
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
 
-    def _on_chord(self, chord, length, guess, position, leg):
+    def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """Form, form with the arc length, its SNES and its unknown, for a state and position on or near a chord."""
         own = self.snes.getType().startswith("newton")
         state = self._fitted(guess) if own else states.fitted(self.contact, guess)
@@ -99,8 +118,8 @@ class Tracer(Corrector):
         first, last = (form.pack(states.onto(end, form.window), none) for end in chord)
         row, way = states.chord(self.contact, *chord, form.window)
         row = form.pack(row, none)
-        row *= way / form.grid.inner(row, last - first)
-        arc = ArcLength(form, leg.start, leg.direction, first, row, length)
+        row *= border[0] * way / max(form.grid.inner(row, last - first), 1e-300)
+        arc = ArcLength(form, leg.start, leg.direction, first, row, length, border[1])
         unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]), position)
         return form, arc, create_snes(arc, "" if own else "arc_"), unknown
 

@@ -65,6 +65,8 @@ TABLE = (
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("arcs", "points along a path by arc length, whatever is solved",
+        ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("motion", "the dynamics of the balance in Fourier space, without PETSc", (*LOAD_PATH, "continuation")),
     Row("stepping", "methods of damping a motion, without PETSc", (*LOAD_PATH, "forms", "continuation")),
@@ -109,7 +111,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "bifurcations", "modes", "continuation", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

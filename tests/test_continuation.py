@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from contactsnes.arcs import ArcWalk, Trace
 from contactsnes.continuation import Walk, branch, fold_kind, grown, leg_history, predict, with_events
 from contactsnes.folds import Turn
 from contactsnes.limit_points import FOLD_TOLERANCE
@@ -49,6 +50,32 @@ def bend(slope, width, at=0.5):
     """u = load, from load ``at`` on steeper by ``slope``, over about ``width``."""
     return explicit(lambda load: load + slope * width * np.logaddexp(0.0, (load - at) / width),
                     lambda load: 1.0 + slope / (1.0 + np.exp(-(load - at) / width)))
+
+
+def curve(load, slope):
+    """load = load(u) of one unknown, a branch with folds where the slope of the load vanishes."""
+    return Problem(lambda u, value: load(u) - value, lambda u, value: np.diag(slope(u)), lambda u, value: -np.ones(1))
+
+
+def waves():
+    """load = u + 2 sin u: a fold wherever cos u = -1/2."""
+    return curve(lambda u: u + 2 * np.sin(u), lambda u: 1 + 2 * np.cos(u))
+
+
+def corner(rising=1.0, falling=-3.0, at=0.3):
+    """load = at + rising (u - at) for u below ``at``, then at + falling (u - at): a fold in a corner, without curvature."""
+    return curve(lambda u: at + np.where(u < at, rising, falling) * (u - at), lambda u: np.where(u < at, rising, falling))
+
+
+def cusp(depth):
+    """u^3 + 3 depth u = load: folds at -+ 2 (-depth)^(3/2) for a negative depth, none for others, a cusp at 0."""
+    return curve(lambda u: u ** 3 + 3 * depth * u, lambda u: 3 * u ** 2 + 3 * depth)
+
+
+def loop():
+    """(u - 2)^2 + v^2 = 1 with v = load: an isola."""
+    return Problem(lambda x, load: np.array([(x[0] - 2) ** 2 + x[1] ** 2 - 1, x[1] - load]),
+                   lambda x, load: np.array([[2 * (x[0] - 2), 2 * x[1]], [0.0, 1.0]]), lambda x, load: np.array([0.0, -1.0]))
 
 
 def cube_root():
@@ -118,23 +145,26 @@ class System:
         state, count = self._newton(lambda u: problem.residual(u, load[-1]), lambda u: problem.jacobian(u, load[-1]), guess)
         return self._point(state, load, count)
 
+    def lost(self, point, leg, heading):
+        return "it went far away" if np.abs(point.state).max() > 50.0 else ""
+
     def chord_length(self, first, last):
         return self.distance(first, last)
 
     def _row(self, chord):
         change = chord[1] - chord[0]
-        return change / (len(change) * self.distance(*chord))
+        return change / max(len(change) * self.distance(*chord), 1e-300)
 
-    def _bordered(self, x, row, leg):
+    def _bordered(self, x, row, leg, slope=0.0):
         rate, load = leg.direction[leg.moving], leg.load(x[-1])[leg.moving]
         return np.block([[self.problem.jacobian(x[:-1], load), rate * self.problem.load_derivative(x[:-1], load)[:, None]],
-                         [row[None], np.zeros((1, 1))]])
+                         [row[None], np.full((1, 1), slope)]])
 
-    def solve_arc(self, chord, length, guess, position, leg):
-        row = self._row(chord)
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
+        (share, rate), row = border, border[0] * self._row(chord)
         unknown, count = self._newton(
-            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), row @ (x[:-1] - chord[0]) - length),
-            lambda x: self._bordered(x, row, leg), np.append(guess, position))
+            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), row @ (x[:-1] - chord[0]) + rate * (x[-1] - position) - share * length),
+            lambda x: self._bordered(x, row, leg, rate), np.append(guess, position))
         load = leg.load(unknown[-1])
         if self.arc_fails(load[-1]):
             raise NotConverged("no solution is looked for here")
@@ -533,6 +563,134 @@ def test_kinds_of_folds():
 
     assert kind(0, [1.0, 0.0]) == "jump_in" and kind(0, [-1.0, 0.0]) == "pull_off"
     assert kind(1, [0.0, 1.0]) == "sliding" and kind(1, [0.0, -1.0]) == "sliding"
+
+
+# Arc length
+
+
+def traced(problem, values, guess, walker=ArcWalk, **settings):
+    """A system, the points of its branch traced through folds, and what ended it."""
+    system = System(problem)
+    points, error = followed(path(system, values, guess, walker=walker, **{"at_fold": "trace", **settings}))
+    assert_solutions(system, points)
+    return system, points, error
+
+
+def folds(points):
+    return [point for point in points if point.event == "fold"]
+
+
+@pytest.mark.parametrize("walker", [ArcWalk, Trace])
+@pytest.mark.parametrize("predictor", PREDICTORS)
+@pytest.mark.parametrize("sizes", [(1 / 40, 1 / 20, 1e-6), (0.004, 0.01, 1e-6), (0.2, 0.3, 1e-6)], ids=["default", "short", "long"])
+def test_a_branch_is_traced_through_its_folds(walker, predictor, sizes):
+    """To rounding, there and back: each fold at its load with its kind and null vector, each leg to its exact end."""
+    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], walker, predictor=predictor, sizes=sizes)
+    assert error is None
+    assert [point.fold_kind for point in folds(points)] == ["jump_in", "pull_off", "pull_off", "jump_in"]
+    for point, sign in zip(folds(points), (1, -1, -1, 1)):
+        assert point.load[0] == pytest.approx(sign * CUBIC_FOLD, rel=FOLD_TOLERANCE)
+        tangent, = point.tangents
+        assert abs(tangent.state[0]) == pytest.approx(1.0) and abs(tangent.rate) < 1e-4
+    assert [point.load[0] for point in points if point.position == 1.0] == [2.0, -1.5]
+    moves = np.abs(np.diff([point.position for point in points if point.leg == 1]))
+    assert np.max(moves) < 2.0 * sizes[1] * (1 + 1e-9)
+
+
+def test_steps_along_a_branch_without_folds_are_natural_ones():
+    """As many points, each step of the load within the largest, the end exact."""
+    natural, _ = followed(path(System(explicit(np.sin, np.cos)), [0.0, 1.0], [0.0]))
+    system, points, error = traced(explicit(np.sin, np.cos), [0.0, 1.0], [0.0])
+    assert error is None and events(points) == [] and system.sentences == []
+    assert abs(len(points) - len(natural)) <= 3
+    assert_steps(points, largest=1.1 / 20)
+
+
+def test_several_folds_on_one_branch():
+    """u + 2 sin u: cos u = -1/2 at every turn of the load."""
+    _, points, error = traced(waves(), [0.0, 20.0], [0.0])
+    assert error is None and points[-1].load[0] == 20.0
+    places = [(2 * np.pi * turn + sign * 2 * np.pi / 3) for turn in range(4) for sign in (1, -1)][0:1] + \
+        [2 * np.pi * turn + sign * 2 * np.pi / 3 for turn in (1, 2, 3) for sign in (-1, 1)]
+    found = folds(points)
+    assert [point.fold_kind for point in found[:2]] == ["jump_in", "pull_off"] and 5 <= len(found) <= len(places)
+    for point, place in zip(found, places):
+        assert point.state[0] == pytest.approx(place, abs=1e-4)
+        assert point.load[0] == pytest.approx(place + 2 * np.sin(place), rel=FOLD_TOLERANCE)
+
+
+@pytest.mark.parametrize("rising, falling", [(1.0, -3.0), (1.0, -1.0), (5.0, -0.2)])
+@pytest.mark.parametrize("walker", [ArcWalk, Trace])
+def test_a_fold_in_a_corner_has_two_tangents(rising, falling, walker):
+    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker, at_fold="stop" if walker is ArcWalk else "trace")
+    fold, = folds(points)
+    assert fold.load[0] == pytest.approx(0.3, rel=FOLD_TOLERANCE)
+    length = 1.1
+    assert [tangent.rate * length for tangent in fold.tangents] == pytest.approx([rising, falling], rel=1e-6)
+    assert error is None or "came back" in str(error)
+
+
+@pytest.mark.parametrize("depth, count", [(-0.3, 2), (-1e-2, 2), (0.0, 0), (1e-2, 0)])
+def test_cusps(depth, count):
+    """Two folds merge in a cusp, where the tangent is vertical but the load goes on."""
+    _, points, error = traced(cusp(depth), [-1.0, 1.1], [-2.0])
+    assert error is None and points[-1].position == 1.0
+    assert [point.load[0] for point in folds(points)] == pytest.approx([2 * abs(depth) ** 1.5, -2 * abs(depth) ** 1.5][:count], rel=1e-6)
+
+
+def test_a_closed_branch_ends_where_it_began():
+    for start, guess in ((-0.5, 2 + np.sqrt(0.75)), (0.0, 3.0)):
+        _, points, error = traced(loop(), [start, 2.0], [guess, start])
+        assert isinstance(error, NoEquilibrium) and "came back to where the leg began" in str(error)
+        assert [point.load[0] for point in folds(points)] == pytest.approx([1.0], rel=FOLD_TOLERANCE)
+        assert points[-1].load[0] == start and points[-1].state[0] < 2.0
+
+
+def test_a_closed_branch_within_a_leg_is_followed_once():
+    """A jump on to an isola that the leg does not leave: the trace begins inside the leg."""
+    system = System(loop())
+    leg = Leg(1, ("displacement",), np.array([-3.0]), np.array([3.0]), 0, 1 / 40, 1 / 20, 1e-6)
+    first = replace(system.solve(np.array([3.0, 0.0]), ("displacement",), np.zeros(1)), leg=1, position=0.5)
+    points, error = followed(ArcWalk(system, leg, [(0.5, first)], "edge", "trace"))
+    assert isinstance(error, NoEquilibrium) and "closes on itself" in str(error)
+    assert [point.load[0] for point in folds(points)] == pytest.approx([1.0, -1.0], rel=FOLD_TOLERANCE)
+    assert len(points) < 100
+
+
+def test_a_branch_that_leaves_ends_there():
+    """load = u exp(-u): beyond its fold the load falls for ever."""
+    problem = curve(lambda u: u * np.exp(-u), lambda u: (1 - u) * np.exp(-u))
+    _, points, error = traced(problem, [-0.5, 1.0], [-0.3517337112])
+    assert isinstance(error, NoEquilibrium) and "far away" in str(error) and points[-1].state[0] > 50.0
+    assert [point.load[0] for point in folds(points)] == pytest.approx([np.exp(-1)], rel=FOLD_TOLERANCE)
+
+
+def test_jump_and_stop_with_arc_length():
+    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], at_fold="jump")
+    assert error is None and events(points) == ["fold", "jump", "fold", "jump"]
+    _, points, error = traced(cubic(), [-1.875, 2.0], [-1.5], at_fold="stop")
+    assert error is None and events(points) == ["fold"] and points[-1].event == "fold"
+
+
+@pytest.mark.parametrize("walker", [ArcWalk, Trace])
+def test_a_resumed_trace_goes_on_through_the_same_branch(walker):
+    """From any of its points: the same folds, the same end."""
+    _, whole, _ = traced(cubic(), [-1.875, 2.0], [-1.5], walker)
+    for cut in range(1, len(whole) + 1):
+        _, rest, error = traced(cubic(), [-1.875, 2.0], [-1.5], walker, resumed=archived(whole[:cut]))
+        found = folds(whole[:cut]) + folds(rest)
+        assert error is None and [point.fold_kind for point in found] == ["jump_in", "pull_off"]
+        assert [point.load[0] for point in found] == pytest.approx([CUBIC_FOLD, -CUBIC_FOLD], rel=FOLD_TOLERANCE)
+        assert (whole[:cut] + rest)[-1].load[0] == 2.0
+
+
+def test_arc_length_goes_through_other_troubles():
+    """Bends, a vertical tangent and the primary branch of a pitchfork, as natural continuation does."""
+    for problem, values, guess in ((bend(100.0, 1e-3), [0.0, 1.0], [0.0]), (cube_root(), [-1.0, 1.1], [-1.0]),
+                                   (pitchfork(), [0.0, 1.1], [0.0, 0.0])):
+        _, points, error = traced(problem, values, guess)
+        assert error is None and events(points) == []
+        assert_steps(points, largest=1 / 10)
 
 
 # What points a predictor may use

@@ -1,0 +1,294 @@
+"""Continuation by arc length: points along a branch whatever its load does, through its folds."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .continuation import Walk, fold_kind, grown
+from .folds import Turn
+from .limit_points import LimitPoint
+from .points import NoEquilibrium, NotConverged, lagrange_weights
+from .settings import InputError
+
+APART = 0.1
+"""Points nearer to each other than this part of the next step add noise to a prediction, not knowledge."""
+TURNING = 0.5
+"""Where the slope of the load falls below this part of its mean over the last step, a fold may be near."""
+BRIEF = 1e-4
+"""A step along the arc below this part of the last ones has failed, if the load hardly moves in it."""
+
+PATIENCE = 40
+"""Failures, less successes, after which a branch is given up."""
+PACE = 0.1
+"""What the position counts in the length of a branch, over what the state does."""
+
+
+class ArcWalk(Walk):
+    """Pseudo-arclength continuation along one leg: an iterator of points, through folds or to them.
+
+    Steps are lengths along the branch (``Tracer.chord_length``), by the rules of natural continuation: the first is the leg's
+    initial step, they grow with few iterations, and none moves the load by more than the largest step. Parameters as of `Walk`,
+    and 'trace' for ``at_fold``, which goes on through folds.
+    """
+
+    @staticmethod
+    def past(points, number):
+        """[(position, point), ...] of the last points of leg ``number``, from which the walk goes on."""
+        found = []
+        for point in reversed(points):
+            place = point.position if point.leg == number else 0.0
+            # Copies of a point carry its further events.
+            if not found or place != found[-1][0]:
+                found.append((place, point))
+            if point.leg != number or point.event == "jump":
+                break
+        return found[::-1]
+
+    def __iter__(self):
+        self.history = [(place, replace(point, position=place)) for place, point in self.history]
+        self.begun, self.steps, self.length = self.history[-1][1], 0, self.history[-1][1].arc
+        failures, self.patience = 0, PATIENCE
+        while self.history[-1][0] != 1.0:
+            self._check_end()
+            if len(self.history) == 1:
+                yield from self._begin()
+                if self.stopped:
+                    return
+                continue
+            here, last = self.history[-1]
+            self.length = self.length or self._way(self.history[-2][1], last)
+            try:
+                point = self._ahead(self.length, self.predictor if failures < 1 else "secant")
+                fold, point = self._met(point)
+            except NotConverged as error:
+                failures, self.length = failures + 1, (1.0 if failures == 0 and self.predictor == "edge" else 0.25) * self.length
+                self.system.log(f"a step along the branch from {self._place(here)} failed ({error}): trying another one")
+                self.patience -= 1
+                if self._exhausted():
+                    self._give_up(error, f"at {self._place(1.0)}")
+                continue
+            failures, self.length = 0, self.length if point is None else self._next_length(point)
+            if fold is not None:
+                yield from self._pass(fold, last if point is None else point)
+                if self.stopped:
+                    return
+                if self.at_fold != "trace":
+                    continue
+            if point is None:
+                self.history[-2:] = self.history[-2:][::-1]
+                continue
+            self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
+            yield self._accept(self._marked(point))
+
+    @property
+    def heading(self):
+        """1 where the load moves on towards the leg's end, -1 where it moves back."""
+        (before, _), (here, last) = self.history[-2:]
+        return (-1.0 if last.event == "fold" else 1.0) * np.sign(here - before)
+
+    @property
+    def _pace(self):
+        """Length that a unit of position counts, so that the branch has a direction where its state stands still, too."""
+        pairs = [(first, last) for (_, first), (_, last) in zip(self.history, self.history[1:])]
+        moved = sum(self.system.chord_length(first.state, last.state) for first, last in pairs)
+        return PACE * moved / max(sum(abs(last.position - first.position) for first, last in pairs), 1e-300)
+
+    def _way(self, first, last):
+        """Length of the way from one point to another."""
+        return float(np.hypot(self.system.chord_length(first.state, last.state), self._pace * (last.position - first.position)))
+
+    def _begin(self):
+        """The second point: by a step of the load, or, where that fails, next to the first one by its tangent."""
+        here, last = self.history[-1]
+        left, step = 1.0 - here, self.leg.initial
+        target = 1.0 if left <= step * (1.0 + 1e-9) else here + min(step, 0.5 * left)
+        self.length = 0.0
+        try:
+            point = self._step(target, self.predictor)
+        except NotConverged as error:
+            self.system.log(f"step to {self._place(target)} failed ({error}): looking for the branch's direction")
+            if self.system.lowered(last) is not None:
+                yield from self._fold(error)
+                return
+            try:
+                trail = Turn(self.system, self.leg, self.history).trail()
+            except NotConverged:
+                self._give_up(error, f"at {self._place(1.0)}")
+            self.history = [(place, replace(point, leg=self.leg.number, position=place)) for place, point in trail]
+            self.length = self._way(*(point for _, point in self.history)) * step / abs(trail[1][0] - trail[0][0])
+            if trail[0][1].state is not last.state:
+                return
+            point = self.history.pop()[1]
+        yield self._accept(self._marked(point))
+
+    def _ahead(self, length, predictor):
+        """The next point at a length along the branch; the exact one at an end of the leg that a prediction reaches before."""
+        here, last = self.history[-1]
+        guess, position = self._predicted(length, predictor)
+        ahead = position - here
+        end = 1.0 if ahead > 0.0 else 0.0
+        if abs(ahead) > self.leg.largest:
+            length *= self.leg.largest / abs(ahead)
+            guess, position = self._predicted(length, predictor)
+        elif abs(ahead) < abs(end - here) < 2.0 * abs(ahead):
+            # The last two steps share what is left, so that none is tiny.
+            length *= 0.5 * (end - here) / ahead
+            guess, position = self._predicted(length, predictor)
+        if (position - end) * ahead >= -1e-9 * abs(ahead) and here != end:
+            length *= (end - here) / (position - here)
+            guess, _ = self._predicted(length, predictor)
+            point = self._at_end(guess, end)
+        else:
+            way = self.system.chord_length(last.state, guess)
+            whole = np.hypot(way, self._pace * (position - here))
+            border = way / whole, self._pace ** 2 * (position - here) / whole
+            point = self.system.solve_arc((last.state, guess), way, guess, position, self.leg, border)
+        self._check(guess, point)
+        return point
+
+    def _at_end(self, guess, end):
+        """The point exactly at an end of the leg, 0 or 1."""
+        point = self.system.solve(guess, self.leg.controls, self.leg.load(end))
+        return replace(point, leg=self.leg.number, position=end)
+
+    def _predicted(self, length, predictor):
+        """State and position at a length beyond the last point, by a polynomial through the last ones."""
+        points, places = [self.history[-1][1]], [0.0]
+        for _, point in reversed(self.history[:-1]):
+            apart = self._way(point, points[0])
+            if apart > APART * length or (len(points) == 1 and point is self.history[0][1]):
+                points, places = [point, *points], [places[0] - apart, *places]
+        used = 3 if predictor == "edge" else 2
+        points, places = points[-used:], places[-used:]
+        weights = lagrange_weights(places, length)
+        followed = self.system.follow_edge(points, weights) if predictor == "edge" else None
+        guess = self.system.extrapolate(points, weights) if followed is None else followed
+        return guess, float(weights @ [point.position for point in points])
+
+    def _check(self, guess, point):
+        """NotConverged unless a point is the neighbour of the last one that a prediction led to."""
+        (_, before), (here, last) = self.history[-2:]
+        missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
+        if missed > 0.15 and missed > 0.5 * moved:
+            raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
+                               "perhaps on another branch")
+        ahead = self._way(last, point)
+        if ahead == 0.0 or self._way(before, point) < min(self._way(before, last), ahead):
+            raise NotConverged("the step led back along the branch")
+        if abs(point.position - here) > 2.0 * self.leg.largest:
+            raise NotConverged("the load moved by more than twice the largest step")
+
+    def _slopes(self, point):
+        """d(position)/d(length) at a new point, by the parabola through the last two and it, and the mean since the last."""
+        (first, before), (here, last) = self.history[-2:]
+        behind, ahead = self._way(before, last), self._way(last, point)
+        mean, earlier = (point.position - here) / ahead, (here - first) / behind
+        return mean + (mean - earlier) * ahead / (ahead + behind), mean
+
+    def _met(self, point):
+        """(fold or None, point) of what a step to a point meets: a fold on the way, or an end of the leg in the point's place.
+
+        No point where the fold turns out to lie before the last one.
+        """
+        fold, late = (None, False) if self.system.lost(point, self.leg, self.heading) else self._fold_before(point)
+        if late:
+            return fold, None
+        here, last = self.history[-1]
+        first = point if fold is None else fold
+        end = next((end for end in (0.0, 1.0) if (first.position - end) * (end - here) > 0.0), None)
+        if end is None:
+            return fold, point
+        part = (end - here) / (first.position - here)
+        guess = self.system.extrapolate([last, first], [1.0 - part, part])
+        point = self._at_end(guess, end)
+        self._check(guess, point)
+        return None, point
+
+    def _fold_before(self, point):
+        """The fold before a new point or None, and whether it lies before the last one, too.
+
+        Raises NotConverged for a step over several folds.
+        """
+        slope, mean = self._slopes(point)
+        (_, before), (_, last) = self.history[-2:]
+        heading = self.heading
+        if min(slope * heading, mean * heading) > TURNING * abs(mean):
+            return None, False
+        limit = LimitPoint(self.system, self.leg, last, point)
+        late = last.event != "fold" and limit.left.slope * heading < 0.0
+        if not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0:
+            return None, False
+        if late:
+            # It turns more sharply there than steps could tell.
+            limit = LimitPoint(self.system, self.leg, before, last)
+        if not limit.bracketed or limit.sign != heading:
+            raise NotConverged("the load turns more than once in this step")
+        return replace(limit.locate(), fold_kind=fold_kind(self.leg, heading)), late
+
+    def _next_length(self, point):
+        """Length of the step after a point, which is not accepted yet."""
+        here, last = self.history[-1]
+        length = self._way(last, point)
+        moved = max(abs(point.position - here), 1e-3 * self.leg.smallest)
+        return grown(length, point.spent["last_iterations"], max(length * self.leg.largest / moved, 0.25 * length))
+
+    def _exhausted(self):
+        """Whether another try is not worth it: the step has become too short, or too many failed."""
+        (before, first), (here, last) = self.history[-2:]
+        behind = self._way(first, last)
+        worth = self.length >= BRIEF * behind or self.length * abs(here - before) >= self.leg.smallest * behind
+        return self.patience == 0 or not worth
+
+    def _marked(self, point):
+        """A point with the steps to try next."""
+        return replace(point, leg=self.leg.number, step=self.leg.initial, arc=self.length)
+
+    def _pass(self, fold, beyond):
+        """Hand out a fold, and leave it by a jump or stay there where that is asked for."""
+        fold = self._accept(self._marked(fold))
+        yield fold
+        if self.at_fold != "trace":
+            yield from self._leave(fold, self._starts(fold, beyond.state))
+
+    def _check_end(self):
+        """Raise NoEquilibrium where the branch does not lead to the end of the leg."""
+        if len(self.history) < 2:
+            return
+        (before, previous), (here, last) = self.history[-2:]
+        why = self.system.lost(last, self.leg, self.heading)
+        if here == 0.0 < before:
+            why = "it came back to where the leg began"
+        if self.steps > 5 and max(self._way(self.begun, previous), self._way(self.begun, last)) < self._way(previous, last):
+            why = "it closes on itself"
+        if why:
+            raise NoEquilibrium(f"the branch does not lead to {self._place(1.0)}: {why}, at {self._place(here)}")
+
+
+class Trace(ArcWalk):
+    """Natural continuation to the first fold of a leg, arc length from there on."""
+
+    def __iter__(self):
+        last = self.history[-1][1]
+        if not last.arc and last.event != "fold":
+            self.at_fold = "stop"
+            yield from Walk.__iter__(self)
+            if not self.stopped:
+                return
+            self.at_fold, self.stopped = "trace", False
+        yield from super().__iter__()
+
+
+def refuse(steps, solver):
+    """InputError where the length of a branch is asked for and the type of SNES solves without a tangent."""
+    asked = ("-continuation_type is 'arclength'" if steps.type == "arclength" else
+             "-continuation_at_fold is 'trace'" if steps.at_fold == "trace" else "")
+    if asked and not solver.startswith("newton"):
+        raise InputError(f"{asked}, but -snes_type {solver} has no tangent to follow a branch by: allowed are Newton's methods "
+                         "(newtonls, newtontr), or natural continuation that jumps or stops at a fold")
+
+
+def walker(steps):
+    """The class of walks that ``-continuation_type`` and ``-continuation_at_fold`` ask for."""
+    if steps.type == "arclength":
+        return ArcWalk
+    return Trace if steps.at_fold == "trace" else Walk
