@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .continuation import Walk, fold_kind, grown
+from .continuation import Walk, events_between, fold_kind, grown
+from .event_points import locate
 from .folds import Turn
 from .limit_points import LimitPoint
 from .points import NoEquilibrium, NotConverged, lagrange_weights
@@ -78,7 +79,9 @@ class ArcWalk(Walk):
                 self.history[-2:] = self.history[-2:][::-1]
                 continue
             self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
-            yield self._accept(self._marked(point))
+            yield from self._arrive(point)
+            if self.stopped:
+                return
 
     @property
     def heading(self):
@@ -239,15 +242,33 @@ class ArcWalk(Walk):
         worth = self.length >= BRIEF * behind or self.length * abs(here - before) >= self.leg.smallest * behind
         return self.patience == 0 or not worth
 
+    def _arrive(self, point):
+        """Accept a point after those before it at which events happen."""
+        for event in events_between(self.history[-1][1], point):
+            found = locate(self.system, self.leg, event, self.history[-1][1], point)
+            if found is not point:
+                yield from self._certified(found)
+                if self.stopped:
+                    return
+        yield from self._certified(point)
+
+    def _certified(self, point):
+        """Accept a point; next to a fold, where an eigenvalue crosses zero, too, nothing bifurcates."""
+        point = self._marked(point)
+        if "fold" in (self.history[-1][1].event, point.event):
+            yield self._accept(point)
+        else:
+            yield from super()._arrive(point)
+
     def _marked(self, point):
         """A point with the steps to try next."""
         return replace(point, leg=self.leg.number, step=self.leg.initial, arc=self.length)
 
     def _pass(self, fold, beyond):
         """Hand out a fold, and leave it by a jump or stay there where that is asked for."""
-        fold = self._accept(self._marked(fold))
-        yield fold
-        if self.at_fold != "trace":
+        yield from self._arrive(fold)
+        fold = self.history[-1][1]
+        if self.at_fold != "trace" and not self.stopped:
             yield from self._leave(fold, self._starts(fold, beyond.state))
 
     def _check_end(self):

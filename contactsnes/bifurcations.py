@@ -43,7 +43,7 @@ def between(system, stability, leg, before, after):
         # Both of a complex pair cross at one place.
         if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
             found.append(point)
-    return sorted(found, key=lambda point: point.position)
+    return sorted(found, key=lambda point: abs(point.position - before[0]))
 
 
 def _precision(leg, position):

@@ -115,8 +115,9 @@ class Walk:
         if last[1].stable < 0 <= point.stable:
             last = last[0], self.certify(last[1])
         for critical in bifurcations.between(self.system, self.certify, self.leg, last, (point.position, point)):
-            if critical.position > last[0]:
-                yield replace(critical, origin=self.leg.start, spent=self.system.account(), step=point.position - critical.position)
+            if critical.position != last[0]:
+                yield replace(critical, origin=self.leg.start, spent=self.system.account(),
+                              step=abs(point.position - critical.position))
             if self.at_bifurcation == "stop":
                 self.stopped = True
                 return

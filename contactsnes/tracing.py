@@ -10,7 +10,7 @@ from .arclength import ArcLength
 from .contact import FORCE
 from .corrector import KSP_REASONS, WARM, Corrector
 from .forms import DisplacementForm
-from .laws import CUTOFF, MOVING_STIFFNESS
+from .laws import CUTOFF, MOVING_STIFFNESS, SLIP
 from .points import Direction, NotConverged
 from .snes import create_snes
 
@@ -69,6 +69,14 @@ class Tracer(Corrector):
         ahead = states.State(change.window, states.onto(point.state, change.window) + change.displacement, point.state.means)
         length = self.chord_length(point.state, ahead)
         return Direction(states.State(change.window, change.displacement / length, change.means / length), direction.rate / length)
+
+    def margin(self, point, event):
+        """What is at least 0 where there is an event, 'pull_off' or 'gross_sliding': a gap or slip over its threshold, ranges."""
+        gap, threshold = states.normal_gap(self.contact, point.state), self.contact.scene.contact_threshold
+        if event == "pull_off":
+            return float(self.contact.grid.minimum(gap) - threshold)
+        slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3) - np.nextafter(SLIP, np.inf))
 
     def lost(self, point, leg, heading):
         """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in words, or ""."""

@@ -60,6 +60,7 @@ TABLE = (
     Row("mirrored", "the displacement form for even states", LOAD_PATH),
     Row("grid_choice", "points of a grid for an accuracy, and the memory they take", ("laws", "fourier", "elasticity")),
     Row("limit_points", "limit points located to rounding", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("event_points", "points at which events happen", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("bifurcations", "places where an eigenvalue crosses zero",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
@@ -111,7 +112,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "folds", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

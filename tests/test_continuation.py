@@ -148,6 +148,10 @@ class System:
     def lost(self, point, leg, heading):
         return "it went far away" if np.abs(point.state).max() > 50.0 else ""
 
+    def margin(self, point, event):
+        happened = point.sliding if event == "gross_sliding" else not point.in_contact
+        return 1.0 if happened else -1.0
+
     def chord_length(self, first, last):
         return self.distance(first, last)
 
@@ -682,6 +686,15 @@ def test_a_resumed_trace_goes_on_through_the_same_branch(walker):
         assert error is None and [point.fold_kind for point in found] == ["jump_in", "pull_off"]
         assert [point.load[0] for point in found] == pytest.approx([CUBIC_FOLD, -CUBIC_FOLD], rel=FOLD_TOLERANCE)
         assert (whole[:cut] + rest)[-1].load[0] == 2.0
+
+
+def test_events_along_a_branch_are_located():
+    """Sliding from 0.3, contact until 0.8, whatever the steps."""
+    system = System(contacting(lambda u: u < 0.8, lambda u: u > 0.3))
+    points, error = followed(path(system, [0.0, 1.0], [0.0], walker=ArcWalk))
+    assert error is None and events(points) == ["gross_sliding", "pull_off"]
+    for point, load in zip([point for point in points if point.event != "none"], (0.3, 0.8)):
+        assert load <= point.load[0] <= load * (1 + 2 * FOLD_TOLERANCE)
 
 
 def test_arc_length_goes_through_other_troubles():

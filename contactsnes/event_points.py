@@ -1,0 +1,47 @@
+"""The points of a branch at which events happen, by bracketed roots of what tells of them."""
+
+from .limit_points import FOLD_TOLERANCE
+from .points import NotConverged
+
+MOST = 60
+"""Most points that a search makes: enough to halve its bracket to rounding."""
+
+
+def locate(system, leg, event, before, after):
+    """The first point with an event between two points of a branch, one without and one with it.
+
+    The regula falsi, as Illinois has it, along the chord between the points; to FOLD_TOLERANCE of the load that moves, or of the
+    law's range.
+
+    Parameters
+    ----------
+    system : what solves (``Tracer``)
+    leg : Leg
+    event : its name
+    before, after : points of the branch
+    """
+    chord = before.state, after.state
+    left, right = (0.0, before, system.margin(before, event)), (system.chord_length(*chord), after, system.margin(after, event))
+    scale, kept = abs(leg.direction[leg.moving]), None
+    for _ in range(MOST):
+        (begin, first, lack), (end, last, margin) = left, right
+        width = scale * abs(last.position - first.position) / max(abs(leg.load(last.position)[leg.moving]), 1e-3)
+        if width < FOLD_TOLERANCE or 0.0 <= margin < FOLD_TOLERANCE:
+            break
+        part = min(max(-lack / (margin - lack), 0.01), 0.99)
+        place = begin + part * (end - begin)
+        try:
+            point = system.solve_arc(chord, place, system.extrapolate([first, last], [1.0 - part, part]),
+                                     first.position + part * (last.position - first.position), leg)
+        except NotConverged as error:
+            system.log(f"the event {event} is located to {width:.2g} of its load only: {error}")
+            break
+        found = place, point, system.margin(point, event)
+        # An end that is kept again weighs half.
+        if found[2] >= 0.0:
+            left = (begin, first, 0.5 * lack) if kept == "left" else left
+            right, kept = found, "left"
+        else:
+            right = (end, last, 0.5 * margin) if kept == "right" else right
+            left, kept = found, "right"
+    return right[1]
