@@ -79,7 +79,7 @@ class ArcWalk(Walk):
                 self.history[-2:] = self.history[-2:][::-1]
                 continue
             self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
-            yield from self._arrive(point)
+            yield from self._reach(point)
             if self.stopped:
                 return
 
@@ -242,7 +242,7 @@ class ArcWalk(Walk):
         worth = self.length >= BRIEF * behind or self.length * abs(here - before) >= self.leg.smallest * behind
         return self.patience == 0 or not worth
 
-    def _arrive(self, point):
+    def _reach(self, point):
         """Accept a point after those before it at which events happen."""
         for event in events_between(self.history[-1][1], point):
             found = locate(self.system, self.leg, event, self.history[-1][1], point)
@@ -258,7 +258,7 @@ class ArcWalk(Walk):
         if "fold" in (self.history[-1][1].event, point.event):
             yield self._accept(point)
         else:
-            yield from super()._arrive(point)
+            yield from self._arrive(point)
 
     def _marked(self, point):
         """A point with the steps to try next."""
@@ -266,7 +266,7 @@ class ArcWalk(Walk):
 
     def _pass(self, fold, beyond):
         """Hand out a fold, and leave it by a jump or stay there where that is asked for."""
-        yield from self._arrive(fold)
+        yield from self._reach(fold)
         fold = self.history[-1][1]
         if self.at_fold != "trace" and not self.stopped:
             yield from self._leave(fold, self._starts(fold, beyond.state))
@@ -293,7 +293,7 @@ class Trace(ArcWalk):
         if not last.arc and last.event != "fold":
             self.at_fold = "stop"
             yield from Walk.__iter__(self)
-            if not self.stopped:
+            if not self.stopped or self.history[-1][1].event != "fold":
                 return
             self.at_fold, self.stopped = "trace", False
         yield from super().__iter__()
