@@ -28,6 +28,7 @@ UNITS = {
     "initial_gap": "u_n,r",
     "displacement": "u_n,r; u_t,r",
     "traction": "p_n,r; p_t,r",
+    "mode": "",
 }  # of the fields, for dimensionless scenes
 _STATES = 4  # states that are kept: what a predictor may extrapolate from
 _SLOTS = _STATES + 1  # one more, so that a new state never overwrites one that counts
@@ -61,6 +62,7 @@ class Archive:
     coordinates : tuple of one or two arrays, the nodes along x (and y); fields need them
     components : int, components of displacement and traction
     initial_gap : array of the grid's shape, optional; kept beside the coordinates
+    modes : bool, whether the fields of a point include its leading mode
     units : mapping, optional, units of fields other than `UNITS`
     warnings : sequence of str, optional, sentences to beware of; kept as the root attribute ``warnings``
 
@@ -71,7 +73,7 @@ class Archive:
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None, components=1,
-                 initial_gap=None, units=UNITS, warnings=()):
+                 initial_gap=None, modes=False, units=UNITS, warnings=()):
         if fields not in ("none", "last", "all"):
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
         if fields != "none" and not coordinates:
@@ -82,6 +84,7 @@ class Archive:
         self._options, self._versions = options, "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
         self._columns = {name: Column(*column) for name, column in columns.items()}
+        self._arrays = () if fields == "none" else ("displacement", "traction", *(("mode",) if modes else ()))
         self._fields, self._units, self._initial_gap = fields, {**UNITS, **units}, initial_gap
         self._coordinates = dict(zip("xy", coordinates or ()))
         self._shape = (components, *(len(array) for array in self._coordinates.values()))
@@ -128,7 +131,7 @@ class Archive:
         archive.points, archive.complete = points, complete
         return archive
 
-    def append(self, row, state, displacement=None, traction=None):
+    def append(self, row, state, displacement=None, traction=None, mode=None):
         """Add a point; when this returns, it survives a kill of the program.
 
         Parameters
@@ -136,11 +139,13 @@ class Archive:
         row : mapping with one value for each column, of an enumeration a name or its number
         state : mapping of arrays, numbers and strings: what a resumed run needs; kept for the last four points
         displacement, traction : (components, *grid) arrays, used if the archive keeps fields
+        mode : the same, if it keeps modes and the point has one
         """
         if self.complete:
             raise ArchiveError(f"{self.path} is complete; no point can be added.")
         row, state = self._numbers(row), _pack(self.points + 1, state)
-        fields = {"displacement": displacement, "traction": traction} if self._fields != "none" else {}
+        given = {"displacement": displacement, "traction": traction, "mode": mode}
+        fields = {name: given[name] for name in self._arrays if name != "mode" or mode is not None}
         for name, array in fields.items():
             if np.shape(array) != self._shape:
                 raise ArchiveError(f"{name} has the shape {np.shape(array)}; the archive keeps {self._shape}.")
@@ -164,6 +169,7 @@ class Archive:
         """Raise if the file belongs to another run than this archive describes."""
         here = {**self._scene, **_load_options(self._options), "archive_fields": self._fields}
         there = {**file["scene"].attrs, **_load_options(file.attrs["options"]), "archive_fields": file.attrs["fields"]}
+        here["leading modes"], there["leading modes"] = "mode" in self._arrays, "mode" in file.get("fields", ())
         for name in {**here, **there}:
             old, new = there.get(name, "not given"), here.get(name, "not given")
             if not np.array_equal(old, new):
@@ -209,7 +215,7 @@ class Archive:
         if self._fields == "all" and self.points % chunk == 0:
             with open(self.path, "rb+") as file:
                 file.seek(0, os.SEEK_END)
-                file.write(bytes(2 * 8 * chunk * math.prod(self._shape)))
+                file.write(bytes(len(self._arrays) * 8 * chunk * math.prod(self._shape)))
 
     def _write_anew(self, write, slot):
         """Copy the archive beside itself, with room for twice its points; let `write` act on it; put it in place."""
@@ -267,7 +273,7 @@ class Archive:
             group["initial_gap"].attrs["unit"] = self._units["initial_gap"]
         if self._fields == "last":
             group.attrs["point"] = 0  # whose fields these are; 0 while they are being written
-        for name in ("displacement", "traction") if self._fields != "none" else ():
+        for name in self._arrays:
             # The fill value makes a new chunk reach the file whole, before the index tells of it.
             layout = {"chunks": (chunk, *self._shape), "maxshape": (None, *self._shape)}
             rows, layout = (1, {}) if self._fields == "last" else (0, layout)
@@ -281,7 +287,7 @@ class Archive:
         for name in self._columns:
             new["branch"][name].resize((self.points,))
             new["branch"][name][:] = old["branch"][name][: self.points]
-        for name in ("displacement", "traction") if self._fields != "none" else ():
+        for name in self._arrays:
             if self._fields == "all":
                 new["fields"][name].resize(self.points, axis=0)
             for point in range(len(new["fields"][name])):
@@ -370,7 +376,7 @@ class Record(Mapping):
         return len(self._columns)
 
     def field(self, name, point):
-        """(components, *grid) array of 'displacement' or 'traction' at a point of `field_points`, from the file."""
+        """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of `field_points`, from the file."""
         with _open_archive(self.path) as file:
             stored = _field_points(file)
             if point not in stored:

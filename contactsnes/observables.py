@@ -6,6 +6,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from . import states
+from .fourier import Convolution
 from .energies import BALANCES, energy_unit
 from .laws import CUTOFF
 
@@ -101,7 +102,29 @@ class Measurement:
         displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
         self.window.put(self.traction, traction[:self.components])
         traction *= np.reshape(_sizes(scene, "p"), each)
-        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in (displacement, traction))
+        fields = (displacement, traction) if self.point.mode is None else (displacement, traction, self._mode())
+        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
+
+    def _mode(self):
+        """The leading mode (real part of a complex one), ranges of the law over its largest value, (components of the scene, *cell).
+
+        Beyond the window no traction changes: there (s - 1) v = C D v, but for a constant.
+        """
+        contact, grid, mode, rate = self.contact, self.grid, self.point.mode, self.point.leading_eigenvalue - 1.0
+        field = np.zeros((contact.scene.components, *grid.shape))
+        window, inside = mode.window, field[:self.components]
+        gap, tangent = states.onto(self.state, window).copy(), np.zeros((self.components, self.components, window.size))
+        gap[0] += window.take(contact.initial_gap)
+        contact.law.evaluate(gap, np.empty_like(gap), tangent)
+        if not window.is_whole and rate.imag == 0.0 and abs(rate) > 1e-6:
+            window.put(np.einsum("ijn,jn->in", tangent, mode.displacement), inside)
+            flat = inside.reshape(self.components, -1)
+            Convolution(grid.whole, contact.operator(self.components), self.components).apply(flat, flat)
+            inside /= rate.real
+            rim = window.rim()
+            inside += np.mean((mode.displacement - window.take(inside))[:, rim], axis=1).reshape(-1, *[1] * len(grid.shape))
+        window.put(mode.displacement, inside)
+        return field / field.flat[np.argmax(np.abs(field))]
 
 
 def _sizes(scene, symbol):

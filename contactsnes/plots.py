@@ -166,6 +166,9 @@ def draw_profiles(record, chosen):
         values = [traction[1 + component] for _, traction in profiles]
         if np.max(np.abs(values)) > 1e-6 * np.max(np.abs([traction for _, traction in profiles])):
             panels.append(("tangential traction", tangential("p", axis), units[-1], values))
+    if "mode" in record.units:
+        modes = [record.field("mode", point)[0] for point in chosen]
+        panels.append(("leading mode", "v_n", "", [mode if mode.ndim == 1 else mode[:, middle] for mode in modes]))
     figure = Figure((WIDTH, (0.25 + 0.45 * len(panels)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(panels), 1, sharex=True)
     for axes, (text, symbol, unit, values) in zip(stack, panels):

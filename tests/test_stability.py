@@ -1,5 +1,7 @@
 """Stability of points: against dense eigenvalues of the force balance on the whole cell, a motion in time, folds, other grids."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from functools import cached_property
 
@@ -10,7 +12,8 @@ from scipy import linalg
 
 petsc4py.init([])
 
-from contactsnes.contact import DISPLACEMENT, FORCE  # noqa: E402
+from contactsnes.archive import read as read_archive  # noqa: E402
+from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.modes import NEUTRAL  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
@@ -247,3 +250,27 @@ def test_spheres_and_shear_in_the_plane():
         dense = np.sort(linalg.eigvals(np.array([operator.apply(unit) for unit in np.eye(operator.size)]).T).real)
         assert abs(modes.leading - dense[0]) < 1e-5
         assert np.all(np.abs(modes.values.real[:2] - dense[:2]) < 5e-3)
+
+
+def test_leading_modes_are_archived_and_drawn(tmp_path):
+    file = tmp_path / "run.h5"
+    options = ("-scene_points 256 -scene_period 30 -scene_normal_maugis 3 -load_path normal_force=0.5 -archive_fields all "
+               f"-continuation_stability eigenvalue -archive_file {file}").split()
+    done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *options], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "stable: all eigenvalues" in done.stdout, done.stdout + done.stderr
+    record = read_archive(file)
+    assert list(record["stable"]) == [1] * record.points and np.all(record["leading_eigenvalue"] > 0.0)
+    mode = record.field("mode", record.points - 1)[0]
+    assert np.abs(mode).max() == 1.0
+    # It solves J x = s x on the whole cell: (s - 1) (K v) = D v beside the mean.
+    scene = Scene(points=256, period=30.0, normal_maugis=3.0)
+    contact = Contact(scene)
+    gap = contact.ranges[0] * record.field("displacement", record.points - 1)[0] + contact.initial_gap
+    tangent = np.zeros((1, 1, 256))
+    contact.law.evaluate(gap[None].copy(), np.empty((1, 256)), tangent)
+    stiffness = contact.operator(1, "stiffness").blocks[0, 0] * 256
+    imbalance = (record["leading_eigenvalue"][-1] - 1.0) * np.fft.irfft(np.fft.rfft(mode) * stiffness) - tangent[0, 0] * mode
+    assert np.abs(imbalance - imbalance.mean()).max() < 0.02 * np.abs(tangent[0, 0] * mode).max()
+    drawn = subprocess.run([sys.executable, "-m", "contactsnes", "plot", str(file)], capture_output=True, text=True,
+                           check=False)
+    assert drawn.returncode == 0, drawn.stderr
