@@ -222,7 +222,7 @@ class Walk:
         for start in starts:
             state = start()
             try:
-                point = self.system.settle(state, self.leg.controls, fold.load, where)
+                point = self.system.settle(state, self.leg.controls, fold.load, where, fold.state)
             except NotConverged as error:
                 self._give_up(error, where)
             # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.

@@ -145,9 +145,9 @@ class Corrector:
         """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
         return jumps.kicked(self.contact, fold, beyond, kick)
 
-    def settle(self, state, controls, load, where):
-        """The equilibrium that damped motion from a state reaches at fixed load; NoEquilibrium where the body leaves."""
-        return jumps.settle(self, state, controls, load, where)
+    def settle(self, state, controls, load, where, origin=None):
+        """The equilibrium that motion from a state, beside ``origin``, reaches at fixed load; NoEquilibrium where the body leaves."""
+        return jumps.settle(self, state, controls, load, where, origin)
 
     def _fitted(self, state):
         """The state on the window that the settings and the law ask for."""

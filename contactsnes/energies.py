@@ -136,9 +136,8 @@ class Ledger:
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
         lost = left - interface
         if np.isnan(interface):
-            # The motion begins a little beyond the fold, whose balance the interface's work misses at once, this one hardly.
-            lost = point.viscous_work
-            interface, balance = left - lost, "unknown" if np.isnan(lost) else "motion"
+            interface, lost = point.jump_work, point.viscous_work
+            balance = "unknown" if np.isnan(lost) else "motion"
         point = replace(point, jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
 

@@ -13,6 +13,9 @@ from .overdamped import Flow, Leaving, MotionOptions, Unsettled
 from .points import NoEquilibrium, NotConverged
 from .snes import create_snes
 
+BESIDE = 5.0
+"""Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
+
 
 def kicked(contact, fold, beyond, kick):
     """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
@@ -20,7 +23,7 @@ def kicked(contact, fold, beyond, kick):
     return states.combined(contact, [beyond, fold], [part, 1.0 - part])
 
 
-def settle(system, state, controls, load, where):
+def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
     The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method knows no window, it
@@ -32,6 +35,7 @@ def settle(system, state, controls, load, where):
     state : State
     controls, load : of each component
     where : str, what a message says of the place
+    origin : State, the equilibrium at this load from which the motion begins, if it does: works are known where that is near
 
     Raises
     ------
@@ -41,7 +45,7 @@ def settle(system, state, controls, load, where):
     options = read(MotionOptions)
     if options.type == "overdamped" and system.settings.form == "displacement":
         try:
-            return flowed(system, states.with_components(state, len(controls)), controls, load, options)
+            return flowed(system, states.with_components(state, len(controls)), controls, load, origin, options)
         except Leaving:
             raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
         except (Unsettled, NotConverged) as error:
@@ -49,16 +53,29 @@ def settle(system, state, controls, load, where):
     return fallen(system, state, controls, load, where)
 
 
-def flowed(system, state, controls, load, options):
-    """The equilibrium that overdamped motion leads to, with the works done on the interface and against viscosity on the way.
+def flowed(system, state, controls, load, origin, options):
+    """The equilibrium that overdamped motion leads to, with the works done on interface and against viscosity since ``origin``.
 
     Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
     """
-    flow = Flow(system.contact, system.symmetry, controls, load, system._fitted(state), system.totals, options)
+    contact, state = system.contact, system._fitted(state)
+    flow = Flow(contact, system.symmetry, controls, load, state, system.totals, options)
     flow.follow()
     point = polished(system, flow.state(), controls, load)
-    works = system.contact.grid.node_area * flow.works @ weights(system.contact, len(controls))
+    if origin is None or states.missed(contact, origin, state) > BESIDE:
+        return point
+    flow.works[0] += straight(contact, origin, state)
+    works = contact.grid.node_area * flow.works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
+
+
+def straight(contact, first, last):
+    """Work done on the interface on the straight way between two states, for each component: sum over nodes, phi_i."""
+    start, gap = states.onto(first, last.window), np.zeros_like(last.displacement)
+    gap[0] = last.window.take(contact.initial_gap)
+    way, (places, shares) = last.displacement - start, np.polynomial.legendre.leggauss(5)
+    return sum(0.5 * share * contact.grid.sum(contact.law.traction(gap + start + 0.5 * (1.0 + place) * way) * way)
+               for place, share in zip(places, shares))
 
 
 def polished(system, rest, controls, load):

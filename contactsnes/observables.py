@@ -182,6 +182,7 @@ def _scaled_table(scene):
                        ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"), ("wall_time", "s")):
         rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "), unit,
                                 "f8" if unit else "i8")
+    rows["resolved"] = Observable(lambda m: m.point.resolved, "resolved by the grid (0: folds may be its own)", "", "i8")
     rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "", "i8")
     rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes, "unstable modes (-1: not checked)", "", "i8")
     rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real, "leading eigenvalue", "")

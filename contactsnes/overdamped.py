@@ -163,16 +163,20 @@ class Flow:
         return sum(weight * moment.unknown for weight, moment in zip(weights, self.history))
 
     def _account(self, moment, step):
-        """Add the works of a step to ``moment`` from the last one."""
-        equations, now = self.equations, self.history[-1]
-        means, grid = np.zeros(len(self.controls)), equations.form.grid
-        change = moment.unknown - now.unknown
-        means[equations.moving] = change[equations.form.count:]
-        moved = equations.displacement(change)
-        traction = 0.5 * (equations.traction(now.unknown) + equations.traction(moment.unknown))
-        self.works[0] += grid.sum(traction * moved)
-        self.works[1] -= grid.sum((moment.elastic - now.elastic) * (moved - means[:, None])) / step
-        self.works[1, equations.moving] += self.contact.grid.size * equations.mass * means[equations.moving] ** 2 / step
+        """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the parabola through the last moments."""
+        equations, past = self.equations, [*self.history[-2:], moment]
+        grid, count = equations.form.grid, equations.form.count
+        places = [1.0 + (other.time - moment.time) / step for other in past]
+        for place, weight in ((0.0, step / 6.0), (0.5, 4.0 * step / 6.0), (1.0, step / 6.0)):
+            values, slopes = _interpolation(places, place)
+            unknown, speed, creep = (sum(w * other for w, other in zip(weights, others)) for weights, others in (
+                (values, [other.unknown for other in past]), (slopes / step, [other.unknown for other in past]),
+                (slopes / step, [other.elastic for other in past])))
+            velocity, drift = equations.displacement(speed), np.zeros(len(self.controls))
+            drift[equations.moving] = speed[count:]
+            self.works[0] += weight * grid.sum(equations.traction(unknown) * velocity)
+            self.works[1] -= weight * grid.sum(creep * (velocity - drift[:, None]))
+            self.works[1, equations.moving] += weight * self.contact.grid.size * equations.mass * speed[count:] ** 2
 
     def _covered(self):
         """Whether every node outside the window is certainly out of the law's range."""
@@ -185,7 +189,7 @@ class Flow:
         if contact.convex:
             return True
         outside = self._extended()[0] + contact.initial_gap
-        outside[window.indices] = np.inf
+        window.put(np.full(window.size, np.inf), outside)
         return contact.grid.minimum(outside) >= CERTAIN
 
     def _extended(self):
@@ -216,3 +220,10 @@ def _formula(times, step):
         return 1.0 / step, [1.0 / step]
     ratio = -step / times[0]
     return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step, (1.0 + ratio) / step]
+
+
+def _interpolation(places, place):
+    """Weights of values at places for the polynomial through them, and for its slope, at another place."""
+    powers = np.arange(len(places))
+    transposed = np.vander(places, increasing=True).T
+    return np.linalg.solve(transposed, place ** powers), np.linalg.solve(transposed, powers * place ** np.maximum(powers - 1, 0))

@@ -65,6 +65,7 @@ class Point:
     jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
+    resolved : 0 where edges of contact or slip stick between nodes, so that a fold may be the grid's own, else 1
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.stability``)
     """
@@ -96,6 +97,7 @@ class Point:
     viscous_work: float = np.nan
     jump_balance: str = ""
     tangents: tuple = ()
+    resolved: int = 1
     stable: int = -1
     unstable_modes: int = -1
     leading_eigenvalue: complex = complex(np.nan, np.nan)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import arcs, cohesive, continuation, energies, observables, scene as scenes
+from . import arcs, continuation, energies, failures, observables, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights
@@ -14,13 +14,13 @@ from .mirrored import refuse
 from .rough import check_edge
 from .snes import solver_type
 from .spots import of_boxes
-from .stability import Stability, refuse_without_tangent
+from .stability import SIGN, Stability, refuse_without_tangent
 from .states import State
 from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
-        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue")
+        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue", "resolved")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
@@ -72,13 +72,19 @@ class Branch:
                                      certify=self.stability or (lambda point: point),
                                      at_bifurcation=self.steps.at_bifurcation, walker=arcs.walker(self.steps))
         ledger = energies.Ledger(self.contact, self.history)
+        self._last = self.history[-1] if self.history else None
+        grid = failures.Resolution(self.contact, self._log, self._last)
         try:
-            yield from map(ledger.entered, points)
+            for point in map(grid.marked, map(ledger.entered, points)):
+                self._last = point
+                yield point
         except NotConverged as error:
-            sheared = any(self._sheared)
-            if max(cohesive.resolution(self.scene, sheared)) <= cohesive.PINNING:
-                raise
-            raise NotConverged(f"{error}; {cohesive.resolution_warning(self.scene, sheared)}") from None
+            raise failures.explained(error, self.scene, any(self._sheared), self._modes) from None
+
+    def _modes(self):
+        """Modes of the last point; None without one, or a tangent."""
+        form = self.corrector.settings.form == "displacement" or solver_type().startswith("newton")
+        return Stability(self.corrector, SIGN).modes(self._last, None) if self._last is not None and form else None
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""

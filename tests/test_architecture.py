@@ -64,6 +64,7 @@ TABLE = (
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("bifurcations", "places where an eigenvalue crosses zero",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("failures", "which points the grid resolves, and what stops a branch, in words", ("fourier", "forms")),
     Row("continuation", "points along a path, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("arcs", "points along a path by arc length, whatever is solved",
@@ -112,7 +113,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

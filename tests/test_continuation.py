@@ -186,7 +186,7 @@ class System:
     def kicked(self, fold, beyond, kick):
         return fold + kick * (beyond - fold) / self.missed(fold, beyond)
 
-    def settle(self, state, controls, load, where):
+    def settle(self, state, controls, load, where, origin=None):
         state = np.array(state)
         for _ in range(3000):
             force = self.problem.residual(state, load[-1])

@@ -1,0 +1,99 @@
+"""Which points the grid resolves, and what stops a branch, in words."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import ndimage
+
+from . import states
+from .cohesive import PINNING, resolution, resolution_warning
+from .laws import SLIP
+from .points import NotConverged
+
+NARROW = 20
+"""Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge has six."""
+CRITICAL = 0.05
+"""Leading eigenvalue (over that of the free surface, 1) below which a state is next to a critical point."""
+TRY = "try smaller steps (-continuation_initial_step, -continuation_smallest_step) or another -continuation_predictor"
+
+
+class Resolution:
+    """Marks points in their order: whether the grid resolves them, or makes folds of its own.
+
+    Parameters
+    ----------
+    contact : Contact
+    log : function (sentence)
+    last : Point before the first one, if any
+    """
+
+    def __init__(self, contact, log, last=None):
+        self.contact, self.log, self.last = contact, log, last
+        self._said = set()
+
+    def marked(self, point):
+        """The point with ``resolved``."""
+        jumped = point.event == "jump" and self.last is not None and narrow(self.contact, self.last.state, point.state)
+        sheared = slips(self.contact, point)
+        pinned = max(resolution(self.contact.scene, sheared)) > PINNING
+        if jumped:
+            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold may be the grid's, where an edge of contact or of slip "
+                              "passes from node to node; see whether it stays on a grid twice as fine")
+        elif pinned and point.event == "fold":
+            self._say("fold", f"this fold ({point.fold_kind}) may be the grid's: "
+                              f"{resolution_warning(self.contact.scene, sheared)}")
+        self.last = point
+        return replace(point, resolved=int(not (jumped or pinned)))
+
+    def _say(self, kind, sentence):
+        """Log a sentence, once of each kind."""
+        if kind not in self._said:
+            self._said.add(kind)
+            self.log(sentence)
+
+
+def slips(contact, point):
+    """Whether a node in contact has slipped past the law's peak, so that slip fronts are to be resolved, too."""
+    if len(point.state.displacement) == 1:
+        return False
+    touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
+    return bool(np.any(np.linalg.norm(point.state.displacement[1:], axis=0)[touching] > SLIP))
+
+
+def narrow(contact, before, after):
+    """Whether what changed from one state to another, by half of the most or more, is nowhere wider than `NARROW` nodes."""
+    window = max(before.window, after.window, key=lambda window: window.size)
+    first, last = states.onto(before, window), states.onto(after, window)
+    change = np.linalg.norm(last - first, axis=0)
+    change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
+    changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
+    boxes = changed.reshape(len(window.parts), *window.parts[0].shape)
+    return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max() for box in boxes) < NARROW)
+
+
+def explained(error, scene, sheared, modes):
+    """A NotConverged that says what the failure of a path is, and what to try.
+
+    Parameters
+    ----------
+    error : NotConverged
+    scene : Scene
+    sheared : whether the path has tangential unknowns
+    modes : function () -> modes of the last point (`stability.Stability.modes`), None without a point or a tangent
+    """
+    if max(resolution(scene, sheared)) > PINNING:
+        return NotConverged(f"{error}; the grid is too coarse, edges stick between nodes: {resolution_warning(scene, sheared)}")
+    try:
+        found = modes()
+    except (RuntimeError, ArithmeticError, ValueError):
+        found = None
+    if found is None:
+        return NotConverged(f"{error}; a failure of the solver: {TRY}")
+    told = f"leading eigenvalue {found.leading.real:.3g}"
+    if found.unstable:
+        why = f"unstable ({found.unstable} modes, {told}): the path has passed a bifurcation, which -continuation_stability sign finds"
+    elif found.leading.real < CRITICAL:
+        why = f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try -continuation_type arclength, or smaller steps"
+    else:
+        why = f"stable ({told}), and no fold was found: a failure of the solver; {TRY}"
+    return NotConverged(f"{error}; the last point is {why}")

@@ -1,0 +1,68 @@
+"""What is said of points that the grid does not resolve, and of paths that end."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init()
+from contactsnes import Branch, Load, NotConverged, Scene, Steps, states
+from contactsnes.failures import NARROW, explained, narrow
+
+LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
+
+
+def run(scene, start, path, **steps):
+    sentences = []
+    branch = Branch(Scene(**{**LINE, **scene}), Load(start=start, path=path), Steps(**steps), log=sentences.append)
+    return branch, list(branch), sentences
+
+
+def test_folds_of_a_coarse_grid_are_marked_and_said_to_be_its_own():
+    """Maugis parameter 6 on 256 points: edges of contact stick between nodes (4.5 times the spacing that resolves them)."""
+    branch, points, sentences = run({"points": 256, "normal_maugis": 6.0}, "normal_displacement=4", "normal_displacement=0")
+    folds = [point for point in points if point.event == "fold"]
+    assert len(folds) > 3 and not any(point.resolved for point in folds)
+    assert len([sentence for sentence in sentences if "may be the grid's" in sentence and "-scene_points 2048" in sentence]) == 1
+    assert branch.observe(folds[0])["resolved"] == 0
+    fine = run({"points": 2048, "normal_maugis": 6.0}, "normal_displacement=4", "normal_displacement=0")[1]
+    assert [point.event for point in fine] == ["none"] * len(fine) and all(point.resolved for point in fine)
+
+
+def test_shear_counts_where_something_slips():
+    """A sharp tangential law on a grid that resolves the normal one: points are marked from the first slip on."""
+    scene = {"points": 512, "normal_maugis": 2.0, "tangential_maugis": 6.0, "residual_friction": 0.0, "height": 20.0}
+    _, points, _ = run(scene, "normal_displacement=2", "tangential_displacement=30", at_fold="stop")
+    marked = [bool(point.resolved) for point in points]
+    assert marked[0] and not marked[-1] and marked == sorted(marked, reverse=True)
+
+
+def test_jumps_over_few_nodes_are_told_from_others():
+    contact = Branch(Scene(**LINE), Load(start="normal_displacement=1", path="normal_displacement=1")).contact
+    state = states.undeformed(contact, ("displacement",), np.array([1.0]))
+    for width, expected in ((3, True), (NARROW // 2, True), (2 * NARROW, False)):
+        moved = state.displacement.copy()
+        moved[:, 256:256 + width] += 1.0
+        assert narrow(contact, state, states.State(state.window, moved, state.means)) is expected
+    assert narrow(contact, state, state) is False
+
+
+@pytest.mark.parametrize("modes, words", (
+    (None, "a failure of the solver"),
+    (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j), "unstable .2 modes, leading eigenvalue -0.3.: the path has passed a bifurcation"),
+    (SimpleNamespace(unstable=0, leading=0.01 + 0j), "hardly .*a fold or a bifurcation is next to it"),
+    (SimpleNamespace(unstable=0, leading=0.8 + 0j), "stable .*a failure of the solver; try smaller steps")))
+def test_reasons_are_told_apart(modes, words):
+    scene = Scene(**LINE)
+    told = explained(NotConverged("a solve failed"), scene, False, lambda: modes)
+    assert isinstance(told, NotConverged) and str(told).startswith("a solve failed; ")
+    with pytest.raises(NotConverged, match=words):
+        raise told
+
+
+def test_a_diagnosis_that_fails_leaves_the_reason():
+    def broken():
+        raise ValueError("no modes")
+
+    assert "a failure of the solver" in str(explained(NotConverged("x"), Scene(**LINE), False, broken))

@@ -1,0 +1,269 @@
+"""Jumps: overdamped motion is the one that its equations say, comes to rest where others do, and its works balance."""
+
+import numpy as np
+import petsc4py
+import pytest
+from scipy.integrate import solve_ivp
+
+petsc4py.init()
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, Scene, Steps, jumps, states
+from contactsnes.isolated import IsolatedContact, lay_out
+from contactsnes.mirrored import Symmetry
+from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
+
+LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
+LAYER = {**LINE, "height": 10.0, "poisson": 0.4, "tangential_maugis": 1.5, "residual_friction": 0.5}
+D, F = "displacement", "force"
+COUNTS = ("linear_iterations", "function_evaluations", "jacobian_products")
+
+
+class Watched(Flow):
+    """A motion that remembers where it was."""
+
+    def __init__(self, *arguments):
+        self.seen = []
+        super().__init__(*arguments)
+
+    def _account(self, moment, step):
+        super()._account(moment, step)
+        self.seen.append((moment.time, self.equations, moment))
+
+
+def flow(contact, controls, load, state, tolerance=0.005, even=True, cls=Watched, steps=3000):
+    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), "newtonls", lambda sentence: None)
+    return cls(contact, symmetry, controls, np.array(load), symmetry.centred(states.fitted(contact, state)),
+               dict.fromkeys(COUNTS, 0), MotionOptions(tolerance=tolerance, steps=steps))
+
+
+def lifted(contact, controls, load, by, slip=0.0):
+    """The undeformed body at loads, off balance: lifted by ranges, slipped by others."""
+    state = states.undeformed(contact, controls, np.array(load))
+    displacement, means = state.displacement.copy(), state.means.copy()
+    displacement[0] += by
+    displacement[1:] += slip
+    means[0] += by
+    means[1:] += slip
+    return states.State(state.window, displacement, means)
+
+
+class OnTheCell:
+    """M u' = -(K u + t) over the whole cell by dense matrices, M = ``mass`` (K) for the waves."""
+
+    def __init__(self, contact, controls, load, mass="creep"):
+        self.contact, self.count, size = contact, len(controls), contact.grid.size
+        self.shape = (self.count, size)
+        blocks = contact.operator(self.count, "stiffness").blocks
+        nodes = np.arange(size)
+        matrix = np.zeros((self.count * size, self.count * size))
+        for (i, j), block in blocks.items():
+            column = np.fft.irfft(block * size, size)
+            matrix[i * size:(i + 1) * size, j * size:(j + 1) * size] = column[(nodes[:, None] - nodes) % size]
+        self.stiffness, compliance = matrix, contact.rigid_compliance(self.count)
+        self.forced = np.array([control == F for control in controls])
+        self.springs = np.array([0.0 if forced or not c else 1.0 / c for forced, c in zip(self.forced, compliance)])
+        self.moves = self.forced | (compliance > 0.0)
+        self.far, self.load = contact.far_displacement(self.count, np.array(load)), np.array(load)
+        own = np.kron(np.eye(self.count), np.full((size, size), 1.0 / size))
+        if mass == "creep":
+            self.mobility = np.linalg.pinv(matrix, rcond=1e-11)
+            means = 1.0 / contact.mean_mass(self.count)
+        else:
+            self.mobility, means = (np.eye(len(matrix)) - own), np.ones(self.count)
+        self.means = means
+
+    def rate(self, _, unknown):
+        field = unknown.reshape(self.shape)
+        gap = field.copy()
+        gap[0] += self.contact.initial_gap
+        traction, mean = self.contact.law.traction(gap), field.mean(axis=1)
+        force = self.stiffness @ unknown + traction.reshape(-1)
+        target = np.where(self.forced, self.load / (self.contact.load_factor(self.count) * self.shape[1]), 0.0)
+        drift = -self.means * (self.springs * (mean - self.far) + traction.mean(axis=1) - target) * self.moves
+        return (drift[:, None] - (self.mobility @ force).reshape(self.shape)).reshape(-1)
+
+
+@pytest.mark.parametrize("changes, controls, load, by, slip, even", (
+    ({}, (D,), (-1.0,), 0.0, 0.0, True), ({}, (D,), (-1.0,), 0.0, 0.0, False), ({}, (F,), (0.5,), 1.0, 0.0, True),
+    (LAYER, (D, D), (1.0, 20.0), 0.0, 0.5, False), (LAYER, (F, F), (1.0, 1.2), 0.5, 0.1, False)))
+def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, even):
+    contact = Contact(Scene(**{**LINE, "points": 128, **changes, "points": 128}))
+    start = lifted(contact, controls, load, by, slip)
+    whole = OnTheCell(contact, controls, load)
+    apart = []
+    for tolerance in (0.01, 0.0005):
+        motion = flow(contact, controls, load, start, tolerance, even)
+        motion.follow()
+        moments = [seen for seen in motion.seen if 0.3 < seen[0] < 12.0][::2]
+        assert len(moments) > 3
+        begin = contact.extended(flow(contact, controls, load, start, tolerance, even).state()).reshape(-1)
+        exact = solve_ivp(whole.rate, (0.0, moments[-1][0]), begin, "LSODA", [seen[0] for seen in moments], rtol=1e-8, atol=1e-8)
+        worst = 0.0
+        for (_, equations, moment), cell in zip(moments, exact.y.T):
+            found = equations.unfolded(equations.displacement(moment.unknown))
+            other = equations.window.take(cell.reshape(len(controls), -1))
+            near = found[0] + equations.window.take(contact.initial_gap) < 10.0
+            worst = max(worst, np.abs(found - other)[:, near].max())
+        apart.append(worst)
+    # Steps of second order: the error of a moment falls as the tolerance to the power 2/3.
+    assert apart[0] < 0.2 and apart[1] < 0.3 * apart[0], apart
+
+
+# Where jumps end
+
+JUMPS = {
+    "jump-in": ({}, "normal_displacement=-3", "normal_displacement=0"),
+    "jump-in under a force": ({}, "normal_displacement=-3", "normal_force=0.5"),
+    "pull-off": ({}, "normal_displacement=0.5", "normal_displacement=-4.5"),
+    "sliding": ({"height": 2000.0, "residual_friction": 0.0}, "normal_displacement=2", "tangential_displacement=1000"),
+    "sliding against friction": ({"height": 2000.0, "residual_friction": 0.5}, "normal_displacement=2", "tangential_displacement=1000"),
+    "sphere": ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0}, "normal_displacement=0.5",
+               "normal_displacement=-3"),
+}
+
+
+def followed(name, **form):
+    """The points of a jump's path up to the jump, its branch, and what it says."""
+    changes, start, path = JUMPS[name]
+    sentences = []
+    branch = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, **changes}), Load(start=start, path=path), form=Form(**form),
+                    log=sentences.append)
+    points = []
+    for point in branch:
+        points.append(point)
+        if point.event == "jump":
+            return branch, points, sentences
+    raise AssertionError("no jump")
+
+
+@pytest.fixture(scope="module")
+def jumped():
+    return {name: followed(name) for name in JUMPS}
+
+
+def same(branch, point, other, within=1e-6):
+    numbers, others = branch.observe(point), branch.observe(other)
+    for name in ("normal_force", "approach", "contact_area", "maximum_pressure"):
+        assert numbers[name] == pytest.approx(others[name], rel=within, abs=within), name
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_inertia_ends_in_the_same_state_at_a_higher_price(name, jumped, options):
+    branch, points, sentences = jumped[name]
+    assert not [sentence for sentence in sentences if "led back" in sentence or "cannot be followed" in sentence]
+    options(jump_motion_type="inertial")
+    other, found, _ = followed(name)
+    same(branch, points[-1], found[-1])
+    assert points[-1].spent["transforms"] < (0.5 if "under" not in name else 0.9) * found[-1].spent["transforms"]
+    assert np.isnan(found[-1].viscous_work)
+
+
+@pytest.mark.parametrize("name", JUMPS)
+@pytest.mark.parametrize("changes", ({"kick": 0.02}, {"kick": 0.5}, {"tolerance": 0.05}, {"tolerance": 0.001}), ids=str)
+def test_the_end_does_not_depend_on_kick_and_tolerance(name, changes, jumped, options):
+    options(**{f"jump_motion_{key}": value for key, value in changes.items()})
+    branch, points, _ = jumped[name]
+    same(branch, points[-1], followed(name)[1][-1])
+
+
+@pytest.mark.parametrize("name", [name for name in JUMPS if "under" not in name])
+def test_works_of_a_jump_balance(name, jumped, options):
+    """Work of the loads, stored energy, work on the interface and against viscosity: each on its own, along the motion."""
+    errors = []
+    options(jump_motion_tolerance=0.0005)
+    for found, tolerance in ((jumped[name][1], 0.005), (followed(name)[1], 0.0005)):
+        before, after = found[-2:]
+        external, interface = (getattr(after, work) - getattr(before, work) for work in ("external_work", "interface_work"))
+        if after.jump_balance == "potential":
+            assert after.jump_work == pytest.approx(interface, rel=0.1 * tolerance)
+        left = external - (after.elastic_energy - before.elastic_energy) - after.jump_work
+        errors.append(abs(left - after.viscous_work) / after.viscous_work)
+        assert after.viscous_work > 0.0
+    assert errors[0] < 0.03 and errors[1] < 0.006, errors
+
+
+def test_works_of_a_motion_that_does_not_begin_beside_an_equilibrium_are_not_told(jumped):
+    assert np.isnan(jumped["jump-in under a force"][1][-1].viscous_work)
+    assert np.isnan(jumped["jump-in under a force"][1][-1].jump_work)
+
+
+# Other masses
+
+@pytest.mark.parametrize("mass", ("creep", "drag"))
+@pytest.mark.parametrize("name", ("jump-in", "pull-off", "sliding"))
+def test_other_masses_end_in_the_same_state(name, mass):
+    """M = 1 for every wave and every mean (a drag on each node of the interface) instead of M = K, on the cell, by SciPy."""
+    changes, start, path = JUMPS[name]
+    changes = {**changes, "points": 128, "period": 20.0, "normal_maugis": 3.0, "height": 20.0 if name == "sliding" else np.inf}
+    branch = Branch(Scene(**{**LINE, **changes}), Load(start=start, path=path))
+    for point in branch:
+        if point.event == "fold":
+            fold = point
+        if point.event == "jump":
+            break
+    assert point.event == "jump"
+    contact, count = branch.contact, len(fold.controls)
+    whole = OnTheCell(contact, fold.controls, fold.load, mass)
+    begin = contact.extended(fold.state).reshape(count, -1)
+    direction = contact.extended(point.state).reshape(count, -1) - begin
+    begin += 0.3 * direction / np.abs(direction).max()
+    end = solve_ivp(whole.rate, (0.0, 1e5), begin.reshape(-1), "LSODA", rtol=1e-6, atol=1e-8).y[:, -1]
+    found = contact.extended(point.state).reshape(count, -1)
+    assert np.abs(end.reshape(count, -1) - found).max() < 1e-2
+
+
+# Ends and failures
+
+def test_a_window_grows_with_the_motion():
+    """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
+    contact = Contact(Scene(**{**LINE, "points": 2048, "normal_maugis": 8.0}))
+    motions = [flow(contact, (F,), (0.5,), lifted(contact, (F,), (0.5,), by)) for by in (30.0, 30.0)]
+    motions[1]._begin(0.0, states.State(contact.grid.whole, states.onto(motions[1].state(), contact.grid.whole), motions[1].state().means))
+    begun = motions[0].equations.window.size
+    for motion in motions:
+        motion.follow()
+    ended = [motion.state() for motion in motions]
+    assert begun < ended[0].window.size < 0.5 * contact.grid.size and ended[1].window.is_whole
+    assert states.missed(contact, *ended) < 1e-4
+
+
+@pytest.mark.parametrize("height", (float("inf"), 10.0))
+@pytest.mark.parametrize("path, scene", (("normal_force=-5", {}), ("tangential_force=30", {"residual_friction": 0.5})))
+def test_a_body_that_leaves_or_slides_for_ever_is_named(path, scene, height):
+    branch, points = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, "height": height, **scene}),
+                            Load(start="normal_displacement=1", path=path)), []
+    with pytest.raises(NoEquilibrium, match=f"no equilibrium .* beyond the fold .*: the body leaves or slides without end"):
+        for point in branch:
+            points.append(point)
+    assert points[-1].event == "fold" and branch.contact.grid.transforms < 3000
+
+
+@pytest.mark.parametrize("force, slip", ((30.0, 1.0), (-1.0, 0.0)))
+def test_motion_without_end_is_told_at_once(force, slip):
+    contact = Contact(Scene(**{**LINE, "residual_friction": 0.5}))
+    controls, load = ((D, F), (1.0, force)) if slip else ((F,), (-3.0,))
+    with pytest.raises(Leaving):
+        flow(contact, controls, load, lifted(contact, controls, load, 0.0, slip)).follow()
+
+
+def test_an_isolated_contact_jumps_in():
+    scene = Scene(period=float("inf"), normal_maugis=5.0, tangential="off")
+    points = list(Branch(scene, Load(path="normal_force=0.5")))
+    direct = list(Branch(scene, Load(start="normal_force=0.6", path="normal_force=0.5")))
+    assert [point.event for point in points[:3]] == ["none", "fold", "jump"]
+    assert points[-1].state.displacement.min() == pytest.approx(direct[-1].state.displacement.min(), rel=1e-4)
+
+
+def test_a_motion_that_is_not_followed_gives_way_to_inertia(options, jumped):
+    branch, points, _ = jumped["pull-off"]
+    options(jump_motion_steps=3)
+    _, found, sentences = followed("pull-off")
+    assert any("not come to rest after 3 steps" in sentence and "on the whole cell" in sentence for sentence in sentences)
+    same(branch, points[-1], found[-1])
+
+
+def test_steps_that_fail_are_named():
+    contact = Contact(Scene(**LINE))
+    motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
+    motion.equations.newton = lambda guess, *_: (np.full_like(guess, np.nan), True)
+    with pytest.raises(Unsettled, match="too short"):
+        motion.follow()
