@@ -14,8 +14,8 @@ from .points import NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
-KICKS = (0.1, 0.3, -0.1, -0.3, 1.0, 3.0, -1.0, -3.0)
-"""How far beyond a fold, in ranges of the law where it acts, the motion of a jump begins; the next if it leads back.
+KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
+"""How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the next if it leads back.
 
 Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
 """
@@ -199,7 +199,7 @@ class Walk:
 
     def _starts(self, fold, beyond):
         """Functions that return states from which the motion of a jump begins, in the order in which to try them."""
-        kicks = [lambda kick=kick: self.system.kicked(fold.state, beyond, kick) for kick in KICKS]
+        kicks = [lambda kick=kick: self.system.kicked(fold, beyond, kick) for kick in KICKS]
         lowered = self.system.lowered(fold)
         return kicks if lowered is None else [lambda: lowered, *kicks]
 

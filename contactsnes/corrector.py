@@ -141,12 +141,12 @@ class Corrector:
             guess = states.fitted(self.contact, state, afresh=True)
         raise NotConverged("the window kept growing: try -contact_window off")
 
-    def kicked(self, fold, beyond, kick):
-        """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
-        return jumps.kicked(self.contact, fold, beyond, kick)
+    def kicked(self, fold, beyond, part):
+        """The state beside a fold, a point, at a part of -jump_motion_kick along its null vector, or towards ``beyond``."""
+        return jumps.kicked(self.contact, fold, beyond, part)
 
     def settle(self, state, controls, load, where, origin=None):
-        """The equilibrium that motion from a state, beside ``origin``, reaches at fixed load; NoEquilibrium where the body leaves."""
+        """The equilibrium that motion from a state, beside ``origin``, reaches at fixed load; NoEquilibrium where there is none."""
         return jumps.settle(self, state, controls, load, where, origin)
 
     def _fitted(self, state):

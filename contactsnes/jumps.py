@@ -17,10 +17,25 @@ BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
 
 
-def kicked(contact, fold, beyond, kick):
-    """The state at a distance ``kick`` (ranges, where the law acts) from a fold, in the direction of one beyond it."""
-    part = kick / max(states.missed(contact, fold, beyond), 1e-12)
-    return states.combined(contact, [beyond, fold], [part, 1.0 - part])
+def kicked(contact, fold, beyond, part):
+    """The state beside a fold from which the motion of a jump begins.
+
+    Along the null vector, the way the branch goes on; at a corner, which has none, along the branch behind it. A plateau of the
+    load has neither: towards a state beyond it.
+
+    Parameters
+    ----------
+    contact : Contact
+    fold : Point
+    beyond : State, of the branch behind the fold
+    part : float, of the distance -jump_motion_kick
+    """
+    state = fold.state
+    if fold.tangents:
+        change = fold.tangents[-1].state
+        beyond = states.State(change.window, states.onto(state, change.window) + change.displacement, state.means + change.means)
+    part *= read(MotionOptions).kick / max(states.missed(contact, state, beyond), 1e-12)
+    return states.combined(contact, [beyond, state], [part, 1.0 - part])
 
 
 def settle(system, state, controls, load, where, origin=None):

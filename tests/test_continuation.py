@@ -183,8 +183,8 @@ class System:
         length = self.distance(direction.state, np.zeros(1))
         return Direction(direction.state / length, direction.rate / length)
 
-    def kicked(self, fold, beyond, kick):
-        return fold + kick * (beyond - fold) / self.missed(fold, beyond)
+    def kicked(self, fold, beyond, part):
+        return fold.state + 0.1 * part * (beyond - fold.state) / self.missed(fold.state, beyond)
 
     def settle(self, state, controls, load, where, origin=None):
         state = np.array(state)
