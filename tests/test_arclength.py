@@ -1,0 +1,202 @@
+"""Arc length on contacts: folds against independent values, lengths that know no grid, what a traced branch costs, bad input."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes import observables, states  # noqa: E402
+from contactsnes.contact import DISPLACEMENT, Contact  # noqa: E402
+from contactsnes.forms import DisplacementForm  # noqa: E402
+from contactsnes.load import Load  # noqa: E402
+from contactsnes.points import NoEquilibrium  # noqa: E402
+from contactsnes.run import Branch  # noqa: E402
+from contactsnes.scene import Form, Scene, Steps  # noqa: E402
+from contactsnes.settings import InputError  # noqa: E402
+
+SOFT = {"points": 256, "period": 30.0, "normal_maugis": 2.0}
+SHEARED = {"points": 512, "period": 30.0, "normal_maugis": 3.0, "tangential_maugis": 1.5, "residual_friction": 0.0, "height": 100.0}
+
+
+def followed(scene, start, path, form=None, **steps):
+    """Branch, points and what ended it (None: its own end)."""
+    branch = Branch(Scene(**scene), Load(start=start, path=path), Steps(**{"type": "arclength", "at_fold": "trace", **steps}),
+                    form or Form())
+    points, error = [], None
+    try:
+        points.extend(branch)
+    except NoEquilibrium as found:
+        error = found
+    return branch, points, error
+
+
+def folds(points):
+    return [point for point in points if point.event == "fold"]
+
+
+def dense_fold(scene, guess, load):
+    """D at the fold of a normal contact nearby, by Newton's method on [F, J w, |w|^2 - 1] with dense matrices.
+
+    v + C t(a + v) + lambda D = 0 with the body's compliance 2/|q|, lambda^2 scaled, from its Fourier sum (Moore and Spence 1980).
+    """
+    count, period, maugis = scene["points"], scene["period"], scene["normal_maugis"]
+    x = (np.arange(count) - count // 2) * period / count
+    wave = 2 * np.pi * np.fft.rfftfreq(count, period / count)
+    kernel = np.fft.irfft(np.append(0.0, 2.0 * maugis ** 2 / wave[1:]), count)
+    compliance = kernel[(np.arange(count)[:, None] - np.arange(count)) % count]
+    v, gap = guess.copy(), maugis * 0.5 * x ** 2
+    mode = np.linalg.svd(np.eye(count) + compliance * ((1 - gap - v) * np.exp(-gap - v)))[2][-1]
+    for _ in range(12):
+        a = gap + v
+        slope, bend = (1 - a) * np.exp(-a), (a - 2) * np.exp(-a)
+        jacobian = np.eye(count) + compliance * slope
+        residual = np.concatenate([v + compliance @ (a * np.exp(-a)) + maugis * load, jacobian @ mode, [mode @ mode - 1]])
+        matrix = np.block([[jacobian, np.zeros((count, count)), np.full((count, 1), maugis)],
+                           [compliance * (bend * mode), jacobian, np.zeros((count, 1))],
+                           [np.zeros((1, count)), 2 * mode[None], np.zeros((1, 1))]])
+        step = np.linalg.solve(matrix, residual)
+        v, mode, load = v - step[:count], mode - step[count:-1], load - step[-1]
+    assert np.linalg.norm(step) < 1e-9
+    return load, v, mode
+
+
+# Folds
+
+
+def test_folds_are_those_of_an_extended_system(options):
+    """Pull-off and jump-in under a displacement: load to 1e-9, null vector, on a small grid, by dense matrices."""
+    options(snes_atol="1e-10")
+    branch, points, error = followed(SOFT, "normal_displacement=0", "normal_displacement=-4")
+    assert error is None and [point.fold_kind for point in folds(points)] == ["pull_off", "jump_in"]
+    for fold in folds(points):
+        state = branch.contact.extended(fold.state)[0]
+        load, v, mode = dense_fold(SOFT, state + 1e-3 * np.cos(np.linspace(0.0, 3.0, state.size)), fold.load[0] + 1e-3)
+        assert fold.load[0] == pytest.approx(load, rel=1e-9)
+        np.testing.assert_allclose(state, v, atol=1e-4)
+        tangent, = fold.tangents
+        found, expected = (vector / np.linalg.norm(vector) for vector in (tangent.state.displacement[0],
+                                                                          tangent.state.window.take(mode)))
+        assert abs(found @ expected) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_folds_converge_to_johnson_kendall_and_roberts():
+    """Force at pull-off with the force held, and displacement with the displacement held: nearer at a shorter range."""
+    missed = []
+    for maugis, count in ((2.0, 512), (5.0, 2048)):
+        scene = {"points": count, "period": 100.0, "normal_maugis": maugis}
+        held = followed(scene, "normal_displacement=1", "normal_force=-3", at_fold="stop")[1][-1].forces[0]
+        moved = followed(scene, "normal_displacement=1", "normal_displacement=-5", at_fold="stop")[1][-1].displacements[0]
+        missed.append([abs(held + 1.743883), abs(moved + 4.1136)])
+    assert np.all(np.array(missed[1]) < 0.25 * np.array(missed[0])) and missed[1][0] < 0.02 and missed[1][1] < 0.04
+
+
+@pytest.mark.parametrize("path", ["normal_displacement=-5", "normal_force=-3",
+                                  "normal_force=1; tangential_displacement=150", "normal_force=1; tangential_force=8"])
+def test_null_vectors_are_annihilated(options, path):
+    """J v = 0 at a fold with one tangent; at one in a corner, two tangents of loads that rise and fall."""
+    options(snes_atol="1e-10")
+    branch, points, _ = followed(SHEARED, "normal_displacement=1", path, at_fold="stop")
+    fold = points[-1]
+    assert fold.event == "fold" and fold.fold_kind == ("sliding" if "tangential" in path else "pull_off")
+    if len(fold.tangents) == 2:
+        before, after = fold.tangents
+        assert before.rate > 0.0 > after.rate
+        return
+    tangent, = fold.tangents
+    form = DisplacementForm(branch.contact, tangent.state.window, fold.controls)
+    form.set_load(fold.load)
+    form.linearise(form.pack(states.onto(fold.state, form.window), fold.state.means[form.forced]))
+    vector = form.pack(tangent.state.displacement, tangent.state.means[form.forced])
+    assert np.linalg.norm(form.apply_jacobian(vector, np.empty(form.size))) < 1e-3 * np.linalg.norm(vector)
+    assert abs(tangent.rate) < 1e-4
+
+
+def test_a_sheared_fold_does_not_depend_on_steps():
+    """Through corners of the law: the same load from long and short steps."""
+    loads = [folds(followed(SHEARED, "normal_displacement=1", "normal_force=1; tangential_displacement=150", at_fold="stop",
+                            largest_step=step)[1])[0].load[1] for step in (3.0, 12.0)]
+    assert loads[0] == pytest.approx(loads[1], rel=2e-8)
+
+
+# Lengths and steps
+
+
+def test_steps_know_neither_grid_nor_window():
+    """The same places along the branch on two grids, and on the whole cell."""
+    places = []
+    for count, window in ((256, "auto"), (512, "auto"), (256, "off")):
+        _, points, _ = followed({**SOFT, "points": count}, "normal_displacement=2", "normal_displacement=-2", Form(window=window))
+        assert folds(points) == []
+        places.append([point.position for point in points])
+    for other in places[1:]:
+        assert len(other) == len(places[0])
+        np.testing.assert_allclose(other, places[0], atol=3e-3)
+
+
+def test_chords_measure_the_law():
+    """Length and row of a way are those on any window that holds what the law acts on, and on any grid."""
+    found = []
+    for count in (256, 512):
+        contact = Contact(Scene(**{**SOFT, "points": count}))
+        first, last = (states.undeformed(contact, (DISPLACEMENT,), [depth]) for depth in (1.0, 1.3))
+        for wide in (20.0, 60.0):
+            window = contact.grid.whole if wide > 50 else contact.window(contact.initial_gap - wide)
+            row, length = states.chord(contact, first, last, window)
+            way = states.onto(last, window) - states.onto(first, window)
+            assert np.sum(row * way) == pytest.approx(length, rel=1e-12)
+            found.append(length)
+    assert found[1] == pytest.approx(found[0], rel=1e-12)
+    assert found[2] == pytest.approx(found[0], rel=0.03)
+
+
+@pytest.mark.parametrize("start, path", [("normal_displacement=2", "normal_displacement=-2"),
+                                         ("normal_displacement=1", "normal_force=6"),
+                                         ("normal_displacement=3", "normal_force=4; tangential_displacement=30")])
+def test_a_traced_branch_costs_little_more_than_natural_steps(start, path):
+    """Transforms of a path without folds: at most half as many again, the exact ends the same."""
+    natural, traced = (followed({**SHEARED, "points": 1024}, start, path, type=kind)[1] for kind in ("natural", "arclength"))
+    assert folds(natural) == folds(traced) == []
+    cost = [sum(point.spent["transforms"] for point in points) for points in (natural, traced)]
+    assert cost[1] <= 1.5 * cost[0]
+    np.testing.assert_array_equal(traced[-1].load, natural[-1].load)
+    np.testing.assert_allclose(traced[-1].forces, natural[-1].forces, rtol=1e-6, atol=1e-9)
+
+
+def test_quantities_that_move_together_end_exactly():
+    _, points, error = followed(SHEARED, "normal_displacement=2", "normal_force=3,tangential_displacement=20; normal_force=5,tangential_force=1")
+    assert error is None and points[-1].load.tolist() == [5.0, 1.0]
+    middle, = [point for point in points if point.leg == 1 and point.position == 1.0]
+    assert middle.load.tolist() == [3.0, 20.0]
+
+
+def test_legs_that_only_switch_controls_add_no_point():
+    _, points, error = followed(SOFT, "normal_displacement=1", "normal_force=hold; normal_displacement=hold; normal_displacement=1.5")
+    assert error is None and {point.leg for point in points} == {0, 3} and points[-1].load[0] == 1.5
+
+
+# Ends
+
+
+def test_a_body_that_is_pulled_off_by_force_leaves():
+    """Pull-off, then the unstable branch to where the law ends: its points stay, and there is no equilibrium."""
+    branch, points, error = followed(SOFT, "normal_displacement=1", "normal_force=-3")
+    assert isinstance(error, NoEquilibrium) and ("left the range of the law" in str(error) or "came back" in str(error))
+    assert [point.event for point in points if point.event != "none"] == ["fold", "pull_off"]
+    assert abs(points[-1].forces[0]) < 0.2
+
+
+def test_gross_sliding_is_located():
+    """The last node slips at that very load: to a part of its range that is as small as the load's."""
+    branch, points, _ = followed(SHEARED, "normal_displacement=1", "normal_force=1; tangential_displacement=150")
+    sliding, = [point for point in points if point.event == "gross_sliding"]
+    assert sliding.sliding and 0.0 <= branch.corrector.margin(sliding, "gross_sliding") < 1e-6
+    slip = observables.observe(branch.contact, sliding)["maximum_tangential_gap"]
+    assert slip * 1.5 > np.sqrt(0.5)
+
+
+@pytest.mark.parametrize("steps", [{"type": "arclength"}, {"type": "natural", "at_fold": "trace"}])
+def test_methods_without_a_tangent_are_refused(options, steps):
+    options(snes_type="ngmres")
+    with pytest.raises(InputError, match="no tangent"):
+        Branch(Scene(**SOFT), Load(start="normal_displacement=1", path="normal_displacement=2"), Steps(**steps), Form())
