@@ -61,6 +61,7 @@ class CoreBlock:
         if compliance.flat[0] == 0.0:
             compliance = compliance.copy()
             compliance.flat[0] = 2.0 * np.max(compliance)
+        self.compliance = compliance
         self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, box.ndim)))
         self.symbol += 1.0
         np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
@@ -79,6 +80,42 @@ class CoreBlock:
         core *= self.outside
         core += inner
         clear_padding(plan.real, inner.shape[1:])
+
+
+class CoupledBlock:
+    """A core block of several boxes that know of each other as a whole: M^-1 r = B^-1 (r - w), w_b = sum of k_bc F_c.
+
+    B is the core block, F_c the sum of the law's linear response D M^-1 r in a box, k the kernel at the boxes' offsets; on its
+    diagonal, by how much a box in the cell gives way more than on its circle, which is the same at all small lags.
+    """
+
+    def __init__(self, form, component, block):
+        self.block, self.by_box = block, (len(form.window.parts), -1)
+        self.tangent = form.tangent[component, component]
+        kernel, start = form.contact.operator(form.components).kernel((component, component)), np.array(form.window.start)
+        between = kernel[tuple(np.moveaxis((start[:, None] - start[None]) % form.grid.shape, -1, 0))]
+        np.fill_diagonal(between, kernel.flat[0] - self._at_no_lag())
+        column = np.ones(form.nodes)
+        block.apply(column)
+        self.column = column.reshape(self.by_box)
+        # Where a box only pulls, its response is negative, and what is inverted may come near to singular.
+        self.inverse = _inverse(np.eye(len(start)) + between * self._response(column), 0.1) @ between
+
+    def _at_no_lag(self):
+        """The circle's kernel at lag 0: the mean of its symbol over all waves, of which a half spectrum has one column or two once."""
+        compliance, circle = self.block.compliance, self.block.transform
+        once = compliance[..., :1].sum() + (compliance[..., -1:].sum() if circle.shape[-1] % 2 == 0 else 0.0)
+        return (2.0 * compliance.sum() - once) / circle.gain
+
+    def _response(self, field):
+        """Sum of D field over each box."""
+        return np.einsum("bn,bn->b", self.tangent.reshape(self.by_box), field.reshape(self.by_box))
+
+    def apply(self, field):
+        """Replace a field (nodes) by M^-1 field."""
+        self.block.apply(field)
+        means = self.inverse @ self._response(field)
+        field.reshape(self.by_box)[...] -= means[:, None] * self.column
 
 
 def _inverse(matrix, floor):
@@ -103,15 +140,14 @@ def _rounded(extent):
 class CoreZone:
     """Preconditioner of the displacement form: a core block for each component and box, the scalars eliminated exactly.
 
-    Coupling blocks of law and body, and of boxes, are left out. What the mean displacements add (the rigid compliance of the body, and
+    Coupling blocks of law and body are left out. What the mean displacements add (the rigid compliance of the body, and
     the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A ``floor`` for the
     response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        zones = [core_weight(form, i, options) for i in range(form.components)]
-        self.blocks = [None if zone is None else CoreBlock(form, i, *zone, options.pad) for i, zone in enumerate(zones)]
+        self.blocks = [self._block(i, core_weight(form, i, options), options.pad) for i in range(form.components)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
@@ -130,6 +166,13 @@ class CoreZone:
                 self.matrix[row, row] += 1.0
         scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)
         self.inverse = _inverse(self.matrix / scale[:, None], floor) / scale
+
+    def _block(self, component, zone, pad):
+        """The core block of a component, or None."""
+        if zone is None:
+            return None
+        block = CoreBlock(self.form, component, *zone, pad)
+        return block if len(self.form.window.parts) == 1 else CoupledBlock(self.form, component, block)
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a scalar."""

@@ -16,7 +16,7 @@ from .fourier import Convolution, Transform, Window, clear_padding, enclosing
 MOST = 24
 """Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their neighbours."""
 
-MULTIPLICATION, POINTWISE, CALL = 3.0, 40.0, 2e4
+MULTIPLICATION, POINTWISE, CALL = 5.0, 40.0, 2e4
 """Cost of a complex multiplication for each point of a circle, of the work besides convolutions for each node of a window, and of
 handling a box, where a transform of m points costs m ln m (measured)."""
 

@@ -5,10 +5,12 @@ import pytest
 import scipy.fft
 
 from contactsnes import spots, states
-from contactsnes.contact import Contact
+from contactsnes.contact import DISPLACEMENT, Contact
 from contactsnes.following import follow_edge
+from contactsnes.forms import DisplacementForm
 from contactsnes.fourier import Convolution, Grid, Operator, Window, enclosing, transform_cost
 from contactsnes.load import Load
+from contactsnes.preconditioners import CoreZone
 from contactsnes.run import Branch
 from contactsnes.scene import Form, Scene, Steps
 from contactsnes.spots import Spots, SpotsConvolution
@@ -173,6 +175,41 @@ def test_many_spots_are_joined_first():
         assert np.count_nonzero(window.take(mask)) == np.count_nonzero(mask)
         numbers = window.take(np.arange(grid.size).reshape(shape))
         assert len(set(numbers)) == len(numbers)
+
+
+# The preconditioner
+
+
+def pressed(directory, **changes):
+    """The form on boxes of a pressed line, linearised at its state, and the same on the whole cell."""
+    scene = line_scene(directory, **changes)
+    branch, points = points_of(scene, "normal_displacement=2")
+    state, controls = points[-1].state, (DISPLACEMENT,) * len(points[-1].controls)
+    forms = []
+    for window in (state.window, branch.contact.grid.whole):
+        form = DisplacementForm(branch.contact, window, controls)
+        form.set_load(points[-1].load)
+        form.linearise(form.pack(states.onto(state, window), np.zeros(0)))
+        forms.append(form)
+    return forms
+
+
+def test_boxes_know_of_each_other(tmp_path, always):
+    """The rest |x - M^-1 J x| is as small as in one window, and far smaller than without what boxes are to each other."""
+    boxes, whole = pressed(tmp_path, poisson=0.5, height=np.inf)
+    zones = [CoreZone(boxes), CoreZone(whole), CoreZone(boxes)]
+    assert len(boxes.window.parts) == 3
+    zones[2].blocks = [block.block for block in zones[2].blocks]
+    rests, rng = [], np.random.default_rng(5)
+    for zone in zones:
+        form, total = zone.form, 0.0
+        for waves in range(4):
+            field = np.cos(waves * form.window.take(np.linspace(0.0, 2.0 * np.pi, form.grid.size)) + rng.uniform(0, 6))
+            vector = np.tile(np.where(form.tangent[0, 0] > 0.1, field, 0.0), form.components)
+            rest = zone.apply(form.apply_jacobian(vector, np.empty(form.size)), np.empty(form.size)) - vector
+            total += np.linalg.norm(rest) / np.linalg.norm(vector)
+        rests.append(total)
+    assert rests[0] < 1.2 * rests[1] and rests[0] < 0.5 * rests[2], rests
 
 
 # States on boxes
