@@ -10,7 +10,7 @@ its error falls as the fourth power of the step, through folds as well. Points a
 are not joined. Where the law has a potential the work done on the interface is that potential's difference, free of any step
 error: the two then test each other (``energy_imbalance``). Elsewhere it is what the balance leaves of the external work.
 A jump under fixed loads dissipates the work of the loads that is neither stored nor done on the interface. Where there is no
-potential, it is the work against viscosity along the motion that was followed; if there was none, it is not known.
+potential, the latter is summed up along the motion that was followed; if there was none, it is not known.
 """
 
 from dataclasses import replace
@@ -134,10 +134,10 @@ class Ledger:
         point, before = station.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
-        lost = left - interface
         if np.isnan(interface):
-            interface, lost = point.jump_work, point.viscous_work
-            balance = "unknown" if np.isnan(lost) else "motion"
+            # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end more abruptly than gaps do.
+            interface, balance = point.jump_work, "unknown" if np.isnan(point.jump_work) else "motion"
+        lost = left - interface
         point = replace(point, jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
 

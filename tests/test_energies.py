@@ -183,10 +183,9 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     assert math.isfinite(jump.external_work)
     known = Ledger(contact, found[-3:-1]).entered(replace(found[-1], event="jump", jump_work=0.2, viscous_work=0.1))
     before = found[-2]
-    assert known.jump_balance == "motion" and known.dissipated_work == 0.1
-    assert known.interface_work - before.interface_work == pytest.approx(0.2)
-    left = known.external_work - before.external_work - (known.elastic_energy - before.elastic_energy) - 0.3
-    assert known.energy_imbalance - before.energy_imbalance == pytest.approx(left)
+    assert known.jump_balance == "motion" and known.interface_work - before.interface_work == pytest.approx(0.2)
+    left = known.external_work - before.external_work - (known.elastic_energy - before.elastic_energy) - 0.2
+    assert known.dissipated_work == pytest.approx(left) and known.energy_imbalance == before.energy_imbalance
 
 
 # Loops

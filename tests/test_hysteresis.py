@@ -22,7 +22,7 @@ def script(tmp_path_factory):
     loader.exec_module(module)
     sys.dont_write_bytecode = before
     folder = tmp_path_factory.mktemp("hysteresis")
-    module.PERIOD, module.STEP, module.POINTS = 40.0, 0.25, {2: 256, 3: 512}
+    module.PERIOD, module.STEP, module.CLOSEST, module.LARGEST, module.POINTS = 40.0, 0.4, 1.0, 0.5, {2: 256, 3: 512}
     module.DATA, module.FIGURE = folder / "results" / "hysteresis.h5", folder / "hysteresis.png"
     return module
 
@@ -59,10 +59,15 @@ def test_the_loop_and_its_folds(script, measured):
     for name in ("pull_off_force", "release_displacement", "pull_off_displacement"):
         assert values[name] == pytest.approx(reached[name], rel=0.1)
     assert -4.0 < values["jump_in_displacement"] < -1.0 and max(measured["errors"].values()) < 1e-5
-    rows = measured["displacement"]
+    for control, unstable in (("displacement", {("fold", 0), ("none", 0)}), ("force", {("fold", 0), ("none", 0), ("pull_off", 0)})):
+        branch = measured[f"branch, {control}"]
+        certificates = set(zip(branch["event"], branch["stable"]))
+        assert certificates >= unstable | {("none", 1)} and -1 not in branch["stable"]
+        assert branch["event"].count("fold") == (2 if control == "displacement" else 1)
+    rows = measured["loop, displacement"]
     assert rows["event"].count("jump") == 2 and rows["normal_displacement"][-1] == script.far(3)
     assert values["lost_on_approach"] + values["lost_on_release"] == pytest.approx(rows["external_work"][-1], abs=0.02)
-    assert measured["force"]["fold_kind"][-1] == "pull_off" and values["lost_without_force"] > values["lost_on_approach"] > 0.0
+    assert measured["loop, force"]["fold_kind"][-1] == "pull_off" and values["lost_without_force"] > values["lost_on_approach"] > 0.0
 
 
 def test_order_is_that_of_a_power(script):
