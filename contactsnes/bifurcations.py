@@ -8,8 +8,8 @@ from .points import NotConverged, lagrange_weights
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
-KICKS = (0.1, -0.1, 0.5, -0.5)
-"""How far along the mode, in ranges of the law where it acts, a motion away from the branch begins; the next if it leads back."""
+KICKS = (1.0, -1.0, 5.0, -5.0)
+"""How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
 
 
 def between(system, stability, leg, before, after):
@@ -96,10 +96,10 @@ def followed(system, stability, leg, critical, beyond):
     """
     where = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch that has lost its stability"
     for kick in KICKS:
-        start = system.kicked(beyond.state, stability.aside(replace(beyond, mode=critical.mode)), kick)
+        start = system.kicked(beyond, stability.aside(replace(beyond, mode=critical.mode)), kick)
         reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
         away = system.missed(beyond.state, reached.state)
-        if away < 0.3 * abs(kick):
+        if away < 0.3 * system.missed(beyond.state, start):
             continue
         reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
         try:
