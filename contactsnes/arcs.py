@@ -20,6 +20,8 @@ BRIEF = 1e-4
 
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
+SWINGS, SWING = 3, 1e-2
+"""Folds after the first that, within so small a part of the load, are likely to be those of a grid."""
 PACE = 0.1
 """What the position counts in the length of a branch, over what the state does."""
 
@@ -48,7 +50,7 @@ class ArcWalk(Walk):
     def __iter__(self):
         self.history = [(place, replace(point, position=place)) for place, point in self.history]
         self.begun, self.steps, self.length = self.history[-1][1], 0, self.history[-1][1].arc
-        failures, self.patience = 0, PATIENCE
+        failures, self.patience, self.turns, self.told = 0, PATIENCE, [], False
         while self.history[-1][0] != 1.0:
             self._check_end()
             if len(self.history) == 1:
@@ -266,10 +268,21 @@ class ArcWalk(Walk):
 
     def _pass(self, fold, beyond):
         """Hand out a fold, and leave it by a jump or stay there where that is asked for."""
+        self._tell_of_swings(fold)
         yield from self._reach(fold)
         fold = self.history[-1][1]
         if self.at_fold != "trace" and not self.stopped:
             yield from self._leave(fold, self._starts(fold, beyond.state))
+
+    def _tell_of_swings(self, fold):
+        """Say once of folds that hardly differ in their load that they are the grid's."""
+        self.turns = [*self.turns[-SWINGS:], fold.position]
+        reached, moving = abs(fold.load[self.leg.moving]), self.leg.moving
+        swing = np.ptp(self.turns) * abs(self.leg.direction[moving])
+        if len(self.turns) > SWINGS and swing < SWING * max(reached, 1e-3) and not self.told:
+            self.told = True
+            self.system.log(f"folds follow each other within {swing:.2g} of the load, at {self._place(fold.position)}: edges of "
+                            "contact or slip that stick between nodes give way one by one; a grid twice as fine tells whether they last")
 
     def _check_end(self):
         """Raise NoEquilibrium where the branch does not lead to the end of the leg."""

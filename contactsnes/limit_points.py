@@ -74,7 +74,8 @@ class LimitPoint:
     def uncertainty(self):
         """What the load may lack to its limit, relative to itself."""
         left, right = self.left.slope, self.right.slope
-        steep, steepest, width = min(abs(left), abs(right)), max(abs(left), abs(right), 1e-300), self.right.place - self.left.place
+        steep, steepest = min(abs(left), abs(right)), max(abs(left), abs(right), 1e-300)
+        width = self.right.place - self.left.place
         rise = self.right.point.position - self.left.point.position
         # Slopes that go with the rise are those of a parabola; else the limit may be a corner anywhere in between.
         smooth = abs(rise - 0.5 * (left + right) * width) < 0.1 * steepest * width
@@ -139,4 +140,5 @@ class LimitPoint:
         if not corner:
             best = min(self.left, self.right, key=lambda station: abs(station.slope))
         stations = (self.left, self.right) if corner else (best,)
-        return replace(best.point, event="fold", tangents=tuple(self.system.unit(station.point, station.direction) for station in stations))
+        tangents = tuple(self.system.unit(station.point, station.direction) for station in stations)
+        return replace(best.point, event="fold", tangents=tangents)

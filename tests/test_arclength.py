@@ -164,14 +164,16 @@ def test_a_traced_branch_costs_little_more_than_natural_steps(start, path):
 
 
 def test_quantities_that_move_together_end_exactly():
-    _, points, error = followed(SHEARED, "normal_displacement=2", "normal_force=3,tangential_displacement=20; normal_force=5,tangential_force=1")
+    path = "normal_force=3,tangential_displacement=20; normal_force=5,tangential_force=1"
+    _, points, error = followed(SHEARED, "normal_displacement=2", path)
     assert error is None and points[-1].load.tolist() == [5.0, 1.0]
     middle, = [point for point in points if point.leg == 1 and point.position == 1.0]
     assert middle.load.tolist() == [3.0, 20.0]
 
 
 def test_legs_that_only_switch_controls_add_no_point():
-    _, points, error = followed(SOFT, "normal_displacement=1", "normal_force=hold; normal_displacement=hold; normal_displacement=1.5")
+    path = "normal_force=hold; normal_displacement=hold; normal_displacement=1.5"
+    _, points, error = followed(SOFT, "normal_displacement=1", path)
     assert error is None and {point.leg for point in points} == {0, 3} and points[-1].load[0] == 1.5
 
 

@@ -167,7 +167,8 @@ class System:
     def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         (share, rate), row = border, border[0] * self._row(chord)
         unknown, count = self._newton(
-            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]), row @ (x[:-1] - chord[0]) + rate * (x[-1] - position) - share * length),
+            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]),
+                                row @ (x[:-1] - chord[0]) + rate * (x[-1] - position) - share * length),
             lambda x: self._bordered(x, row, leg, rate), np.append(guess, position))
         load = leg.load(unknown[-1])
         if self.arc_fails(load[-1]):
@@ -626,7 +627,8 @@ def test_several_folds_on_one_branch():
 @pytest.mark.parametrize("rising, falling", [(1.0, -3.0), (1.0, -1.0), (5.0, -0.2)])
 @pytest.mark.parametrize("walker", [ArcWalk, Trace])
 def test_a_fold_in_a_corner_has_two_tangents(rising, falling, walker):
-    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker, at_fold="stop" if walker is ArcWalk else "trace")
+    at_fold = "stop" if walker is ArcWalk else "trace"
+    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker, at_fold=at_fold)
     fold, = folds(points)
     assert fold.load[0] == pytest.approx(0.3, rel=FOLD_TOLERANCE)
     length = 1.1
@@ -639,7 +641,8 @@ def test_cusps(depth, count):
     """Two folds merge in a cusp, where the tangent is vertical but the load goes on."""
     _, points, error = traced(cusp(depth), [-1.0, 1.1], [-2.0])
     assert error is None and points[-1].position == 1.0
-    assert [point.load[0] for point in folds(points)] == pytest.approx([2 * abs(depth) ** 1.5, -2 * abs(depth) ** 1.5][:count], rel=1e-6)
+    expected = [2 * abs(depth) ** 1.5, -2 * abs(depth) ** 1.5][:count]
+    assert [point.load[0] for point in folds(points)] == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_closed_branch_ends_where_it_began():
@@ -686,6 +689,15 @@ def test_a_resumed_trace_goes_on_through_the_same_branch(walker):
         assert error is None and [point.fold_kind for point in found] == ["jump_in", "pull_off"]
         assert [point.load[0] for point in found] == pytest.approx([CUBIC_FOLD, -CUBIC_FOLD], rel=FOLD_TOLERANCE)
         assert (whole[:cut] + rest)[-1].load[0] == 2.0
+
+
+def test_folds_that_swing_within_a_small_load_are_told_of():
+    """load = u + 0.0004 sin 6000 (u - 1/2): the branch of a grid on which edges stick, and one whose folds are far apart."""
+    system, points, _ = traced(curve(lambda u: u + 4e-4 * np.sin(6e3 * (u - 0.5)), lambda u: 1 + 2.4 * np.cos(6e3 * (u - 0.5))),
+                               [0.5, 0.508], [0.5])
+    assert len(folds(points)) > 4 and len([sentence for sentence in system.sentences if "stick between nodes" in sentence]) == 1
+    system, points, _ = traced(waves(), [0.0, 20.0], [0.0])
+    assert len(folds(points)) > 4 and not any("stick between nodes" in sentence for sentence in system.sentences)
 
 
 def test_events_along_a_branch_are_located():
