@@ -33,6 +33,7 @@ class Progress:
                         "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
         self.points, self.events, self.lost, self.began = 0, [], 0.0, time.monotonic()
+        self.stable = {}
         self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
         self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
@@ -55,6 +56,7 @@ class Progress:
         self.points += 1
         self.counts = {name: count + row[name] for name, count in self.counts.items()}
         self.lost = row["dissipated_work"]
+        self.stable[row["stable"]] = self.stable.get(row["stable"], 0) + 1
         if row["event"]:
             self.events.append(f"{row['event']} at {loads}")
         if self.live:
@@ -89,6 +91,8 @@ class Progress:
     def summary(self, known):
         """The closing table of this run; ``known``: points that an archive had before."""
         lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known else "")]
+        if self.stable.keys() & {0, 1}:
+            lines.append(f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
         lines += [f"  {'event':13} {event}" for event in self.events]
         if any(event.startswith("jump") for event in self.events):
             lines.append(f"  {'dissipated':13} {self.lost:.6g} {self.energy_unit} in jumps")

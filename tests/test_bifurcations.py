@@ -10,8 +10,10 @@ from scipy.optimize import brentq
 petsc4py.init([])
 
 from test_continuation import Problem, System, assert_solutions, events, followed, path, pitchfork  # noqa: E402
+from test_stability import Cell  # noqa: E402
 
 from contactsnes.load import Load  # noqa: E402
+from contactsnes.modes import NEUTRAL  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
@@ -203,3 +205,15 @@ def test_a_flat_layer_parts_in_waves():
     assert [point.unstable_modes for point in found] == [0, 2] and points[-1].unstable_modes == 4
     # The run took its states for even, which sines are not.
     assert any("not even about the apex: going on without symmetry" in sentence for sentence in said)
+
+
+def test_unstable_modes_of_a_traced_branch_are_those_of_dense_matrices(spots):
+    """Two modes with eigenvalues down to -2, on the way from two spots to none."""
+    made = spots("normal_displacement=-2.4", at_fold="trace")
+    points, _ = followed(made)
+    assert max(point.unstable_modes for point in points) >= 1 and events(points).count("bifurcation") == 2
+    for point in points[::3]:
+        if point.event == "none":
+            expected = Cell(made.contact, point).eigenvalues()
+            assert point.unstable_modes == np.sum(expected.real < -NEUTRAL)
+            assert point.leading_eigenvalue.real == pytest.approx(expected[0].real, abs=4e-4)
