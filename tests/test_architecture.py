@@ -54,6 +54,7 @@ TABLE = (
     Row("following", "predictions that follow the edges of contact", LOAD_PATH),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("energies", "energies of a point and works along a path", LOAD_PATH),
+    Row("reference_shear", "estimates of sheared contacts, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),
@@ -113,7 +114,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
+                 "reference", "reference_shear", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -27,16 +27,15 @@ def sheared_part(record):
 def onset(record):
     """Onset of gross sliding: the fold from which the whole contact goes on to slide, or the first point of gross sliding.
 
-    A fold is one where the contact does not slide already. Folds that lead to a state in which some of the contact still sticks
-    are passed over. None where the run ends before. The error of the force is what it changed by in the last step, without a fold.
+    Folds that lead to a state in which some of the contact still sticks are passed over; at one where a run was told to stop, the
+    onset is taken to be. None where the run ends before. The error of the force is what it changed by in the last step, 0 at a fold.
     """
     folds = np.flatnonzero((record["event"] == "fold") & (record["fold_kind"] == "sliding"))
     slid = np.flatnonzero(record["event"] == "gross_sliding")
     first = slid[0] if slid.size else record.points
-    jumps = np.flatnonzero(record["event"] == "jump")
     for fold in folds:
-        landed = jumps[jumps > fold]
-        if fold < first and (fold == record.points - 1 or landed.size and first <= landed[0] + 1) or first == fold + 1:
+        landed = np.flatnonzero(record["event"][fold:] == "jump")
+        if fold == record.points - 1 or landed.size and first <= fold + landed[0] + 1:
             return _at(record, fold, True)
     return _at(record, first, False) if slid.size else None
 

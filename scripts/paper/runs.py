@@ -36,10 +36,11 @@ PERIOD = 100.0
 
 
 class Run(NamedTuple):
-    """A run: its name and options, name -> value."""
+    """A run: its name, its options, name -> value, and whether it is made on a finer grid where its own is too coarse to finish."""
 
     name: str
     options: dict
+    finer: bool = True
 
     def arguments(self):
         """The options as words of a command."""
@@ -82,7 +83,7 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
 
     control : what stays as it is normally under shear, the "displacement" (as in the paper) or the "force"
     """
-    scene = {"tangential_maugis": float(maugis), **LAWS[law], **scene}
+    given, scene = scene, {"tangential_maugis": float(maugis), **LAWS[law], **scene}
     size = scene.pop("points", None) or points(refinement, **scene)
     begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
     # The whole contact slips at once where the interface is compliant: smaller steps.
@@ -96,16 +97,16 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
     if beyond is None:
         beyond = law != "mcgarry" and maugis <= 1 or fields == "all"
     name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + f"-x{refinement}" * (refinement > 1) + suffix
-    return Run(name, {
+    return Run(name, finer="points" not in given, options={
         **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": size,
         "load_start": f"normal_displacement={max(2.0, reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)):.3f}",
-        "load_path": "; ".join(legs), "load_stop": "pull_off" if beyond else "gross_sliding,pull_off",
+        "load_path": "; ".join(legs), "load_stop": "pull_off" if beyond or law == "mcgarry" and maugis <= 1 else "gross_sliding,pull_off",
         "continuation_initial_step": ",".join(f"{min(step, 0.5):.4g}" if not leg else f"{step / 2:.4g}"
                                               for leg, step in enumerate(steps)),
         "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
         "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
-        # The modes of eq. 3 lie too close together for a stiff interface to be told apart.
-        "continuation_stability": "off" if law == "mcgarry" and maugis >= 10 else "sign",
+        # Not where modes lie too close together to be told apart: under eq. 3 with a stiff interface, and on grids that pin the front.
+        "continuation_stability": "off" if law == "mcgarry" and maugis >= 10 or "points" in given and maugis >= 10 else "sign",
         **({"archive_errors": "true"} if maugis <= 1 and law != "mcgarry" else {})})
 
 
@@ -191,19 +192,26 @@ class Results:
         return lines[:1] == [" ".join(run.arguments())] and lines[-1].startswith("exit status")
 
     def make(self, run):
-        """Make a run, or go on with it; (exit status, seconds)."""
-        path, began = self.path(run.name), time.perf_counter()
-        command = [sys.executable, "-m", "contactsnes", "run", *run.arguments(), "-archive_file", str(path)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        for how in ("-archive_resume", "-archive_overwrite"):
-            # Bad input is an archive of other options: it gives way.
-            done = subprocess.run([*command, how], env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
-            if done.returncode != 2:
-                break
-        said = "\n".join([" ".join(run.arguments()), done.stdout, done.stderr, f"exit status {done.returncode}", ""])
-        path.with_suffix(".log").write_text(said, encoding="utf-8")
+        """Make a run, or go on with it, if need be on a grid of twice the points; (exit status, seconds)."""
+        path, began, said = self.path(run.name), time.perf_counter(), [" ".join(run.arguments())]
+        status = self._command(path, [*run.arguments(), "-archive_resume"], said)
+        if status == 2:  # an archive of other options gives way
+            status = self._command(path, [*run.arguments(), "-archive_overwrite"], said)
+        if status == 1 and run.finer and "scene_points" in run.options:
+            finer = run._replace(options={**run.options, "scene_points": 2 * run.options["scene_points"]})
+            status = self._command(path, [*finer.arguments(), "-archive_overwrite"], said)
+        path.with_suffix(".log").write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
-        return done.returncode, time.perf_counter() - began
+        return status, time.perf_counter() - began
+
+    @staticmethod
+    def _command(path, arguments, said):
+        """Exit status of one command, whose output is added to what was said."""
+        command = [sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file", str(path)]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+        done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+        said += [done.stdout, done.stderr]
+        return done.returncode
 
     def make_all(self, runs, workers, say):
         """Make the runs that are missing, several at a time; ``say`` is called with a line on each."""
