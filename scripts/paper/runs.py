@@ -105,6 +105,8 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
                                               for leg, step in enumerate(steps)),
         "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
         "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
+        # Along its length a branch tells exactly where a compliant interface slides; a stiff one's is too long for that.
+        **({"continuation_type": "arclength"} if maugis < 1 else {}),
         # Not where modes lie too close together to be told apart: under eq. 3 with a stiff interface, and on grids that pin the front.
         "continuation_stability": "off" if law == "mcgarry" and maugis >= 10 or "points" in given and maugis >= 10 else "sign",
         **({"archive_errors": "true"} if maugis <= 1 and law != "mcgarry" else {})})
