@@ -107,9 +107,16 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
         "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
         # Along its length a branch tells exactly where a compliant interface slides; a stiff one's is too long for that.
         **({"continuation_type": "arclength"} if maugis < 1 else {}),
-        # Not where modes lie too close together to be told apart: under eq. 3 with a stiff interface, and on grids that pin the front.
-        "continuation_stability": "off" if law == "mcgarry" and maugis >= 10 or "points" in given and maugis >= 10 else "sign",
+        "continuation_stability": "sign" if certified(law, maugis, given) else "off",
         **({"archive_errors": "true"} if maugis <= 1 and law != "mcgarry" else {})})
+
+
+def certified(law, maugis, given):
+    """Whether points are certified stable: not on grids that pin the front, nor where modes lie too close together to be told apart,
+    under eq. 3 with a stiff interface and at the folds of a compliant one."""
+    if maugis < 1:
+        return law == "full"
+    return not (maugis >= 10 and (law == "mcgarry" or "points" in given))
 
 
 def peeling(maugis, force):
