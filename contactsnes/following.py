@@ -113,7 +113,7 @@ def carried(contact, change, origin, state):
 def _near_boxes(gap):
     """Slices, for each direction, of the boxes around places where the law acts, four nodes wider; none where they are many."""
     labels, count = ndimage.label(gap < NEAR)
-    return [tuple(slice(max(line.start - 4, 0), line.stop + 4) for line in box)
+    return [tuple(slice(max(line.start - 4, 0), min(line.stop + 4, nodes)) for line, nodes in zip(box, gap.shape))
             for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
 
 

@@ -357,6 +357,23 @@ def test_each_spot_is_followed_on_its_own():
         assert found.window == window and wrong < 2e-3 and wrong < 0.05 * still
 
 
+def test_spots_next_to_the_border_of_a_window_are_no_trouble():
+    """One that the border of the cell cuts is extrapolated at fixed places, its neighbour is followed."""
+    points, period = 1024, 80.0
+    x = (np.arange(points) - points // 2) * period / points
+    away = [(x - centre + period / 2) % period - period / 2 for centre in (-39.0, 0.0)]
+    contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file", geometry_file="-"),
+                      -np.min([distance ** 2 / 2 for distance in away], axis=0))
+    given = []
+    for half in (2.0, 2.1, 2.2):
+        gap = contact.scene.contact_threshold + 25.0 * (np.min([distance ** 2 for distance in away], axis=0) / half ** 2 - 1.0)
+        field = (gap - contact.initial_gap)[None]
+        given.append(states.State(contact.grid.whole, field, contact.grid.mean(field)))
+    found = states.normal_gap(contact, follow_edge(contact, given[:2], np.array([-1.0, 2.0])))
+    wrong = np.abs(found - states.normal_gap(contact, given[2]))[np.abs(x) < 2.3]
+    assert wrong.max() < 1e-2
+
+
 def test_the_full_approximation_scheme_takes_the_cell(tmp_path, always, options):
     scene, path = line_scene(tmp_path, (-20.0, 0.0, 18.0), points=1024, period=75.0), "normal_displacement=1.5"
     whole = points_of(scene, path, window="off")[1]
