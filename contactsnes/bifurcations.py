@@ -111,3 +111,19 @@ def followed(system, stability, leg, critical, beyond):
         return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
     system.log(f"the motion {where} led back to it")
     return None
+
+
+def settled(system, stability, point, where):
+    """The end of a jump, gone on from along its least stable mode while it is marked as unstable; at most three times.
+
+    The motion of an even state is even, but what is not even may grow: only the mark tells.
+    """
+    for _ in range(3):
+        point = stability(point)
+        if point.unstable_modes <= 0:
+            break
+        system.log(f"the jump {where} ended in an unstable state: going on along its mode")
+        start = system.kicked(point, stability.aside(stability.critical(point, 0)[1]), 1.0)
+        found = system.settle(start, point.controls, point.load, where, point.state)
+        point = replace(found, jump_work=point.jump_work + found.jump_work, viscous_work=point.viscous_work + found.viscous_work)
+    return point

@@ -209,7 +209,7 @@ class Walk:
             self.stopped = True
             return
         where = f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at {self._place(fold.position)}"
-        point = self._jump(fold, starts, where)
+        point = bifurcations.settled(self.system, self.certify, self._jump(fold, starts, where), where)
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial, event="jump")
         self.history = []
         yield self._accept(point)

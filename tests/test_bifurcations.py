@@ -104,6 +104,20 @@ def test_the_stable_branch_is_followed_on_request(problem, branch, event):
         assert abs(point.state[1]) == pytest.approx(branch(max(point.load[-1], 0.5)), rel=1e-6) and point.stable == 1
 
 
+def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
+    """(u^3 - u - load, v (v^2 + 1/2 - u)): u jumps from the cubic's fold to where v = 0 is not stable any more."""
+    problem = Problem(lambda x, load: np.array([x[0] ** 3 - x[0] - load, x[1] * (x[1] ** 2 + 0.5 - x[0])]),
+                      lambda x, load: np.array([[3 * x[0] ** 2 - 1, 0.0], [-x[1], 3 * x[1] ** 2 + 0.5 - x[0]]]),
+                      lambda x, load: np.array([-1.0, 0.0]))
+    points, error = walked(problem, (-2.0, 1.0), (-1.5, 0.0))
+    assert error is None and events(points) == ["fold", "jump"]
+    jump = next(point for point in points if point.event == "jump")
+    assert jump.stable == 1 and jump.state == pytest.approx([2 / np.sqrt(3), jump.state[1]], rel=1e-6)
+    assert abs(jump.state[1]) == pytest.approx(np.sqrt(jump.state[0] - 0.5), rel=1e-6)
+    unmarked, _ = followed(path(System(problem), (-2.0, 1.0), (-1.5, 0.0)))
+    assert next(point for point in unmarked if point.event == "jump").state[1] == pytest.approx(0.0, abs=1e-9)
+
+
 @pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
 def test_all_modes_that_change_in_a_step_are_found(second):
     points, _ = walked(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
