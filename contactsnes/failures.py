@@ -71,16 +71,17 @@ def narrow(contact, before, after):
     return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max() for box in boxes) < NARROW)
 
 
-def explained(error, scene, sheared, modes):
+def explained(error, contact, sheared, modes):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
     ----------
     error : NotConverged
-    scene : Scene
+    contact : Contact
     sheared : whether the path has tangential unknowns
     modes : function () -> modes of the last point (`stability.Stability.modes`), None without a point or a tangent
     """
+    scene, softest = contact.scene, critical(contact, sheared)
     if max(resolution(scene, sheared)) > PINNING:
         return NotConverged(f"{error}; the grid is too coarse, edges stick between nodes: {resolution_warning(scene, sheared)}")
     try:
@@ -92,8 +93,15 @@ def explained(error, scene, sheared, modes):
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
         why = f"unstable ({found.unstable} modes, {told}): the path has passed a bifurcation, which -continuation_stability sign finds"
-    elif found.leading.real < CRITICAL:
+    elif found.leading.real < softest:
         why = f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try -continuation_type arclength, or smaller steps"
     else:
         why = f"stable ({told}), and no fold was found: a failure of the solver; {TRY}"
     return NotConverged(f"{error}; the last point is {why}")
+
+
+def critical(contact, sheared):
+    """Leading eigenvalue below which a state is next to a critical point: less than a tall layer alone gives its mean."""
+    components = contact.scene.components if sheared else 1
+    give = contact.rigid_compliance(components) * contact.mean_mass(components)
+    return CRITICAL / max(1.0, 0.2 * give.max())

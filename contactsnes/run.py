@@ -79,7 +79,7 @@ class Branch:
                 self._last = point
                 yield point
         except NotConverged as error:
-            raise failures.explained(error, self.scene, any(self._sheared), self._modes) from None
+            raise failures.explained(error, self.contact, any(self._sheared), self._modes) from None
 
     def _modes(self):
         """Modes of the last point; None without one, or a tangent."""

@@ -7,8 +7,8 @@ import petsc4py
 import pytest
 
 petsc4py.init()
-from contactsnes import Branch, Load, NotConverged, Scene, Steps, states
-from contactsnes.failures import NARROW, explained, narrow
+from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps, states
+from contactsnes.failures import NARROW, critical, explained, narrow
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
 
@@ -51,18 +51,23 @@ def test_jumps_over_few_nodes_are_told_from_others():
 @pytest.mark.parametrize("modes, words", (
     (None, "a failure of the solver"),
     (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j), "unstable .2 modes, leading eigenvalue -0.3.: the path has passed a bifurcation"),
-    (SimpleNamespace(unstable=0, leading=0.01 + 0j), "hardly .*a fold or a bifurcation is next to it"),
+    (SimpleNamespace(unstable=0, leading=0.0001 + 0j), "hardly .*a fold or a bifurcation is next to it"),
     (SimpleNamespace(unstable=0, leading=0.8 + 0j), "stable .*a failure of the solver; try smaller steps")))
 def test_reasons_are_told_apart(modes, words):
-    scene = Scene(**LINE)
-    told = explained(NotConverged("a solve failed"), scene, False, lambda: modes)
+    told = explained(NotConverged("a solve failed"), Contact(Scene(**LINE)), False, lambda: modes)
     assert isinstance(told, NotConverged) and str(told).startswith("a solve failed; ")
     with pytest.raises(NotConverged, match=words):
         raise told
+
+
+def test_a_tall_layer_is_not_taken_for_a_critical_point():
+    """Its mean creeps back at the rate k_0/m_0: 0.0016 for L = 40, H = 2000."""
+    contact = Contact(Scene(**LINE))
+    assert 0.0003 < critical(contact, True) < 0.0005 < 0.04 < critical(contact, False)
 
 
 def test_a_diagnosis_that_fails_leaves_the_reason():
     def broken():
         raise ValueError("no modes")
 
-    assert "a failure of the solver" in str(explained(NotConverged("x"), Scene(**LINE), False, broken))
+    assert "a failure of the solver" in str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, broken))
