@@ -23,6 +23,7 @@ from .forms import DisplacementForm
 from .mirrored import EVEN
 from .modes import ACCURATE, NEUTRAL, joined, leading_modes, summed
 from .options import read
+from .points import NotConverged
 from .preconditioners import CoreOptions, CoreZone
 from .settings import InputError
 from .states import State
@@ -202,6 +203,8 @@ class Stability:
     def critical(self, point, number):
         """(real part of eigenvalue ``number``, the point with it as its leading one), to high accuracy."""
         modes = self.modes(point, CRITICAL, number)
+        if number >= len(modes.real_parts()):
+            raise NotConverged(f"of {number + 1} modes that were expected {len(modes.real_parts())} were found")
         value = modes.real_parts()[number]
         return float(value), self._with_leading(point, modes, int(np.argmin(np.abs(modes.values.real - value))))
 

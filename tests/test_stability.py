@@ -274,3 +274,15 @@ def test_leading_modes_are_archived_and_drawn(tmp_path):
     drawn = subprocess.run([sys.executable, "-m", "contactsnes", "plot", str(file)], capture_output=True, text=True,
                            check=False)
     assert drawn.returncode == 0, drawn.stderr
+
+
+def test_a_resumed_branch_is_as_stable():
+    path = "normal_displacement=1; normal_force=-1"
+    whole = followed(branch(SMALL, path, "eigenvalue"))
+    made = branch(SMALL, path, "eigenvalue")
+    made.history = [made.restored(made.packed(point)) for point in whole[5:9]]
+    rest = followed(made)
+    assert len(rest) == len(whole) - 9
+    for point, other in zip(rest, whole[9:]):
+        assert (point.stable, point.unstable_modes) == (other.stable, other.unstable_modes)
+        assert abs(point.leading_eigenvalue - other.leading_eigenvalue) < 1e-4
