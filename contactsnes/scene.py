@@ -160,8 +160,8 @@ class Form(Options):
     first_tolerance: float = option(1e-2, "residual_norm at which the relaxation hands over", "ranges of the law", above=0)
     cascade: bool = option(True, "first point through softer laws on coarser grids, where they lead to the same state (displacement "
                            "form)")
-    window: str = option("auto", "auto: nodes within the range of the law, enlarged on demand; off: the whole cell",
-                         choices=("auto", "off"))
+    window: str = option("auto", "auto: nodes within the range of the law, in several boxes where that is cheaper, enlarged on demand; "
+                         "off: the whole cell", choices=("auto", "off"))
     symmetry: str = option("auto", "states even about the apex on half the line or a quarter of the plane: auto (where scene, load "
                            "and method allow it), even (an error where they do not), off", choices=("auto", "even", "off"))
 
