@@ -57,7 +57,8 @@ def slips(contact, point):
     if len(point.state.displacement) == 1:
         return False
     touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
-    return bool(np.any(np.linalg.norm(point.state.displacement[1:], axis=0)[touching] > SLIP))
+    slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+    return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > SLIP)
 
 
 def narrow(contact, before, after):

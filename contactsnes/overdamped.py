@@ -25,8 +25,8 @@ TURNING = 0.25
 """Part of a step by which it may miss its prediction: next to an unstable state a long implicit step would lead back to it."""
 STILL = 1e-4
 """Length of a step, ranges, below which it does not matter how it was predicted."""
-SHORTEST = 1e-8
-"""Time step below which a motion cannot be followed, relaxation times."""
+SHORTEST, LATEST = 1e-8, 1e12
+"""Time step below which a motion cannot be followed, and time after which none comes to rest any more, relaxation times."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Flow:
         options, last = self.options, np.inf
         speed = self._size(self.rate)
         step = min(1.0, 0.5 * options.tolerance / max(speed, RESTING))
-        while self.steps < options.steps:
+        while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
             if not error <= 1.5:
                 step *= max(0.25, 0.8 * error ** (-1.0 / 3.0)) if error < np.inf else 0.25

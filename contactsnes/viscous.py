@@ -148,10 +148,15 @@ class Equations:
         return guess - step, ksp.getConvergedReason() > 0
 
     def size(self, change, near, scale=1.0):
-        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square, or a third of the largest."""
-        change = np.abs(self.displacement(change)) / scale
-        change = change[:, near] if near.any() else change
-        return max(float(np.sqrt(np.mean(change ** 2))), float(change.max()) / 3.0)
+        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square, or a third of the largest.
+
+        At all nodes where the law acts at none.
+        """
+        grid, change = self.form.grid, np.abs(self.displacement(change)) / scale
+        near = near if grid.count(near) else np.ones_like(near)
+        change = change * near
+        mean = np.sum(grid.sum(change ** 2)) / (len(change) * grid.count(near))
+        return max(float(np.sqrt(mean)), float(grid.maximum(change)) / 3.0)
 
     def leaving(self, unknown, velocity):
         """Whether no traction will balance a pulled component from here on, at a velocity of the means that move."""

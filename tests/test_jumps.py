@@ -279,3 +279,12 @@ def test_steps_that_fail_are_named():
     motion.equations.newton = lambda guess, *_: (np.full_like(guess, np.nan), True)
     with pytest.raises(Unsettled, match="too short"):
         motion.follow()
+
+
+def test_a_drift_that_never_ends_is_given_up():
+    """A velocity that nothing stops, as of a body pulled by what is not recognised."""
+    contact = Contact(Scene(**LINE))
+    motion = flow(contact, (F,), (-3.0,), lifted(contact, (F,), (-3.0,), 40.0))
+    motion.equations.leaving = lambda *_: False
+    with pytest.raises(Unsettled, match="not come to rest"):
+        motion.follow()
