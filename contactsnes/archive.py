@@ -302,10 +302,10 @@ class Archive:
         if self._fields == "last":
             file["fields"].attrs.modify("point", 0)
             file.flush()
-        for name, array in fields.items():
+        for name in self._arrays:
             if self._fields == "all":
                 file["fields"][name].resize(point, axis=0)
-            file["fields"][name][-1] = array
+            file["fields"][name][-1] = fields.get(name, np.nan)
         branch, scalar = file["branch"].id, h5py.h5s.create(h5py.h5s.SCALAR)
         for name, value in row.items():  # HDF5's own calls: many columns, and half the time
             column = h5py.h5d.open(branch, name.encode())

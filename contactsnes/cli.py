@@ -146,7 +146,7 @@ class Run:
                    "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
                    "fields": output.fields, "components": scene.components, "warnings": self.warnings}
         if output.fields != "none":
-            content |= observables.frame(self.branch.contact) | {"modes": self.branch.steps.stability == "eigenvalue"}
+            content |= observables.frame(self.branch.contact) | {"modes": self.branch.steps.keeps_modes}
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)

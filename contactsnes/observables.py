@@ -102,15 +102,23 @@ class Measurement:
         displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
         self.window.put(self.traction, traction[:self.components])
         traction *= np.reshape(_sizes(scene, "p"), each)
-        fields = (displacement, traction) if self.point.mode is None else (displacement, traction, self._mode())
+        fields = (displacement, traction) if self._null_or_leading() is None else (displacement, traction, self._mode())
         return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
+
+    def _null_or_leading(self):
+        """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode was looked for, or None."""
+        point = self.point
+        if point.mode is not None:
+            return point.mode, point.leading_eigenvalue
+        return (point.tangents[0].state, 0j) if len(point.tangents) == 1 else None
 
     def _mode(self):
         """The leading mode (real part of a complex one), ranges of the law over its largest value, (components of the scene, *cell).
 
         Beyond the window no traction changes: there (s - 1) v = C D v, but for a constant.
         """
-        contact, grid, mode, rate = self.contact, self.grid, self.point.mode, self.point.leading_eigenvalue - 1.0
+        contact, grid, (mode, eigenvalue) = self.contact, self.grid, self._null_or_leading()
+        rate = eigenvalue - 1.0
         field = np.zeros((contact.scene.components, *grid.shape))
         window, inside = mode.window, field[:self.components]
         gap, tangent = states.onto(self.state, window).copy(), np.zeros((self.components, self.components, window.size))
@@ -189,6 +197,7 @@ def _scaled_table(scene):
     rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag, "its imaginary part", "")
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
     rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
+    rows["fold_tangents"] = Observable(lambda m: len(m.point.tangents), "tangents of a fold (2: in a corner of the branch)", "", "i8")
     rows["jump_balance"] = Observable(lambda m: m.point.jump_balance, "what tells the energy lost in a jump", "", "i8", BALANCES)
     return rows
 

@@ -168,7 +168,8 @@ def draw_profiles(record, chosen):
             panels.append(("tangential traction", tangential("p", axis), units[-1], values))
     if "mode" in record.units:
         modes = [record.field("mode", point)[0] for point in chosen]
-        panels.append(("leading mode", "v_n", "", [mode if mode.ndim == 1 else mode[:, middle] for mode in modes]))
+        if np.isfinite(modes).any():
+            panels.append(("leading mode", "v_n", "", [mode if mode.ndim == 1 else mode[:, middle] for mode in modes]))
     figure = Figure((WIDTH, (0.25 + 0.45 * len(panels)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(panels), 1, sharex=True)
     for axes, (text, symbol, unit, values) in zip(stack, panels):

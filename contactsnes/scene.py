@@ -216,6 +216,11 @@ class Steps(Options):
         """Number of legs that the lists of steps are for; None where each is one number."""
         return next((len(value) for value in vars(self).values() if isinstance(value, tuple)), None)
 
+    @property
+    def keeps_modes(self):
+        """Whether fields of points include a mode: the leading one, or the null vector of a fold."""
+        return self.stability == "eigenvalue" or self.type == "arclength" or self.at_fold == "trace"
+
     def _given(self, name, leg):
         """The step the user set for a leg (from 0), or None."""
         value = getattr(self, name)

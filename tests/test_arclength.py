@@ -112,6 +112,18 @@ def test_null_vectors_are_annihilated(options, path):
     assert abs(tangent.rate) < 1e-4
 
 
+def test_null_vectors_are_kept_with_fields():
+    """Beside displacement and traction, where no mode was looked for: the mode that stability finds at the fold."""
+    found = []
+    for stability in ("off", "eigenvalue"):
+        branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4", at_fold="stop", stability=stability)
+        fields = [observables.Measurement(branch.contact, point).fields() for point in (points[-2], points[-1])]
+        assert branch.steps.keeps_modes and len(fields[0]) == (2 if stability == "off" else 3)
+        assert observables.observe(branch.contact, points[-1])["fold_tangents"] == 1
+        found.append(fields[1][2])
+    np.testing.assert_allclose(found[0], found[1], atol=1e-3)
+
+
 def test_a_sheared_fold_does_not_depend_on_steps():
     """Through corners of the law: the same load from long and short steps."""
     loads = [folds(followed(SHEARED, "normal_displacement=1", "normal_force=1; tangential_displacement=150", at_fold="stop",
