@@ -167,9 +167,8 @@ def draw_profiles(record, chosen):
         if np.max(np.abs(values)) > 1e-6 * np.max(np.abs([traction for _, traction in profiles])):
             panels.append(("tangential traction", tangential("p", axis), units[-1], values))
     if "mode" in record.units:
-        modes = [record.field("mode", point)[0] for point in chosen]
-        if np.isfinite(modes).any():
-            panels.append(("leading mode", "v_n", "", [mode if mode.ndim == 1 else mode[:, middle] for mode in modes]))
+        modes = [mode if mode.ndim == 1 else mode[:, middle] for mode in (record.field("mode", point)[0] for point in chosen)]
+        panels += [("leading mode", "v_n", "", modes)] if np.isfinite(modes).any() else []
     figure = Figure((WIDTH, (0.25 + 0.45 * len(panels)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(panels), 1, sharex=True)
     for axes, (text, symbol, unit, values) in zip(stack, panels):
