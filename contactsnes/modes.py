@@ -10,7 +10,7 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 from .points import NotConverged
 
 ACCURATE = 3e-4
-"""Residual |J x - s x| / |x| to which the leading mode is found; the error of its eigenvalue is smaller."""
+"""Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4; its eigenvalue's error is smaller."""
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
 DENSE, LARGEST_DENSE = 40, 3000
@@ -211,7 +211,7 @@ def _krylov(space, shift, begin, basis):
 def _settled(modes, accurate, number):
     """Whether residuals are small enough for the signs of all eigenvalues, and for the one that counts."""
     signs = np.all((modes.residuals < np.maximum(0.5 * np.abs(modes.values.real), NEUTRAL))[modes.certain])
-    return signs and (accurate is None or np.all(modes.residuals[:number + 1] <= accurate))
+    return signs and (accurate is None or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2))[:number + 1]))
 
 
 def _all_modes(operator):
