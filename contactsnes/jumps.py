@@ -57,6 +57,8 @@ def settle(system, state, controls, load, where, origin=None):
     NoEquilibrium : where the body leaves or slides without end
     NotConverged : where the motion does not settle
     """
+    if not np.isfinite(state.displacement).all():
+        raise NotConverged(f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options = read(MotionOptions)
     if options.type == "overdamped" and system.settings.form == "displacement":
         try:
