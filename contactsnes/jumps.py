@@ -75,6 +75,8 @@ def flowed(system, state, controls, load, origin, options):
 
     Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
     """
+    if not np.isfinite(state.displacement).all():
+        raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     contact, state = system.contact, system._fitted(state)
     flow = Flow(contact, system.symmetry, controls, load, state, system.totals, options)
     flow.follow()

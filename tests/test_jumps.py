@@ -6,8 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 petsc4py.init()
-from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, Scene, Steps, jumps, states
-from contactsnes.isolated import IsolatedContact, lay_out
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, states
 from contactsnes.mirrored import Symmetry
 from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
 
@@ -288,3 +287,13 @@ def test_a_drift_that_never_ends_is_given_up():
     motion.equations.leaving = lambda *_: False
     with pytest.raises(Unsettled, match="not come to rest"):
         motion.follow()
+
+
+@pytest.mark.parametrize("wrong", (np.nan, np.inf))
+def test_a_motion_cannot_begin_from_what_is_no_number(wrong, jumped):
+    branch, points, _ = jumped["pull-off"]
+    spoiled = points[0].state.displacement.copy()
+    spoiled[0, 7] = wrong
+    with pytest.raises(NotConverged, match="NaN"):
+        branch.corrector.settle(states.State(points[0].state.window, spoiled, points[0].state.means), points[0].controls,
+                                points[0].load, "here")
