@@ -138,26 +138,38 @@ class Contact:
         """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def extended(self, state, normal=False):
+    def extended(self, state):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one convolution.
 
-        Outside the window the law is zero, so the balance itself gives the displacement there. With ``normal`` perhaps no more
-        than the normal component, which costs less.
+        Outside the window the law is zero, so the balance itself gives the displacement there.
         """
         components, window = len(state.displacement), state.window
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.shape).copy()
         gap = state.displacement.copy()
         gap[0] += window.take(self.initial_gap)
-        if normal and components > 1 and not self.couples():
-            components = 1
         cell = np.zeros((components, *self.grid.shape))
-        window.put(self.law.traction(gap)[:components], cell)
+        window.put(self.law.traction(gap), cell)
         flat = cell.reshape(components, -1)
         Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
-        np.subtract(state.means[:components, None], flat, out=flat)
-        window.put(state.displacement[:components], cell)
+        np.subtract(state.means[:, None], flat, out=flat)
+        window.put(state.displacement, cell)
         return cell
+
+    def gap_outside(self, state):
+        """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as `extended`, but one transform back only."""
+        window, blocks = state.window, self.operator(len(state.displacement)).blocks
+        gap = state.displacement.copy()
+        gap[0] += window.take(self.initial_gap)
+        sources = [i for i in range(len(gap)) if (0, i) in blocks]
+        there, back = (Transform(self.grid, self.grid.shape, count) for count in (len(sources), 1))
+        window.put(self.law.traction(gap)[sources], there.real)
+        there.forward()
+        back.spectrum[0] = sum(blocks[0, i] * spectrum for i, spectrum in zip(sources, there.spectrum))
+        back.backward()
+        outside = state.means[0] - back.real[0] + self.initial_gap
+        window.put(np.full(window.size, np.inf), outside)
+        return outside
 
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""

@@ -167,9 +167,7 @@ def covers(contact, state):
         return False
     if contact.convex:
         return True
-    outside = contact.extended(state, normal=True)[0] + contact.initial_gap
-    state.window.put(np.full(state.window.size, np.inf), outside)
-    return contact.grid.minimum(outside) >= CERTAIN
+    return contact.grid.minimum(contact.gap_outside(state)) >= CERTAIN
 
 
 def with_components(state, components):

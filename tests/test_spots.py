@@ -230,6 +230,21 @@ def test_states_on_other_boxes_take_the_nearest_known_values():
     np.testing.assert_array_equal(states.onto(state, other), other.take(cell))
 
 
+@pytest.mark.parametrize("made", [line_scene, plane_scene])
+@pytest.mark.parametrize("poisson", [0.3, 0.5])
+def test_gap_outside_is_that_of_the_whole_cell(made, poisson, tmp_path):
+    scene = made(tmp_path, poisson=poisson, height=np.inf)
+    contact, rng = Contact(scene, np.load(scene.geometry_file)), np.random.default_rng(6)
+    window = Spots(contact.grid, [[n // part for n in scene.shape] for part in (9, 2)], [20] * len(scene.shape))
+    state = states.State(window, rng.normal(size=(scene.components, window.size)), rng.normal(size=scene.components))
+    before, expected = contact.grid.transforms, contact.extended(state)[0] + contact.initial_gap
+    window.put(np.full(window.size, np.inf), expected)
+    middle, found = contact.grid.transforms, contact.gap_outside(state)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert middle - before >= 2 * scene.components
+    assert contact.grid.transforms - middle == pytest.approx((scene.components if poisson == 0.3 else 1) + 1)
+
+
 def test_a_box_whose_spot_is_gone_is_left_out(tmp_path, always):
     scene = line_scene(tmp_path)
     contact = Contact(scene, np.load(scene.geometry_file))
