@@ -20,6 +20,8 @@ BRIEF = 1e-4
 
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
+NEARBY = 0.05
+"""Steps below this part of the last one do not tell folds apart any better if they are shorter still."""
 SWINGS, SWING = 3, 1e-2
 """Folds after the first that, within so small a part of the load, are likely to be those of a grid."""
 PACE = 0.1
@@ -227,7 +229,10 @@ class ArcWalk(Walk):
             # It turns more sharply there than steps could tell.
             limit = LimitPoint(self.system, self.leg, before, last)
         if not limit.bracketed or limit.sign != heading:
-            raise NotConverged("the load turns more than once in this step")
+            if self._way(last, point) > NEARBY * self._way(before, last):
+                raise NotConverged("the load turns more than once in this step")
+            self.system.log(f"folds at {self._place(last.position)} are too near to each other to be told apart: going on")
+            return None, False
         return replace(limit.locate(), fold_kind=fold_kind(self.leg, heading)), late
 
     def _next_length(self, point):
