@@ -37,8 +37,8 @@ class Resolution:
         sheared = slips(self.contact, point)
         pinned = max(resolution(self.contact.scene, sheared)) > PINNING
         if jumped:
-            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold may be the grid's, where an edge of contact or of slip "
-                              "passes from node to node; see whether it stays on a grid twice as fine")
+            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold may be the grid's, where an edge of contact or "
+                              "slip passes from node to node; see whether it stays on a grid twice as fine")
         elif pinned and point.event == "fold":
             self._say("fold", f"this fold ({point.fold_kind}) may be the grid's: "
                               f"{resolution_warning(self.contact.scene, sheared)}")
@@ -93,9 +93,10 @@ def explained(error, contact, sheared, modes):
         return NotConverged(f"{error}; a failure of the solver: {TRY}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
-        why = f"unstable ({found.unstable} modes, {told}): the path has passed a bifurcation, which -continuation_stability sign finds"
+        why = f"unstable ({found.unstable} modes, {told}): a bifurcation was passed, which -continuation_stability sign finds"
     elif found.leading.real < softest:
-        why = f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try -continuation_type arclength, or smaller steps"
+        why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try smaller steps, or "
+               "-continuation_type arclength")
     else:
         why = f"stable ({told}), and no fold was found: a failure of the solver; {TRY}"
     return NotConverged(f"{error}; the last point is {why}")

@@ -50,7 +50,7 @@ def test_jumps_over_few_nodes_are_told_from_others():
 
 @pytest.mark.parametrize("modes, words", (
     (None, "a failure of the solver"),
-    (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j), "unstable .2 modes, leading eigenvalue -0.3.: the path has passed a bifurcation"),
+    (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j), "unstable .2 modes, leading eigenvalue -0.3.: a bifurcation was passed"),
     (SimpleNamespace(unstable=0, leading=0.0001 + 0j), "hardly .*a fold or a bifurcation is next to it"),
     (SimpleNamespace(unstable=0, leading=0.8 + 0j), "stable .*a failure of the solver; try smaller steps")))
 def test_reasons_are_told_apart(modes, words):

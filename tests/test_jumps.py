@@ -114,9 +114,10 @@ JUMPS = {
     "jump-in under a force": ({}, "normal_displacement=-3", "normal_force=0.5"),
     "pull-off": ({}, "normal_displacement=0.5", "normal_displacement=-4.5"),
     "sliding": ({"height": 2000.0, "residual_friction": 0.0}, "normal_displacement=2", "tangential_displacement=1000"),
-    "sliding against friction": ({"height": 2000.0, "residual_friction": 0.5}, "normal_displacement=2", "tangential_displacement=1000"),
-    "sphere": ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0}, "normal_displacement=0.5",
-               "normal_displacement=-3"),
+    "sliding against friction": ({"height": 2000.0, "residual_friction": 0.5}, "normal_displacement=2",
+                                 "tangential_displacement=1000"),
+    "sphere": ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0},
+               "normal_displacement=0.5", "normal_displacement=-3"),
 }
 
 
@@ -228,7 +229,8 @@ def test_a_window_grows_with_the_motion():
     """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
     contact = Contact(Scene(**{**LINE, "points": 2048, "normal_maugis": 8.0}))
     motions = [flow(contact, (F,), (0.5,), lifted(contact, (F,), (0.5,), by)) for by in (30.0, 30.0)]
-    motions[1]._begin(0.0, states.State(contact.grid.whole, states.onto(motions[1].state(), contact.grid.whole), motions[1].state().means))
+    state, whole = motions[1].state(), contact.grid.whole
+    motions[1]._begin(0.0, states.State(whole, states.onto(state, whole), state.means))
     begun = motions[0].equations.window.size
     for motion in motions:
         motion.follow()
