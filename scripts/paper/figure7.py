@@ -1,12 +1,13 @@
 """Figure 7: decay of the contact area with the tangential force until the onset of sliding, for several normal forces.
 
 A row for each tangential parameter (the paper shows the first), a column for each law. Dotted black: w_t = tau_max a_r; red: the
-same with tau_fit, fitted to the onsets (dots; open where the onset is stable).
+same with tau_fit, fitted to the onsets (dots; open where the onset is stable). Crosses: the largest force of a slip front that
+leaves the residual friction behind (`reference_shear.front_onset`), where a front is short enough.
 """
 
 import numpy as np
 
-from contactsnes import reference
+from contactsnes import reference, reference_shear
 
 from observed import onset, peel
 from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
@@ -20,6 +21,15 @@ def loads(maugis):
 
 NEEDED = tuple(sheared(law, maugis, force, fields="all" if force == 25 and law != "mcgarry" else "none")
                for maugis in TANGENTIAL for law in LAWS for force in loads(maugis))
+
+
+def front_onset(results, maugis, force):
+    """Force at which a slip front runs through with tau_inf = tau_max/2, and the half width that sticks then, of a contact at a normal
+    force; the width of the friction is that of the sliding state, the same for every tangential parameter."""
+    sliding = results[f"half-t1-w{force:g}"]["tangential_force"][-1] / (0.5 * reference.peak_tangential_traction(1.0))
+    traction = 0.5 * reference.peak_tangential_traction(maugis)
+    stick, largest = reference_shear.front_onset(0.5 * sliding, traction, reference_shear.front_work(0.5))
+    return largest, stick
 
 
 def onset_line(results, law, maugis):
@@ -46,6 +56,9 @@ def draw(results):
             for force, colour in zip(loads(maugis), shades(len(loads(maugis)), "plasma")):
                 record = results[f"{law}-t{maugis:g}-w{force:g}"]
                 one.plot(*peel(record), color=colour, label=f"{force:g}")
+                if law == "half" and maugis >= 1 and onset(record):
+                    estimate = front_onset(results, maugis, force)[0]
+                    one.plot(estimate, onset(record).area, "x", color="r", markersize=5, markeredgewidth=0.8, zorder=5)
             for begun in found:
                 one.plot(begun.force, begun.area, "o", color="k", markersize=3.5, markerfacecolor="k" if begun.unstable else "w", zorder=4)
             areas = np.array([0, 13.5])

@@ -108,7 +108,7 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
         # Along its length a branch tells exactly where a compliant interface slides; a stiff one's is too long for that.
         **({"continuation_type": "arclength"} if maugis < 1 else {}),
         "continuation_stability": "sign" if certified(law, maugis, given) else "off",
-        **({"archive_errors": "true"} if maugis <= 1 and law != "mcgarry" else {})})
+        **({"archive_errors": "true"} if law != "mcgarry" and (maugis == 1 or maugis < 1 and force in LOADS) else {})})
 
 
 def certified(law, maugis, given):
