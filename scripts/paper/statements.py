@@ -197,7 +197,7 @@ def least_area(results):
 def unstable_onsets(results):
     stable, drops, smooth = [], [], []
     for maugis in TANGENTIAL:
-        for force in figure7.loads(maugis):
+        for force in (load for load in figure7.loads(maugis) if load >= 0):
             begun = onset(results[f"half-t{maugis:g}-w{force:g}"])
             if begun is None or not begun.unstable:
                 stable.append(f"lambda_t = {maugis:g}, W = {force:g}")
@@ -210,7 +210,7 @@ def unstable_onsets(results):
     value = (f"tau_max/2: {'a fold in every case' if not stable else 'no fold for ' + '; '.join(stable)}, drop at W = 25 {', '.join(drops)}; "
              f"tau_max: folds only for {'; '.join(smooth) or 'none'}")
     return value, ("confirmed" if not stable else "not confirmed in all cases") + \
-        "; with tau_inf = tau_max it is unstable, too, where adhesion is lost at once"
+        " for W >= 0 (at W = -1 the contact peels off before it slides); with tau_inf = tau_max it is unstable where the loss of adhesion is"
 
 
 @statement("Sec. 4", "tau_inf hardly influences the incipient loading before gross sliding",
