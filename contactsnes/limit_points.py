@@ -109,11 +109,19 @@ class LimitPoint:
     def _middle(self):
         return 0.5 * (self.left.place + self.right.place)
 
-    def _narrow(self, place):
-        """Replace an end of the bracket by the point at a place in it."""
+    def _narrow(self, place, closest=1e-3):
+        """Replace an end of the bracket by the point at a place in it, no closer to an end than a part of its width."""
+        width = self.right.place - self.left.place
+        found = self._station(min(max(place, self.left.place + closest * width), self.right.place - closest * width))
+        if found.slope * self.sign > 0.0:
+            self.left = found
+        else:
+            self.right = found
+
+    def _station(self, place):
+        """The station at a place of the bracket; NotConverged for one of another branch."""
         left, right = self.left, self.right
         width = right.place - left.place
-        place = min(max(place, left.place + 1e-3 * width), right.place - 1e-3 * width)
         t = (place - left.place) / width
         weights = np.array([(1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2 * width, t ** 2 * (t - 1) * width, t ** 2 * (3 - 2 * t)])
         ends = [left.point, left.direction, right.direction, right.point]
@@ -122,11 +130,7 @@ class LimitPoint:
         point = self.system.solve_arc(self.chord, place, guess, position, self.leg)
         if self.system.missed(guess, point.state) > max(0.1, 0.5 * self.system.missed(left.point.state, right.point.state)):
             raise NotConverged("the search for the fold strayed from the branch")
-        found = Station(place, point, self.system.direction(point, self.chord, self.leg))
-        if found.slope * self.sign > 0.0:
-            self.left = found
-        else:
-            self.right = found
+        return Station(place, point, self.system.direction(point, self.chord, self.leg))
 
     def _is_corner(self, first, last):
         """Whether the slope jumps where a smooth one would hardly change, given the bracket's first ends."""
@@ -134,11 +138,22 @@ class LimitPoint:
         change = abs(self.left.slope - self.right.slope) / abs(first.slope - last.slope)
         return part < 0.01 and change > CORNER * part
 
+    def _polished(self):
+        """The flattest station, two steps on: to where the load is known to a tolerance, all else is known to its root only."""
+        try:
+            for _ in range(2):
+                self._narrow(self._smooth(), closest=0.0)
+        except NotConverged:
+            pass
+        return min(self.left, self.right, key=lambda station: abs(station.slope))
+
     def _fold(self, corner):
-        """The better of both ends as a fold: with the direction there, or with both, of unit length."""
-        best = max(self.left, self.right, key=lambda station: self.sign * station.point.position)
-        if not corner:
-            best = min(self.left, self.right, key=lambda station: abs(station.slope))
-        stations = (self.left, self.right) if corner else (best,)
+        """The fold with the direction there or, at a corner, with both of its sides, of unit length."""
+        if corner:
+            stations = self.left, self.right
+            best = max(stations, key=lambda station: self.sign * station.point.position)
+        else:
+            best = self._polished()
+            stations = best,
         tangents = tuple(self.system.unit(station.point, station.direction) for station in stations)
         return replace(best.point, event="fold", tangents=tangents)
