@@ -151,7 +151,7 @@ class Run:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)
         history = [self.branch.restored(state) for state in archive.states()]
-        self.waiting = unfinished_fold(history)
+        self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
         self.branch.history = history[:len(history) - self.waiting]
         return archive
 

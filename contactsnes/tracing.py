@@ -12,7 +12,7 @@ from .corrector import KSP_REASONS, WARM, Corrector
 from .forms import DisplacementForm
 from .laws import CUTOFF, MOVING_STIFFNESS, SLIP
 from .points import Direction, NotConverged
-from .snes import create_snes
+from .snes import create_snes, solver_type
 
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
@@ -119,7 +119,7 @@ class Tracer(Corrector):
 
     def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """Form, form with the arc length, its SNES and its unknown, for a state and position on or near a chord."""
-        own = self.snes.getType().startswith("newton")
+        own = solver_type().startswith("newton")
         state = self._fitted(guess) if own else states.fitted(self.contact, guess)
         form = self._form_for(state, leg.controls) if own else DisplacementForm(self.contact, state.window, leg.controls)
         none = np.zeros(len(form.forced))

@@ -192,6 +192,19 @@ def test_legs_that_only_switch_controls_add_no_point():
 # Ends
 
 
+@pytest.mark.parametrize("kind", ["natural", "arclength"])
+def test_a_trace_is_resumed_at_any_of_its_points(kind):
+    """From what an archive keeps of the last four points, the fold itself and the points behind it included."""
+    branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4", type=kind)
+    first = [point.event for point in points].index("fold")
+    for cut in (first, first + 1, first + 2, len(points) - 2):
+        again = Branch(branch.scene, branch.load, branch.steps, Form(),
+                       history=[branch.restored(branch.packed(point)) for point in points[max(cut - 4, 0):cut]])
+        whole = points[:cut] + list(again)
+        assert whole[-1].load[0] == -4.0
+        assert [point.load[0] for point in folds(whole)] == pytest.approx([point.load[0] for point in folds(points)], rel=1e-8)
+
+
 def test_a_body_that_is_pulled_off_by_force_leaves():
     """Pull-off, then the unstable branch to where the law ends: its points stay, and there is no equilibrium."""
     branch, points, error = followed(SOFT, "normal_displacement=1", "normal_force=-3")
