@@ -16,9 +16,12 @@ from .fourier import Convolution, Transform, Window, clear_padding, enclosing
 MOST = 24
 """Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their neighbours."""
 
-MULTIPLICATION, POINTWISE = 5.0, 40.0
-"""Cost of a complex multiplication for each point of a circle, and of the work besides convolutions for each node of a window, where
-a transform of m points costs m ln m (measured)."""
+MULTIPLICATION, POINTWISE, CALL = 5.0, 40.0, 1e4
+"""Cost of a complex multiplication for each point of a circle, of the work besides convolutions for each node of a window, and of
+handling a box, where a transform of m points costs m ln m (measured)."""
+
+WORTH = 0.8
+"""Part of the cost of the one window below which boxes are worth the check that nothing else comes within the law's range."""
 
 
 class Spots:
@@ -161,7 +164,8 @@ def convolution(window, operator, count):
 def cost(window):
     """Predicted time of a product with the Jacobian, for each component, where a transform of m points takes m ln m."""
     boxes, points = len(window.parts), math.prod(window.circle())
-    return 2.0 * boxes * points * math.log(points) + MULTIPLICATION * boxes ** 2 * points + POINTWISE * window.size
+    handling = CALL * boxes if boxes > 1 else 0.0
+    return 2.0 * boxes * points * math.log(points) + MULTIPLICATION * boxes ** 2 * points + POINTWISE * window.size + handling
 
 
 def fitting(grid, mask, margin):
@@ -173,7 +177,7 @@ def fitting(grid, mask, margin):
     one = enclosing(grid, mask, margin)
     if np.count_nonzero(mask) > 0.5 * one.size:
         return one
-    boxes, best, least = _clusters(mask), one, cost(one)
+    boxes, best, least = _clusters(mask), one, WORTH * cost(one)
     while len(boxes[0]) > 1:
         first, extent = _widened(*boxes, margin, grid.shape)
         touching = np.triu(_overlap(first, extent, grid.shape), 1)

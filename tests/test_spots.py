@@ -52,7 +52,7 @@ def plane_scene(directory, places=((-19.0, -18.0), (20.0, -14.0), (1.0, 22.0)), 
 @pytest.fixture
 def always(monkeypatch):
     """Boxes wherever they do not touch, however little that saves."""
-    for name in ("MULTIPLICATION", "POINTWISE"):
+    for name in ("MULTIPLICATION", "POINTWISE", "CALL"):
         monkeypatch.setattr(spots, name, 0.0)
 
 
@@ -148,7 +148,7 @@ def test_spots_far_apart_have_a_box_each(shape, boxes):
     outside = mask.copy()
     outside[window.indices] = False
     assert not outside.any() and not window.take(mask)[window.rim()].any()
-    assert spots.cost(window) < spots.cost(enclosing(grid, mask, 0.05))
+    assert spots.cost(window) < spots.WORTH * spots.cost(enclosing(grid, mask, 0.05))
 
 
 def test_neighbours_share_a_box():
