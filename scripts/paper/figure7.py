@@ -61,10 +61,10 @@ def draw(results):
                     one.plot(estimate, onset(record).area, "x", color="r", markersize=5, markeredgewidth=0.8, zorder=5)
             for begun in found:
                 one.plot(begun.force, begun.area, "o", color="k", markersize=3.5, markerfacecolor="k" if begun.unstable else "w", zorder=4)
-            areas = np.array([0, 16.5])
+            areas = np.array([0, 19])
             one.plot(peak * areas, areas, "k:", linewidth=0.9)
             one.plot(slope * areas, areas, "r-", linewidth=0.8)
-            one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])), ylim=(0, 16.5 if maugis == TANGENTIAL[0] else 13.5))
+            one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])), ylim=(0, 19 if maugis == TANGENTIAL[0] else 13.5))
             if maugis == TANGENTIAL[0]:
                 one.set_title(LAW_NAMES[law])
             one.annotate(f"$\\lambda_t = {maugis:g}$\n$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),

@@ -40,7 +40,7 @@ def statement_table(results):
 
 def errors(results, runs):
     """Lines on convergence, stability and the errors of the grid of all points."""
-    residual, count, worst, ends = 0.0, {"stable": 0, "fold": 0, "unstable": 0, "unchecked": 0}, {}, []
+    residual, count, worst, ends, astray = 0.0, {"stable": 0, "fold": 0, "unstable": 0, "unchecked": 0}, {}, [], []
     for run in runs:
         if run.name not in results or run.name.startswith("sample"):
             continue
@@ -50,6 +50,8 @@ def errors(results, runs):
         count["fold"] += int(folds.sum())
         for name, value in (("stable", 1), ("unstable", 0), ("unchecked", -1)):
             count[name] += int(np.sum((record["stable"] == value) & ~folds))
+        astray += [f"{run.name} at {record['tangential_displacement'][point]:.4g}"
+                   for point in np.flatnonzero((record["stable"] == 0) & ~folds)]
         for name in ("contact_area", "normal_force", "slip"):
             if f"error_{name}" in record:
                 worst[name] = max(worst.get(name, 0.0), np.nanmax(record[f"error_{name}"]))
@@ -57,7 +59,7 @@ def errors(results, runs):
             ends.append(run.name)
     told = ", ".join(f"{value:.0e} of the {name.replace('_', ' ')}" for name, value in worst.items())
     lines = [f"Of {sum(count.values())} points, all with a residual norm of at most {residual:.0e} ranges of the law, {count['stable']} are "
-             f"certified stable, {count['fold']} are folds, {count['unstable']} have an unstable mode, and {count['unchecked']} were not "
+             f"certified stable, {count['fold']} are folds, {count['unstable']} have an unstable mode ({'; '.join(dict.fromkeys(astray))}), and {count['unchecked']} were not "
              "checked (eq. 3 and compliant interfaces with half the residual friction, whose modes lie too close together; coarse grids)."
              + (f" Runs that ended before their end: {', '.join(ends)}." if ends else ""),
              "", f"Errors of the grid, from a finer one at every point of figure 4 and of figure 5 up to a tangential parameter of 1: at most {told}."]
