@@ -127,7 +127,7 @@ def joined(parts):
     return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in ("values", "vectors", "defects", "certain")))
 
 
-def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0):
+def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
     """Unstable modes (real part negative) and the first stable ones of J with preconditioner P: `Modes` of each symmetry.
 
     ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as far as it is known: that operator
@@ -142,6 +142,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0):
     start : list of vectors to begin with, each a sum of modes of a point nearby that differ in symmetry
     accurate : residual of the leading mode; None where signs alone are asked for
     number : of the last mode that is to be accurate, 0 for the leading one
+    neutral : residual that will do for a mode whatever its sign
 
     Raises
     ------
@@ -161,7 +162,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0):
         if run + 1 < cold:
             continue
         found = space.modes()
-        if _settled(joined(found), accurate, number):
+        if _settled(joined(found), accurate, number, neutral):
             return found
         vectors, shift = _ahead(space, accurate, number)
         if space.largest > MOST:
@@ -208,9 +209,9 @@ def _krylov(space, shift, begin, basis):
         pass  # what it has tried serves as well
 
 
-def _settled(modes, accurate, number):
+def _settled(modes, accurate, number, neutral):
     """Whether residuals are small enough for the signs of all eigenvalues, and for the one that counts."""
-    signs = np.all((modes.residuals < np.maximum(0.5 * np.abs(modes.values.real), NEUTRAL))[modes.certain])
+    signs = np.all((modes.residuals < np.maximum(0.5 * np.abs(modes.values.real), neutral))[modes.certain])
     return signs and (accurate is None or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2))[:number + 1]))
 
 

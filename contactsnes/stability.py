@@ -35,6 +35,8 @@ OFF, SIGN, EIGENVALUE = "off", "sign", "eigenvalue"
 
 CRITICAL = 1e-8
 """Residual of a mode where its eigenvalue is to be made to vanish."""
+FLAT = 1e-3
+"""Residual to which modes of a fold are found: one of them vanishes, or jumps through zero at a corner of the law."""
 LONG = 1000.0
 """Period, beta, of the cell whose response stands for that of a half-plane."""
 
@@ -241,10 +243,18 @@ class Stability:
             operator = self._operator = Overdamped(self.contact, state.window, point.controls, self.options)
         operator.linearise(state, point.load)
         products = operator.form.products
-        found = leading_modes(operator, axes, self._start(state), accurate, number)
+        fold = point.event == "fold"
+        start = self._start(state) + self._tangents(point, state.window)
+        found = leading_modes(operator, axes, start, accurate and max(accurate, FLAT) if fold else accurate, number,
+                              FLAT if fold else NEUTRAL)
         self.system.totals["jacobian_products"] += operator.form.products - products
         self._last = state, [operator.state(vector) for vector in summed(found)]
         return joined(found)
+
+    def _tangents(self, point, window):
+        """The branch's directions at a fold on a window, vectors: the null mode, or next to it."""
+        return [self._operator.vector(State(window, states.onto(mode, window), mode.means))
+                for mode in (tangent.state for tangent in point.tangents)]
 
     def _start(self, state):
         """Modes of the last point as vectors on the window of a state, moved with the edges of contact."""
