@@ -15,7 +15,7 @@ KICKS = (1.0, -1.0, 5.0, -5.0)
 def between(system, stability, leg, before, after):
     """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
 
-    None where they are not marked as stable or not. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
+    None where it is not known. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
     which is solved for in between.
 
     Parameters
@@ -25,7 +25,7 @@ def between(system, stability, leg, before, after):
     leg : Leg
     before, after : (position, Point)
     """
-    if min(before[1].stable, after[1].stable) < 0:
+    if min(before[1].unstable_modes, after[1].unstable_modes) < 0:
         return []
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
     found = []

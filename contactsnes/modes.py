@@ -13,7 +13,7 @@ ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4; its eigenvalue's error is smaller."""
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
-DENSE, LARGEST_DENSE = 40, 3000
+DENSE, LARGEST_DENSE = 40, 1500
 """Unknowns up to which all eigenvalues are computed at once, and where the Krylov method fails."""
 BASIS, RUNS, NOISE, MOST = 3, 40, 0.003, 16
 """Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise in their starts, and vectors

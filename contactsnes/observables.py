@@ -192,7 +192,7 @@ def _scaled_table(scene):
                                 "f8" if unit else "i8")
     rows["resolved"] = Observable(lambda m: m.point.resolved, "resolved by the grid (0: folds may be its own)", "", "i8")
     rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "", "i8")
-    rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes, "unstable modes (-1: not checked)", "", "i8")
+    rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes, "unstable modes (-1: not known)", "", "i8")
     rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real, "leading eigenvalue", "")
     rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag, "its imaginary part", "")
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)

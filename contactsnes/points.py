@@ -66,7 +66,7 @@ class Point:
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
     resolved : 0 where edges of contact or slip stick between nodes, so that a fold may be the grid's own, else 1
-    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked
+    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.stability``)
     """
 

@@ -193,7 +193,13 @@ class Stability:
         if not self._silent:
             self.system.log(CERTIFIED)
             self._silent = True
-        modes = self.modes(point, ACCURATE if self.kind == EIGENVALUE else None)
+        try:
+            modes = self.modes(point, ACCURATE if self.kind == EIGENVALUE else None)
+        except NotConverged as error:
+            # A point without a certificate is not stable by it, and no reason to lose the path.
+            self.system.log(f"{error}: it is not certified, and counts as not stable")
+            self._last = None
+            return replace(point, stable=0)
         unstable = modes.unstable
         if point.event == "fold":
             # The null mode is neither.
