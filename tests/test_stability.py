@@ -206,6 +206,21 @@ def test_a_check_costs_about_two_steps():
     assert all(point.stable == 1 and np.isnan(point.leading_eigenvalue.real) for point in runs["sign"])
 
 
+def test_a_point_without_a_certificate_is_no_end(monkeypatch):
+    def lost(*_):
+        raise NotConverged("the modes of the point were not found")
+
+    said = []
+    points = iter(branch(SMALL, "normal_displacement=0.2", "sign", log=said.append))
+    assert next(points).stable == 1
+    with monkeypatch.context() as patched:
+        patched.setattr("contactsnes.stability.leading_modes", lost)
+        missed = next(points)
+    assert (missed.stable, missed.unstable_modes) == (0, -1) and "not certified" in said[-1]
+    rest = list(points)
+    assert all(point.stable == 1 for point in rest) and rest[-1].position == 1.0
+
+
 def test_what_a_point_tells():
     made = branch(SMALL, "normal_displacement=0.2", "eigenvalue")
     for point in made:
