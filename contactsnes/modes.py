@@ -15,6 +15,9 @@ NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
 DENSE, LARGEST_DENSE = 40, 1500
 """Unknowns up to which all eigenvalues are computed at once, and where the Krylov method fails."""
+FALSE = 0.02
+"""Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a projection of it may have negative
+eigenvalues that J itself has not, with residuals of a quarter of them."""
 BASIS, RUNS, NOISE, MOST = 3, 40, 0.003, 16
 """Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise in their starts, and vectors
 of a symmetry beyond which the projection begins anew from its modes."""
@@ -211,7 +214,8 @@ def _krylov(space, shift, begin, basis):
 
 def _settled(modes, accurate, number, neutral):
     """Whether residuals are small enough for the signs of all eigenvalues, and for the one that counts."""
-    signs = np.all((modes.residuals < np.maximum(0.5 * np.abs(modes.values.real), neutral))[modes.certain])
+    share = np.where(modes.values.real < 0.0, FALSE, 0.5)
+    signs = np.all((modes.residuals < np.maximum(share * np.abs(modes.values.real), neutral))[modes.certain])
     return signs and (accurate is None or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2))[:number + 1]))
 
 

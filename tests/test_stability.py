@@ -12,6 +12,7 @@ from scipy import linalg
 
 petsc4py.init([])
 
+from contactsnes import modes  # noqa: E402
 from contactsnes.archive import read as read_archive  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
@@ -302,3 +303,14 @@ def test_a_resumed_branch_is_as_stable():
     for point, other in zip(rest, whole[9:]):
         assert (point.stable, point.unstable_modes) == (other.stable, other.unstable_modes)
         assert abs(point.leading_eigenvalue - other.leading_eigenvalue) < 2.0 * ACCURATE
+
+
+def test_a_rough_projection_does_not_certify_an_instability():
+    """The tangent of a stiff slip front is so far from symmetric that projections of it have had an eigenvalue of -0.8, with this
+    residual, where the least one is 0.07."""
+    def settled(value, residual):
+        defects = np.array([[residual, 0.0]])
+        return modes._settled(modes.Modes(np.array([value + 0j]), np.eye(1, 2), defects, np.array([True])), None, 0, modes.NEUTRAL)
+
+    assert settled(0.8, 0.21) and not settled(-0.8, 0.21)
+    assert settled(-0.8, 0.01)
