@@ -5,6 +5,7 @@ import numpy as np
 from contactsnes.tables import markdown, write_between
 
 import cost
+import remnant
 from observed import onset
 from runs import ROOT
 from statements import area_at, table
@@ -21,6 +22,13 @@ CAPTIONS = {
     "figure6": "Figure 6: area against tangential force",
     "figure7": "Figure 7: area against tangential force, onsets of sliding",
 }
+BEYOND = {module.__name__: module for module in (remnant,)}
+"""Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
+
+
+def runs_beyond():
+    """The runs of the figures beyond the paper's."""
+    return [run for module in BEYOND.values() for run in module.NEEDED]
 
 
 def symbols(text):
@@ -73,14 +81,23 @@ def errors(results, runs):
     return lines
 
 
+def beyond_figures(results):
+    """Lines of the figures beyond the paper's: image, and what it shows."""
+    lines = []
+    for name, module in BEYOND.items():
+        lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "", symbols(module.says(results)), ""]
+    return lines
+
+
 def write(results, runs):
-    """Write both pages."""
+    """Write both pages; ``runs`` are those of the paper's figures."""
     images = [f"![{caption}]({name}.png)\n\n{caption}." for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
     (HERE / "README.md").write_text("\n".join([
         "# The paper, figure by figure", "",
         "Written by `scripts/reproduce`. Lengths are in β, tangential forces in w_t,r, normal ones in w_n,r; W is the normal force.", "",
-        "## Statements", "", *statement_table(results), "", "## Convergence and cost", "", *errors(results, runs), "",
-        *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), ""]), encoding="utf-8")
+        "## Statements", "", *statement_table(results), "", "## Convergence and cost", "", *errors(results, [*runs, *runs_beyond()]), "",
+        *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
+        *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
     gallery = [f'<img src="scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]
     write_between(ROOT / "README.md", BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))

@@ -1,0 +1,66 @@
+"""What the figures beyond the paper's share: runs at a held normal force, and what is read off them."""
+
+import numpy as np
+
+from contactsnes import Scene, reference
+from contactsnes.cohesive import resolution
+from contactsnes.elasticity import rigid_stiffness
+
+from observed import onset, sheared_part
+from runs import PERIOD, Run, half_width
+
+HEIGHT = 2000.0
+SLIPPED = 40.0
+"""Displacement of the surface, u_t,r, that is left to slip in at the end of a run at a tangential parameter of 1."""
+
+
+def spacing_points(**scene):
+    """Least power of two of points that resolves the cohesive zone of a sheared scene."""
+    return 2 ** (11 + int(np.ceil(np.log2(max(resolution(Scene(**{**scene, "points": 2048}), True)) - 1e-9))))
+
+
+def held(name, force, steps=50, start=None, **scene):
+    """A contact that is pressed to a normal force and sheared to gross sliding and beyond while that force is held.
+
+    steps : the least number of points of the shear; start : displacement of the top to begin at (default: a contact at about W = 0.8)
+    """
+    scene = {"tangential_maugis": 1.0, "residual_friction": 0.5, **scene}
+    period, height, poisson = scene.get("period", PERIOD), scene.get("height", HEIGHT), scene.get("poisson", 0.5)
+    strength = reference.peak_tangential_traction(scene["tangential_maugis"]) * (2 * half_width(max(force, 0.8)) + 2.0)
+    end = reference.driven_displacement(3 * strength + SLIPPED / scene["tangential_maugis"], strength, period, height, poisson)
+    if start is None:
+        normal = rigid_stiffness(poisson, height)[0]
+        start = reference.jkr_line_approach(reference.jkr_line_half_width(0.8, period), period) + 0.8 / (period * normal)
+    return Run(name, {
+        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": scene.get("points") or spacing_points(**scene),
+        "load_start": f"normal_displacement={start:.6g}", "load_path": f"normal_force={force:g}; tangential_displacement={end:.6g}",
+        "load_stop": "pull_off", "continuation_initial_step": f"0.25,{end / steps / 2:.4g}",
+        "continuation_largest_step": f"1.5,{end / steps:.4g}", "continuation_stability": "sign"})
+
+
+def finer(run):
+    """A run again on twice the points."""
+    return run._replace(name=f"{run.name}-x2", options={**run.options, "scene_points": 2 * run.options["scene_points"]})
+
+
+def grid_change(results, run):
+    """Relative changes of (force at the onset, area there, area before shear) from a run to the same one on twice the points."""
+    found = [results[one.name] for one in (run, finer(run))]
+    coarse, fine = ((strength(record), onset(record).area, unsheared(record)) for record in found)
+    return tuple(abs(a / b - 1) for a, b in zip(coarse, fine))
+
+
+def unsheared(record):
+    """Contact area before the shear."""
+    return record["contact_area"][sheared_part(record)][0]
+
+
+def sliding(record):
+    """Contact area at the end, where the whole contact slides; 0 where it has come off."""
+    return record["contact_area"][-1]
+
+
+def strength(record):
+    """Largest tangential force up to the onset of gross sliding, or up to where the contact comes off."""
+    begun = onset(record)
+    return float(record["tangential_force"].max()) if begun is None else begun.force
