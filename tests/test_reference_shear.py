@@ -5,7 +5,6 @@ import pytest
 from scipy.integrate import quad
 
 from contactsnes import Branch, Load, Scene, reference
-from contactsnes import reference_shear as shear
 from contactsnes.laws import LAWS
 
 
@@ -17,20 +16,20 @@ def test_front_work_integrates_the_law(residual):
         return law.traction(np.array([[0.0], [slip]]))[1, 0] - residual * reference.peak_tangential_traction(1.0)
 
     work = quad(excess, 0, np.sqrt(0.5))[0] + quad(excess, np.sqrt(0.5), 12)[0]
-    assert shear.front_work(residual) == pytest.approx(work, rel=1e-8)
+    assert reference.front_work(residual) == pytest.approx(work, rel=1e-8)
 
 
 def test_front_force_has_the_brittle_strength_and_the_slip_zone_as_limits():
-    assert shear.front_force(5.0, 5.0, 0.0, 0.7) == pytest.approx(reference.ligament_force(5.0, work_of_adhesion=0.7))
-    assert shear.front_force(5.0, 2.0, 0.8, 0.0) == pytest.approx(reference.slip_zone_force(5.0, 2.0, 0.8))
+    assert reference.front_force(5.0, 5.0, 0.0, 0.7) == pytest.approx(reference.ligament_force(5.0, work_of_adhesion=0.7))
+    assert reference.front_force(5.0, 2.0, 0.8, 0.0) == pytest.approx(reference.slip_zone_force(5.0, 2.0, 0.8))
     with pytest.raises(ValueError, match="work_of_adhesion"):
-        shear.front_force(5.0, 2.0, 0.8, -0.1)
+        reference.front_force(5.0, 2.0, 0.8, -0.1)
 
 
 def test_front_releases_its_work():
     """The energy release rate of the force at fixed displacement, from the compliance of the strip and the friction's work."""
     a, s, tau, work = 5.0, 3.0, 0.6, 0.4
-    extra = shear.front_force(a, s, tau, work) - reference.slip_zone_force(a, s, tau)
+    extra = reference.front_force(a, s, tau, work) - reference.slip_zone_force(a, s, tau)
     # K_II of the punch's traction at the front, from its square root.
     distance = 1e-8
     intensity = reference.ligament_traction(s - distance, s, extra) * np.sqrt(2 * np.pi * distance)
@@ -42,22 +41,22 @@ def test_front_releases_its_work():
 
 def test_onset_is_the_largest_force_and_lies_inside():
     a, tau, work = 5.77, 4.29, 0.47
-    s, force = shear.front_onset(a, tau, work)
+    s, force = reference.front_onset(a, tau, work)
     assert 0 < s < a
     for other in (0.9 * s, 1.1 * s):
-        assert shear.front_force(a, other, tau, work) < force
+        assert reference.front_force(a, other, tau, work) < force
     # Near the middle of a wide contact: s^(3/2) = a sqrt(2 pi G)/(4 tau).
     assert s == pytest.approx((a * np.sqrt(2 * np.pi * work) / (4 * tau)) ** (2 / 3), rel=0.02)
-    assert shear.front_onset(a, 0.0, work)[1] == pytest.approx(reference.ligament_force(a, work_of_adhesion=work), rel=1e-6)
+    assert reference.front_onset(a, 0.0, work)[1] == pytest.approx(reference.ligament_force(a, work_of_adhesion=work), rel=1e-6)
 
 
 def test_uniform_slip_starts_as_jkr_and_ends_as_hertz():
-    half_width, force = shear.uniform_slip_state(10.0, 0.0, 0.1)
+    half_width, force = reference.uniform_slip_state(10.0, 0.0, 0.1)
     assert (half_width, force) == (pytest.approx(reference.jkr_line_half_width(10.0)), 0.0)
-    half_width, force = shear.uniform_slip_state(10.0, 6.0, 0.1)
+    half_width, force = reference.uniform_slip_state(10.0, 6.0, 0.1)
     assert half_width == pytest.approx(reference.hertz_line_half_width(10.0), rel=1e-6)
     assert force == pytest.approx(2 * half_width * reference.peak_tangential_traction(0.1))
-    _, largest, slip = shear.uniform_slip_onset(10.0, 0.1)
+    _, largest, slip = reference.uniform_slip_onset(10.0, 0.1)
     assert 0.3 < slip < np.sqrt(0.5)
     assert largest < 2 * reference.jkr_line_half_width(10.0) * reference.peak_tangential_traction(0.1)
 
@@ -72,8 +71,8 @@ def test_small_contacts_slide_where_the_estimates_say():
         largest, slid = max(row["tangential_force"] for row in rows), rows[-1]["tangential_force"]
         tau = 0.5 * reference.peak_tangential_traction(maugis)
         if maugis < 1:
-            expected = shear.uniform_slip_onset(6.0, maugis, 60.0)[1]
+            expected = reference.uniform_slip_onset(6.0, maugis, 60.0)[1]
         else:
             # The width over which friction acts after adhesion is gone.
-            expected = shear.front_onset(0.5 * slid / tau, tau, shear.front_work(0.5))[1]
+            expected = reference.front_onset(0.5 * slid / tau, tau, reference.front_work(0.5))[1]
         assert largest == pytest.approx(expected, rel=tolerance)

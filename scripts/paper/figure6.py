@@ -8,7 +8,7 @@ slip zone of a contact that has lost its adhesion, for 3.6, whose end is gross s
 
 import numpy as np
 
-from contactsnes import reference, reference_shear
+from contactsnes import reference
 
 from observed import onset, peel, power_law
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, sheared
@@ -29,7 +29,7 @@ def mixed_mode_curve(force, parameter):
 
 def uniform_slip_curve(force, maugis):
     """(tangential forces, contact widths) of a contact that slips as a whole, up to the peak of the law."""
-    states = [reference_shear.uniform_slip_state(force, slip, maugis, period=PERIOD) for slip in np.linspace(0, np.sqrt(0.5), 60)]
+    states = [reference.uniform_slip_state(force, slip, maugis, period=PERIOD) for slip in np.linspace(0, np.sqrt(0.5), 60)]
     return np.array([state[1] for state in states]), np.array([2 * state[0] for state in states])
 
 

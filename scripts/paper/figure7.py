@@ -2,12 +2,12 @@
 
 A row for each tangential parameter (the paper shows the first), a column for each law. Dotted black: w_t = tau_max a_r; red: the
 same with tau_fit, fitted to the onsets (dots; open where the onset is stable). Crosses: the largest force of a slip front that
-leaves the residual friction behind (`reference_shear.front_onset`), where a front is short enough.
+leaves the residual friction behind (`reference.front_onset`), where a front is short enough.
 """
 
 import numpy as np
 
-from contactsnes import reference, reference_shear
+from contactsnes import reference
 
 from observed import onset, peel
 from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
@@ -28,7 +28,7 @@ def front_onset(results, maugis, force):
     force; the width of the friction is that of the sliding state, the same for every tangential parameter."""
     sliding = results[f"half-t1-w{force:g}"]["tangential_force"][-1] / (0.5 * reference.peak_tangential_traction(1.0))
     traction = 0.5 * reference.peak_tangential_traction(maugis)
-    stick, largest = reference_shear.front_onset(0.5 * sliding, traction, reference_shear.front_work(0.5))
+    stick, largest = reference.front_onset(0.5 * sliding, traction, reference.front_work(0.5))
     return largest, stick
 
 

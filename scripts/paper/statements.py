@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from contactsnes import reference, reference_shear
+from contactsnes import reference
 from contactsnes.laws import LAWS, TANGENTIAL_PEAK
 
 import figure3
@@ -401,7 +401,7 @@ def estimates(results):
                 cells.append(f"lambda_t = {maugis:g}, W = {force:g}: {100 * (begun.force / figure7.front_onset(results, maugis, force)[0] - 1):+.2g} %")
     for force in (25, 10.4, 0.8):
         largest_force = peel(results[f"full-t0.1-w{force:g}"])[0].max()
-        cells.append(f"lambda_t = 0.1, W = {force:g}: {100 * (largest_force / reference_shear.uniform_slip_onset(force, 0.1, PERIOD)[1] - 1):+.2g} %")
+        cells.append(f"lambda_t = 0.1, W = {force:g}: {100 * (largest_force / reference.uniform_slip_onset(force, 0.1, PERIOD)[1] - 1):+.2g} %")
     return ", ".join(cells), "confirmed"
 
 

@@ -1,0 +1,141 @@
+"""Line contacts under a normal load, without adhesion or with one of short range (JKR), isolated or periodic, and the bonded strip."""
+
+import numpy as np
+from scipy.special import spence, xlogy
+
+from .checks import find_root, half_angle, not_negative, periodic_angle, positive, reciprocal_depth, root_depth
+
+
+def hertz_line_load(half_width, period=np.inf):
+    """Load of a cylinder, W = pi a^2/4 (Johnson 1985); periodic: W = -(L^2/2 pi) ln cos(pi a/L), exact."""
+    angle = half_angle(half_width, period)
+    if np.isinf(period):
+        return np.pi * np.square(half_width) / 4
+    return -period**2 / (4 * np.pi) * np.log1p(-np.sin(angle) ** 2)
+
+
+def hertz_line_half_width(load, period=np.inf):
+    """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`."""
+    not_negative(load=load)
+    if np.isinf(period):
+        return 2 * np.sqrt(load / np.pi)
+    return period / np.pi * np.arcsin(np.sqrt(-np.expm1(-4 * np.pi * load / period**2)))
+
+
+def hertz_line_pressure(x, half_width, period=np.inf):
+    """Pressure p = sqrt(a^2 - x^2)/2, 0 outside (Johnson 1985); periodic, exact:
+    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L))."""
+    angle, depth = half_angle(half_width, period), root_depth(x, half_width, period)
+    if np.isinf(period):
+        return depth / 2
+    return period / (2 * np.pi) * np.arcsinh(np.pi / period * depth / np.cos(angle))
+
+
+def hertz_line_approach(half_width, period):
+    """Approach of the mean surface, d = (L^2/4 pi^2)[ln v ln(1-v) + Li_2(v)], v = sin^2(pi a/L), exact; for a << L,
+    d = (2/pi)[W ln(L/(pi a)) + pi a^2/8]. Needs a finite period: an isolated line contact has no finite approach."""
+    v = np.sin(periodic_angle(half_width, period)) ** 2
+    series = v * (1 + v / 4 + v**2 / 9 + v**3 / 16 + v**4 / 25)  # Li_2, where 1 - v would lose digits
+    return (period / (2 * np.pi)) ** 2 * (xlogy(np.log1p(-v), v) + np.where(v < 1e-3, series, spence(1 - v)))
+
+
+def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
+    """Force that breaks a bonded strip in mode I or II, F = sqrt(2 L tan(pi a/L) w), isolated sqrt(2 pi a w), from
+    K^2 = F^2/(L tan(pi a/L)) = 2 w (Tada, Paris & Irwin 2000). In mode I it is the adhesive part of JKR's load. In
+    mode II it is the tangential strength if the traction falls to zero within a short range (law of McGarry et al.,
+    tangential Maugis parameter above about 5), not if residual friction remains."""
+    angle = half_angle(half_width, period)
+    not_negative(work_of_adhesion=work_of_adhesion)
+    width = np.pi * np.asarray(half_width) if np.isinf(period) else period * np.tan(angle)
+    return np.sqrt(2 * width * work_of_adhesion)
+
+
+def ligament_traction(x, half_width, force=1.0, period=np.inf):
+    """Traction on a bonded strip or under a flat punch, F/(pi sqrt(a^2 - x^2)), 0 outside (Johnson 1985); periodic:
+    F cos(pi x/L)/(L sqrt(sin^2(pi a/L) - sin^2(pi x/L))) (Tada, Paris & Irwin 2000)."""
+    half_angle(half_width, period)
+    return force / np.pi * np.cos(np.pi * np.asarray(x) / period) * reciprocal_depth(x, half_width, period)
+
+
+def ligament_stiffness(half_width, period):
+    """Force per displacement of the mean surface, pi/(2 ln(1/sin(pi a/L))), normal or tangential, for a > 0."""
+    positive(half_width=half_width)
+    return -np.pi / (2 * np.log(np.sin(periodic_angle(half_width, period))))
+
+
+def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
+    """JKR load of a cylinder, `hertz_line_load` - `ligament_force`: W = pi a^2/4 - sqrt(2 pi a w) (Barquins 1988)."""
+    return hertz_line_load(half_width, period) - ligament_force(half_width, period, work_of_adhesion)
+
+
+def jkr_line_pressure(x, half_width, period=np.inf, work_of_adhesion=1.0):
+    """JKR pressure of a cylinder, sqrt(a^2 - x^2)/2 - sqrt(2 w/(pi a))/sqrt(1 - x^2/a^2) (Barquins 1988) or its
+    periodic form, 0 outside: tension without bound towards the edge."""
+    force = ligament_force(half_width, period, work_of_adhesion)
+    return hertz_line_pressure(x, half_width, period) - ligament_traction(x, half_width, force, period)
+
+
+def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
+    """JKR approach of the mean surface, d = d_Hertz - (2/pi) F ln(1/sin(pi a/L)), F = `ligament_force`: the periodic
+    cell in the limit of a short range of adhesion (normal Maugis parameter to infinity)."""
+    force = ligament_force(half_width, period, work_of_adhesion)
+    return hertz_line_approach(half_width, period) + 2 / np.pi * xlogy(force, np.sin(half_angle(half_width, period)))
+
+
+def load_extrema(power, value, period):
+    """Half widths of least and largest load, both roots of sin^3 t cos^power t = value, t = pi a/L."""
+    if value == 0:
+        return 0.0, period / 2 * (1 - 1e-7)
+
+    def excess(t):
+        return np.sin(t) ** 3 * np.cos(t) ** power - value
+
+    peak, message = np.arctan(np.sqrt(3 / power)), f"no partial contact is stable at any load, period {period}"
+    return [period / np.pi * find_root(excess, *bracket, message) for bracket in ((0.0, peak), (peak, np.pi / 2))]
+
+
+def _jkr_extrema(period, work_of_adhesion):
+    positive(period=period)
+    not_negative(work_of_adhesion=work_of_adhesion)
+    if np.isinf(period):
+        return np.cbrt(2 * work_of_adhesion / np.pi), np.inf
+    return load_extrema(1, 2 * np.pi**2 * work_of_adhesion / period**3, period)
+
+
+def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
+    """(half_width, load) at pull-off under a prescribed load, dW/da = 0: a = (2w/pi)^(1/3), W = -3 pi a^2/4 (Barquins
+    1988); periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3."""
+    half_width = _jkr_extrema(period, work_of_adhesion)[0]
+    return half_width, jkr_line_load(half_width, period, work_of_adhesion)
+
+
+def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
+    """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a periodic cell, above
+    the load at which the contact jumps to the full period."""
+    smallest, largest = _jkr_extrema(period, work_of_adhesion)
+    if np.isinf(period):  # Hertz's width plus JKR's at no load exceeds the width at this load
+        largest = hertz_line_half_width(max(load, 0.0)) + np.cbrt(32 * work_of_adhesion / np.pi)
+    return find_root(lambda a: jkr_line_load(a, period, work_of_adhesion) - load, smallest, largest,
+                     f"no stable partial JKR contact at the load {load}")
+
+
+def jkr_line_fold(period, work_of_adhesion=1.0):
+    """(half_width, approach, load) at pull-off under a prescribed approach of the mean surface: dd/da = 0 of
+    `jkr_line_approach`."""
+    def slope(a):  # (pi/2) dd/da
+        t, force = periodic_angle(a, period), ligament_force(a, period, work_of_adhesion)
+        hertz, release = period / 2 * np.tan(t), np.pi * work_of_adhesion / np.cos(t) ** 2 / force  # dW/da, dF/da
+        return np.log(np.sin(t)) * (release - hertz) + force * np.pi / period / np.tan(t)
+
+    positive(work_of_adhesion=work_of_adhesion)
+    smallest = 1e-6 * min(period, np.cbrt(work_of_adhesion))
+    a = find_root(slope, smallest, period / 2 * (1 - 1e-6), f"no fold under a prescribed approach at the period {period}")
+    return a, jkr_line_approach(a, period, work_of_adhesion), jkr_line_load(a, period, work_of_adhesion)
+
+
+def jkr_line_half_width_at_approach(approach, period, work_of_adhesion=1.0):
+    """Half width of a periodic JKR cylinder that is stable at an approach of the mean surface, between the fold and
+    L^2/24, where the contact fills the cell."""
+    smallest = jkr_line_fold(period, work_of_adhesion)[0]
+    return find_root(lambda a: jkr_line_approach(a, period, work_of_adhesion) - approach, smallest,
+                     period / 2 * (1 - 1e-7), f"no stable partial JKR contact at the approach {approach}")
