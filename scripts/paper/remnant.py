@@ -1,29 +1,31 @@
 """Remnant adhesion: what is left of adhesion at large slip, from none (eq. 5) to four fifths (`-scene_residual_adhesion`).
 
 (a-c) Contact area over the tangential force at three normal forces, held; stars mark the onset of gross sliding, crosses where the
-contact comes off. (d) Area of the sliding contact over the remnant adhesion, with JKR's for that work of adhesion (dashed; dotted
-where there is no contact by JKR).
+contact comes off instead. (d) Area of the sliding contact over the remnant adhesion r (none where it came off; squares: before shear),
+with JKR's for the work of adhesion r phi_n (dashed), and the width over which the gap of JKR's contact is below e delta_n, as areas
+are measured (full).
 """
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contactsnes import reference
 
-from beyond import held, sliding, strength, unsheared
+from beyond import finer, grid_change, held, sliding, strength, unsheared
 from observed import onset, sheared_part
 from runs import PERIOD
 from style import AREA, FORCE, branch, panels, shades
 
-SHARES, FORCES = (0.0, 0.2, 0.4, 0.6, 0.8), (25, 0.8, -1)
-CAPTION = "Remnant adhesion at large slip: area against tangential force at held normal forces, and area in sliding"
+SHARES, FORCES, MAUGIS = (0.0, 0.2, 0.4, 0.6, 0.8), (25, 0.8, -1), 10.0
+CAPTION = "Remnant adhesion at large slip"
 
 
 def run(share, force):
     """Shear at a held normal force with a share of adhesion left."""
-    return held(f"remnant-{share:g}-w{force:g}", force, residual_adhesion=share)
+    return held(f"remnant-{share:g}-w{force:g}", force, residual_adhesion=share, normal_maugis=MAUGIS)
 
 
-NEEDED = tuple(run(share, force) for force in FORCES for share in SHARES)
+NEEDED = (*(run(share, force) for force in FORCES for share in SHARES), finer(run(0.4, 0.8)))
 
 
 def comes_off(record):
@@ -32,37 +34,69 @@ def comes_off(record):
 
 
 def jkr_width(force, share):
-    """JKR's width for a work of adhesion, Hertz's for none; nan where it does not hold the force."""
+    """JKR's width for a share of the work of adhesion, Hertz's for none; nan where it does not hold the force."""
     try:
         return 2 * (reference.jkr_line_half_width(force, PERIOD, share) if share else reference.hertz_line_half_width(force, PERIOD))
     except ValueError:
         return np.nan
 
 
+def measured_width(force, share):
+    """Width over which the gap outside JKR's contact, isolated, is below e delta_n: Hertz's and that of a flat punch in tension."""
+    inner = 0.5 * jkr_width(force, share)
+    if not inner > 0:
+        return np.nan
+    pull = 2 / np.pi * np.sqrt(2 * np.pi * inner * share)
+
+    def excess(x):
+        return 0.5 * x * np.sqrt(x * x - inner * inner) + (pull - 0.5 * inner * inner) * np.arccosh(x / inner) - np.e / MAUGIS
+    return 2 * brentq(excess, inner, inner + 10)
+
+
+def least_share(force):
+    """Least share of the adhesion with which JKR's contact holds a pull: the pull-off force grows as its power 2/3."""
+    return (force / reference.jkr_line_pull_off(PERIOD)[1]) ** 1.5
+
+
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 2, height=4.6)
+    figure, axes = panels(2, 2, height=4.8)
     for one, force, letter in zip(axes.flat, FORCES, "abc"):
         for share, colour in zip(SHARES, shades(len(SHARES))):
             record = results[run(share, force).name]
             branch(one, record, "tangential_force", "contact_area", sheared_part(record), color=colour, label=f"{share:g}")
             begun = onset(record)
-            if begun and comes_off(record):
-                one.plot(begun.force, begun.area, "x", color=colour, markersize=5)
-            elif begun:
-                one.plot(begun.force, begun.area, "*", color=colour, markersize=7, markeredgecolor="k", markeredgewidth=0.3)
+            if begun:
+                one.plot(begun.force, begun.area, "x" if comes_off(record) else "*", color=colour, markersize=7,
+                         markeredgecolor=colour if comes_off(record) else "k", markeredgewidth=1.5 if comes_off(record) else 0.3)
         one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$", xlim=(0, None))
-    axes[0, 0].legend(title="remnant adhesion $r$")
+    axes[0, 0].legend(title="remnant adhesion $r$", loc="lower left")
     last, shares = axes[1, 1], np.linspace(0, 1, 101)
     for number, force in enumerate(FORCES):
         records = [results[run(share, force).name] for share in SHARES]
-        kept = [0.0 if comes_off(record) else sliding(record) for record in records]
-        last.plot(SHARES, kept, "o", color=f"C{number}", label=f"{force:g}")
+        staying = [(share, sliding(record)) for share, record in zip(SHARES, records) if not comes_off(record)]
+        last.plot(*np.transpose(staying or [(np.nan, np.nan)]), "o", color=f"C{number}", label=f"$w_n/w_{{n,r}} = {force:g}$")
         last.plot(1.0, unsheared(records[0]), "s", color=f"C{number}", markerfacecolor="w")
         last.plot(shares, [jkr_width(force, share) for share in shares], "--", color=f"C{number}", linewidth=0.9)
-    last.set(xlabel="remnant adhesion $r$ (squares: before shear)", ylabel=AREA + ", sliding", ylim=(0, None), title="(d)")
-    last.legend(title=r"$w_n/w_{n,r}$", loc="center right", bbox_to_anchor=(1.0, 0.6))
+        last.plot(shares, [measured_width(force, share) for share in shares], "-", color=f"C{number}", linewidth=0.7)
+    last.plot([], [], "k--", linewidth=0.9, label=r"JKR, $r\,\phi_n$")
+    last.plot([], [], "k-", linewidth=0.7, label=r"JKR, gap $< e\,\delta_n$")
+    last.set(xlabel="remnant adhesion $r$", ylabel=AREA + ", sliding", ylim=(0, None), title="(d)")
+    last.legend(loc="center", bbox_to_anchor=(0.52, 0.63), ncols=2, fontsize=6.5)
     return figure
+
+
+def fates(results):
+    """What becomes of the contact under tension, in words."""
+    stays = [not comes_off(results[run(share, -1).name]) for share in SHARES]
+    least = f"JKR's contact holds that pull for r above {least_share(-1):.2f}"
+    if all(stays) or not any(stays):
+        return f"Under a tension of W = -1 it {'slides' if stays[0] else 'comes off'} for every r shown ({least})"
+    if stays != sorted(stays):
+        return f"Under a tension of W = -1 it stays for r = {', '.join(f'{share:g}' for share, stay in zip(SHARES, stays) if stay)} ({least})"
+    first = stays.index(True)
+    return (f"Under a tension of W = -1 it comes off when it is sheared for r up to {SHARES[first - 1]:g}, and slides, still pulled, from "
+            f"{SHARES[first]:g} on ({least}): the remnant adhesion decides whether a contact under tension can slide")
 
 
 def says(results):
@@ -71,16 +105,17 @@ def says(results):
         record = results[run(share, force).name]
         return 100 * sliding(record) / unsheared(record)
 
-    held_on = [share for share in SHARES if not comes_off(results[run(share, -1).name])]
-    rises = {force: 100 * (strength(results[run(0.8, force).name]) / strength(results[run(0.0, force).name]) - 1) for force in FORCES[:2]}
-    distances = [abs(sliding(results[run(share, force).name]) / jkr_width(force, share) - 1) for force in FORCES for share in SHARES[1:]
-                 if not comes_off(results[run(share, force).name]) and np.isfinite(jkr_width(force, share))]
-    pulled = (f"Pulled by W = -1 the contact comes off under shear unless at least {held_on[0]:g} of the adhesion remains"
-              if held_on and held_on[0] else "Pulled by W = -1 the contact comes off under shear for every share shown" if not held_on
-              else "Pulled by W = -1 the contact stays for every share shown")
-    return ("Under eq. 5 slip destroys all adhesion, and a sliding contact is one without any: at W = 25 it keeps "
-            f"{kept(0.0, 25):.0f} % of the area before shear, at W = 0.8 {kept(0.0, 0.8):.0f} %. If four fifths of the adhesion remain these are "
-            f"{kept(0.8, 25):.0f} and {kept(0.8, 0.8):.0f} %, and sliding begins at a force larger by {rises[25]:.0f} and {rises[0.8]:.0f} %. "
-            f"The width in sliding is that of a JKR contact with the remaining work of adhesion r phi_n within {100 * max(distances):.0f} % "
-            f"(mean {100 * np.mean(distances):.1f} %: its range of adhesion is that of the law, not shorter). {pulled}: r decides whether a contact "
-            "under tension can slide at all. λ_t = 1, λ_n = 10, residual friction one half.")
+    rises = {force: 100 * (strength(results[run(0.8, force).name]) / strength(results[run(0.0, force).name]) - 1) for force in FORCES}
+    staying = [(share, force) for force in FORCES for share in SHARES if not comes_off(results[run(share, force).name])]
+    jkr, measured = (100 * max([abs(sliding(results[run(share, force).name]) / width(force, share) - 1)
+                                for share, force in staying if share and jkr_width(force, share) > 0] or [np.nan])
+                     for width in (jkr_width, measured_width))
+    change = grid_change(results, run(0.4, 0.8))
+    return ("Under eq. 5 slip destroys all adhesion, and a sliding contact is one without any; with a remnant share r of it, adhesion at "
+            "large slip is r phi_n (lambda_n = 10, lambda_t = 1, residual friction one half, normal force held). "
+            f"Without remnant adhesion sliding leaves {kept(0.0, 25):.0f} % of the area at W = 25 and {kept(0.0, 0.8):.0f} % at W = 0.8; with four "
+            f"fifths it leaves {kept(0.8, 25):.0f} and {kept(0.8, 0.8):.0f} %, and the force at which sliding begins changes by "
+            f"{rises[25]:+.0f} and {rises[0.8]:+.0f} %. {fates(results)}. Where contacts slide with r > 0 their area is JKR's for the work of adhesion r phi_n within {jkr:.2g} %; the width where "
+            f"the gap of that JKR contact is below e delta_n, as areas are measured, agrees within {measured:.2g} %. "
+            f"Twice the points change the onset's force by {change[0]:.0e}, the areas there and before shear by {change[1]:.0e} and {change[2]:.0e} "
+            "of themselves (r = 0.4, W = 0.8).")
