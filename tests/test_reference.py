@@ -281,18 +281,25 @@ def test_rigid_cylinder_integrates_the_law():
 
 # ---------------------------------------------------------------- tangential loading of lines
 
-def test_slip_zone_sticks_inside_and_slips_at_the_edge():
+@pytest.mark.parametrize("period", [np.inf, 100.0, 10.5])
+def test_slip_zone_sticks_inside(period):
+    a, stick, strength = 5.0, 3.1, 1.7
+    traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength, period))
+    total = over_contact(traction, a, (-stick, stick))
+    assert total == pytest.approx(reference.slip_zone_force(a, stick, strength, period), rel=1e-7)
+    held = lift(traction, a, 0.0, period, breaks=(-stick, stick))
+    for x in (0.5 * stick, 0.98 * stick):
+        assert lift(traction, a, x, period, breaks=(-stick, stick)) == pytest.approx(held, abs=1e-6)
+    assert traction(4.0) == strength and traction(5.1) == 0
+    assert reference.slip_zone_force(a, 0.0, strength, period) == pytest.approx(2 * strength * a)
+
+
+def test_slip_at_the_edge_of_a_slip_zone():
     a, stick, strength = 5.0, 3.1, 1.7
     traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength))
-    total = over_contact(traction, a, (-stick, stick))
-    assert total == pytest.approx(reference.slip_zone_force(a, stick, strength), rel=1e-7)
     held = lift(traction, a, 0.0, breaks=(-stick, stick))
-    for x in (0.5 * stick, 0.98 * stick):
-        assert lift(traction, a, x, breaks=(-stick, stick)) == pytest.approx(held, abs=1e-6)
     slip = held - lift(traction, a, a * (1 - 1e-12), breaks=(-stick, stick))
     assert slip == pytest.approx(reference.slip_zone_edge_slip(a, stick, strength), abs=1e-5)
-    assert traction(4.0) == strength and traction(5.1) == 0
-    assert reference.slip_zone_force(a, 0.0, strength) == pytest.approx(2 * strength * a)
 
 
 def test_narrow_slip_zone_is_the_brittle_strength():

@@ -50,6 +50,13 @@ def test_onset_is_the_largest_force_and_lies_inside():
     assert reference.front_onset(a, 0.0, work)[1] == pytest.approx(reference.ligament_force(a, work_of_adhesion=work), rel=1e-6)
 
 
+def test_front_in_a_cell():
+    """A wide cell is an isolated contact; neighbours take load from the front, and the contact holds more."""
+    alone, apart = reference.front_onset(5.0, 0.6, 0.4), reference.front_onset(5.0, 0.6, 0.4, 1e4)
+    assert apart == pytest.approx(alone, rel=1e-5)
+    assert reference.front_onset(5.0, 0.6, 0.4, 10.5)[1] > alone[1]
+
+
 def test_uniform_slip_starts_as_jkr_and_ends_as_hertz():
     half_width, force = reference.uniform_slip_state(10.0, 0.0, 0.1)
     assert (half_width, force) == (pytest.approx(reference.jkr_line_half_width(10.0)), 0.0)

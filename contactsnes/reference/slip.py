@@ -14,7 +14,7 @@ work of the law in excess of tau_inf.
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from .checks import positive, require, root_depth
+from .checks import half_angle, positive, require, root_depth
 from .cohesive import cohesive_opening, cohesive_tension
 from .laws import fading_work, peak_tangential_traction
 from .line import hertz_line_approach, hertz_line_half_width, hertz_line_load, hertz_line_pressure, jkr_line_half_width, ligament_force
@@ -22,17 +22,25 @@ from .line import hertz_line_approach, hertz_line_half_width, hertz_line_load, h
 _PEAK = np.sqrt(0.5)  # slip at the peak of the law, in ranges
 
 
-def slip_zone_force(half_width, stick_half_width, strength):
+def slip_zone_force(half_width, stick_half_width, strength, period=np.inf):
     """Tangential force 2 tau sqrt(a^2 - s^2) on a contact that sticks at |x| < s and slips at the traction tau beyond
-    (Dugdale's zone in shear, isolated): a law that stays at its peak, for large tangential Maugis parameters."""
+    (Dugdale's zone in shear): a law that stays at its peak, for large tangential Maugis parameters. In a periodic cell
+    (2 tau L/pi) arccos[cos(pi a/L)/cos(pi s/L)], since x -> tan(pi x/L) makes an isolated contact of the cell."""
     positive(strength=strength)
     require(np.greater_equal(stick_half_width, 0) & np.less_equal(stick_half_width, half_width),
             f"stick_half_width {stick_half_width} must lie between 0 and half_width {half_width}")
-    return 2 * strength * root_depth(stick_half_width, half_width)
+    if np.isinf(period):
+        return 2 * strength * root_depth(stick_half_width, half_width)
+    depth = np.pi / period * root_depth(stick_half_width, half_width, period)
+    return 2 * strength * period / np.pi * np.arctan2(depth, np.cos(half_angle(half_width, period)))
 
 
-def slip_zone_traction(x, half_width, stick_half_width, strength):
-    """Traction of `slip_zone_force`, tau on s < |x| < a, (2 tau/pi) arctan sqrt((a^2-s^2)/(s^2-x^2)) within s."""
+def slip_zone_traction(x, half_width, stick_half_width, strength, period=np.inf):
+    """Traction of `slip_zone_force`, tau on s < |x| < a, (2 tau/pi) arctan sqrt((a^2-s^2)/(s^2-x^2)) within s; in a
+    periodic cell the same of tan(pi x/L)."""
+    if np.isinf(period):
+        return cohesive_tension(x, stick_half_width, half_width, strength)
+    x, stick_half_width, half_width = (np.tan(np.pi * np.asarray(place) / period) for place in (x, stick_half_width, half_width))
     return cohesive_tension(x, stick_half_width, half_width, strength)
 
 
@@ -112,19 +120,19 @@ def uniform_slip_onset(load, tangential_maugis, period=np.inf):
     return (*uniform_slip_state(load, slip, tangential_maugis, 1.0, period), slip)
 
 
-def front_force(half_width, stick_half_width, residual_traction, work):
-    """Tangential force 2 tau_inf sqrt(a^2 - s^2) + sqrt(2 pi s G) with the front at s, isolated; without residual traction and at s = a the
-    brittle strength, without work the slip zone of constant traction. ValueError for a negative work."""
-    zone = slip_zone_force(half_width, stick_half_width, residual_traction) if residual_traction else 0.0
-    return zone + ligament_force(stick_half_width, work_of_adhesion=work)
+def front_force(half_width, stick_half_width, residual_traction, work, period=np.inf):
+    """Tangential force 2 tau_inf sqrt(a^2 - s^2) + sqrt(2 pi s G) with the front at s, or the same in a periodic cell; without residual
+    traction and at s = a the brittle strength, without work the slip zone of constant traction. ValueError for a negative work."""
+    zone = slip_zone_force(half_width, stick_half_width, residual_traction, period) if residual_traction else 0.0
+    return zone + ligament_force(stick_half_width, period, work)
 
 
-def front_onset(half_width, residual_traction, work):
+def front_onset(half_width, residual_traction, work, period=np.inf):
     """(stick_half_width, tangential_force) where `front_force` is largest: sliding begins there, with the middle of the contact still
     sticking; beyond, the front runs through under a prescribed force. The half width is that of a contact which has lost its adhesion.
 
     Holds where the front is short beside s, G/tau_max^2 << s; the drive's stiffness, which lets the front go on a little, is left out.
     """
-    found = minimize_scalar(lambda s: -front_force(half_width, s, residual_traction, work), bounds=(0.0, half_width), method="bounded",
-                            options={"xatol": 1e-9 * half_width})
+    found = minimize_scalar(lambda s: -front_force(half_width, s, residual_traction, work, period), bounds=(0.0, half_width),
+                            method="bounded", options={"xatol": 1e-9 * half_width})
     return found.x, -found.fun
