@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from contactsnes import Load, Scene
@@ -12,7 +13,10 @@ HERE = Path(__file__).resolve().parents[1] / "scripts" / "paper"
 before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
 sys.path.insert(0, str(HERE))
 import beyond  # noqa: E402
+import observed  # noqa: E402
 import pages  # noqa: E402
+import poisson  # noqa: E402
+import remnant  # noqa: E402
 import runs  # noqa: E402
 import style  # noqa: E402
 
@@ -72,3 +76,46 @@ def test_held_force_is_held_until_the_contact_slides(small):
     assert small["normal_force"][shear] == pytest.approx(0.8, abs=1e-7)
     assert 0 < beyond.sliding(small) < beyond.unsheared(small)
     assert beyond.strength(small) >= small["tangential_force"][-1]
+
+
+def integral(x, half_width, traction):
+    """Principal value of int p(y)/(x - y) dy over |y| < a for p with inverse square roots at the edges, by Gauss-Chebyshev quadrature."""
+    count = 4000
+    y = half_width * np.cos((np.arange(count) + 0.5) * np.pi / count)
+    return np.pi / count * np.sum(np.sqrt(half_width ** 2 - y ** 2) * traction(y) / (x[:, None] - y), axis=1)
+
+
+def test_bonded_contact_does_not_move_sideways():
+    half, count = runs.half_width(25), 4000
+    x = half * np.cos(np.arange(500, 3501, 250) * np.pi / count)
+    pressure = 0.5 * np.sqrt(half ** 2 - x ** 2)
+    pull = beyond.reference.ligament_force(half, runs.PERIOD) / (np.pi * np.sqrt(half ** 2 - x ** 2))
+    for ratio in (0.0, 0.3):
+        found = integral(x, half, lambda y: poisson.bonded_traction(y, 25, ratio))
+        assert found == pytest.approx(-np.pi * poisson.coupling(ratio) * (pull - pressure), abs=5e-4)
+
+
+def test_pressing_moves_the_surface_as_a_half_plane_does(tmp_path):
+    found = runs.Results(tmp_path)
+    run = beyond.held("coupled", 0.8, steps=20, points=512, normal_maugis=2.0, period=60.0, poisson=0.0)
+    run.options.update(archive_fields="all", load_path="normal_force=0.8", continuation_initial_step="0.25",
+                       continuation_largest_step="1.5")
+    found.make_all([run], 1, lambda line: None)
+    record = found["coupled"]
+    last = record.points - 1
+    _, displacement = record.field("displacement", last)
+    normal, tangential = (np.fft.rfft(one) for one in record.field("traction", last) * np.array([[2.0], [1.0]]))
+    wave = 2 * np.pi * np.fft.rfftfreq(512, 60.0 / 512)[1:-1]
+    expected = -2 / wave * (tangential + 1j * poisson.coupling(0.0) * normal)[1:-1]
+    assert np.abs(np.fft.rfft(displacement)[1:-1] - expected).max() < 1e-6 * np.abs(expected).max()
+    x = record.coordinates[0]
+    _, gap, _, _, traction = observed.profile(record, last)
+    assert np.all(traction[(x > -1) & (x < 0)] > 0) and np.all(traction[(x > 0) & (x < 1)] < 0)
+
+
+def test_gap_of_the_contact_without_adhesion_is_that_of_hertz():
+    half = 0.5 * remnant.jkr_width(25, 0.0)
+    edge = 0.5 * remnant.measured_width(25, 0.0)
+    slope = np.linspace(half, edge, 100001)
+    assert np.trapz(np.sqrt(slope ** 2 - half ** 2), slope) == pytest.approx(np.e / remnant.MAUGIS, rel=1e-6)
+    assert remnant.jkr_width(-1, 1.01 * remnant.least_share(-1)) > 0 and np.isnan(remnant.jkr_width(-1, 0.99 * remnant.least_share(-1)))

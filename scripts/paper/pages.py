@@ -5,6 +5,7 @@ import numpy as np
 from contactsnes.tables import markdown, write_between
 
 import cost
+import poisson
 import remnant
 from observed import onset
 from runs import ROOT
@@ -22,7 +23,7 @@ CAPTIONS = {
     "figure6": "Figure 6: area against tangential force",
     "figure7": "Figure 7: area against tangential force, onsets of sliding",
 }
-BEYOND = {module.__name__: module for module in (remnant,)}
+BEYOND = {module.__name__: module for module in (remnant, poisson)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 
@@ -33,7 +34,7 @@ def runs_beyond():
 
 def symbols(text):
     """Greek letters and the like of a text in Markdown."""
-    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"), ("delta_", "δ_"), ("phi_", "φ_"), ("beta", "β"),
+    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"), ("delta_", "δ_"), ("phi_", "φ_"), ("beta", "β"), ("nu = ", "ν = "),
                          (" +- ", " ± "), ("<~", "≲"), ("_max", "<sub>max</sub>"), ("_inf", "<sub>∞</sub>"), ("_fit", "<sub>fit</sub>"),
                          ("_r", "<sub>r</sub>"), ("_n", "<sub>n</sub>"), ("_t", "<sub>t</sub>"), ("|", "\\|")):
         text = text.replace(plain, shown)
