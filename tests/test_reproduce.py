@@ -113,11 +113,70 @@ def test_figure_without_runs_is_drawn(tmp_path):
 def test_statements_without_runs_are_open_or_analytic(modules, tmp_path):
     import pages
     import runs
-    import statements
+    import statement
 
     empty = runs.Results(tmp_path / "empty")
-    rows = statements.table(empty)
-    assert len(rows) == len(statements.ALL) > 15
+    rows = statement.table(empty, runs.Finer(empty))
+    assert len(rows) == len(statement.ALL) > 20
     closed = [row for row in rows if row.verdict != "open"]
-    assert len(closed) == 2 and all("confirmed" in row.verdict for row in closed)
-    assert len(pages.statement_table(empty)) == len(rows) + 2
+    assert len(closed) == 4 and all("confirmed" in row.verdict for row in closed)
+    assert len(pages.statement_table(empty, runs.Finer(empty))) == len(rows) + 2
+
+
+def test_runs_on_twice_the_points_tell_the_errors_of_the_grid(results):
+    import runs
+    from observed import onset
+    from statement import Number, told
+
+    run = runs.sheared("half", 1, 0.8, fields="all", points=512, normal_maugis=2.0, period=60.0)
+    again = results.finer(run)
+    assert again.options["scene_points"] == 1024 and again.options["continuation_stability"] == "off"
+    assert {name for name in run.options if run.options[name] != again.options[name]} == {"scene_points", "continuation_stability"}
+    results.make_all([again], 1, lambda line: None)
+    finer = runs.Finer(results)
+    assert run.name in finer and "full-t1-w0.8" not in finer
+    forces = [onset(one[run.name]).force for one in (results, finer)]
+    assert 0 < abs(forces[0] - forces[1]) < 1e-3 * forces[1]
+    text = told([Number("onset", forces[0])], [Number("onset", forces[1])])
+    assert text.startswith("onset: ") and float(text.split(" ± ")[1]) == pytest.approx(abs(forces[0] - forces[1]), rel=0.5)
+    assert runs.Finer(results, [run.name])[run.name] is results[run.name]
+
+
+@pytest.mark.parametrize("value, error, unit, text", [
+    (12.5905123, 2e-5, "", "12.5905 ± 2e-5"), (0.027, 1e-4, "%", "2.70 ± 0.01 %"), (2.2, 0.01, "", "2.20 ± 0.01"), (303, 0.0, "", "303"),
+    (0.0001, 0.003, "", "0.0001 ± 0.003"), (4116.3, 12.0, "", "4116 ± 1e+01"), (1 / 3, 0.0, "%", "33.33 %"), (0.0, 0.0, "", "0")])
+def test_numbers_have_the_digits_their_errors_leave(value, error, unit, text):
+    from statement import with_error
+
+    assert with_error(value, error, unit) == text
+
+
+def test_numbers_without_an_error_say_so():
+    from statement import Number, told
+
+    assert told([Number("a", 1.0)]) == "a: 1 ± ?"
+    assert told([Number("a", 1.0, exact=True)]) == "a: 1"
+    assert told([("W = 1", [Number("", 1.0, spread=0.1)])], [("W = 1", [Number("", 1.3)])]) == "W = 1: 1.0 ± 0.3"
+
+
+def test_movement_of_a_drawing_is_measured_in_points():
+    from errors import distance, drawn_distance
+    from style import panels
+
+    def drawing(shift):
+        figure, ((axes,),) = panels(1, 1)
+        x = np.linspace(0, 1, 50)
+        axes.plot(x, x ** 2 + shift)
+        axes.plot(0.5, 0.25, "o", markersize=4)
+        axes.axhline(0.1)
+        axes.set(xlim=(0, 1), ylim=(0, 1))
+        return figure
+
+    figure = drawing(0.0)
+    moved, width = drawn_distance(figure, drawing(0.01))
+    height = figure.axes[0].get_window_extent().height * 72 / figure.dpi
+    assert 0.3 * 0.01 * height < moved <= 1.001 * 0.01 * height and width == 1.2
+    assert drawn_distance(figure, drawing(0.0))[0] < 1e-9
+    assert distance(np.array([[0.0, 1.0]]), np.array([[-1.0, 0.0], [1.0, 0.0]])) == 1.0
+    with pytest.raises(ValueError, match="different curves"):
+        drawn_distance(figure, panels(1, 1)[0])

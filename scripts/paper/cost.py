@@ -19,7 +19,7 @@ SHEAR = {0.1: 9.0, 1: 60.0, 10: 75.0}
 def sample(maugis, method):
     """A short run of the sample by a method ('newton', 'verlet-plain')."""
     end = SHEAR[maugis]
-    return Run(f"sample-{method}-t{maugis:g}", {
+    return Run(f"sample-{method}-t{maugis:g}", finer=False, options={
         "options_file": str((ROOT / "options" / f"{method}.opts").relative_to(ROOT)), "scene_tangential_maugis": float(maugis),
         **{f"scene_{name}": value for name, value in LAWS["half"].items()}, "load_start": "normal_displacement=35",
         "load_path": f"normal_displacement=36; tangential_displacement={end:g}",

@@ -80,8 +80,9 @@ def draw(results, law="half", whole=False):
     draw_slip(slip, results, law)
     for maugis in TANGENTIAL:
         record = results[f"{law}-t{maugis:g}-w25"]
-        for point in marked(record):
-            area.plot(record["tangential_displacement"][point], record["contact_area"][point], "|", color="k", markersize=5, linewidth=0.5)
+        points = marked(record)
+        for point, colour in zip(points, shades(len(points))):
+            area.plot(record["tangential_displacement"][point], record["contact_area"][point], "|", color=colour, markersize=7, markeredgewidth=1.0)
     area.set(ylabel=AREA, ylim=(0, 14))
     force.set(ylabel=FORCE, **(dict(yscale="log", ylim=(3e-2, 200)) if whole else dict(ylim=(0, 12.5))))
     slip.set(ylabel=r"$\langle u_t^s\rangle/\delta_t$", yscale="log", ylim=(1e-2, 3e3))

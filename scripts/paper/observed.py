@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import curve_fit
 
 from contactsnes.laws import SLIP
@@ -52,6 +53,21 @@ def peel(record):
     end = record.points if last is None else last.point + 1
     chosen = slice(part.start, end)
     return record["tangential_force"][chosen], record["contact_area"][chosen]
+
+
+def area_at(record, force):
+    """Contact area at a tangential force before the onset, by a monotone cubic through the points."""
+    forces, areas = peel(record)
+    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(forces)) > 0])
+    return float(PchipInterpolator(forces[rising], areas[rising])(force))
+
+
+def pressed_area(record, forces):
+    """Contact areas at normal forces of a run that unloads, above its least force."""
+    falling = slice(0, int(np.argmin(record["normal_force"])) + 1)
+    loads, areas = (record[name][falling][::-1] for name in ("normal_force", "contact_area"))
+    keep = np.concatenate([[True], np.diff(loads) > 1e-9])
+    return PchipInterpolator(loads[keep], areas[keep])(forces)
 
 
 class PowerLaw(NamedTuple):

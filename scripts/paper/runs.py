@@ -35,8 +35,13 @@ MORE_LOADS = (-1, 0, 0.8, 3, 6, 10.4, 16, 25)
 PERIOD = 100.0
 
 
+FINER = "-x2"
+"""End of the names of runs on twice the points."""
+
+
 class Run(NamedTuple):
-    """A run: its name, its options, name -> value, and whether it is made on a finer grid where its own is too coarse to finish."""
+    """A run: its name, its options, name -> value, and whether its grid may be refined: where it is too coarse to finish, and for a second
+    run on twice the points, which tells the errors of the grid."""
 
     name: str
     options: dict
@@ -47,10 +52,10 @@ class Run(NamedTuple):
         return [word for name, value in self.options.items() for word in (f"-{name}", str(value))]
 
 
-def points(refinement=1, **scene):
-    """Least power of two of points that resolves the cohesive zone of a sheared scene, times a refinement; at least 2^13."""
+def points(**scene):
+    """Least power of two of points that resolves the cohesive zone of a sheared scene, at least 2^13."""
     ratio = max(resolution(Scene(points=8192, **scene), "tangential_maugis" in scene))
-    return refinement * max(8192, 2 ** (13 + int(np.ceil(np.log2(ratio)))))
+    return max(8192, 2 ** (13 + int(np.ceil(np.log2(ratio)))))
 
 
 def half_width(force):
@@ -58,15 +63,15 @@ def half_width(force):
     return reference.jkr_line_half_width(force, PERIOD)
 
 
-def pressed(maugis, refinement=1):
+def pressed(maugis):
     """Normal loading without shear: from above W = 25 down by the forces of the figures to pull-off, figures 3 and 4."""
     scene = {"normal_maugis": float(maugis)}
-    return Run(f"pressed-n{maugis}" + f"-x{refinement}" * (refinement > 1), {
-        **{f"scene_{name}": value for name, value in scene.items()}, "scene_points": points(refinement, **scene),
+    return Run(f"pressed-n{maugis}", {
+        **{f"scene_{name}": value for name, value in scene.items()}, "scene_points": points(**scene),
         "load_start": "normal_displacement=40",
         "load_path": "normal_force=25; normal_force=10.4; normal_force=0.8; normal_displacement=-8",
         "continuation_initial_step": "0.5,0.5,0.5,0.1", "continuation_largest_step": "1.5,1.5,0.6,0.2",
-        "continuation_at_fold": "stop", "continuation_stability": "sign", "archive_fields": "all", "archive_errors": "true"})
+        "continuation_at_fold": "stop", "continuation_stability": "sign", "archive_fields": "all"})
 
 
 def strength(law, maugis, force):
@@ -79,13 +84,13 @@ def strength(law, maugis, force):
     return carried
 
 
-def sheared(law, maugis, force, *, refinement=1, control="displacement", fields="none", beyond=None, suffix="", **scene):
+def sheared(law, maugis, force, *, control="displacement", fields="none", beyond=None, suffix="", **scene):
     """A contact that is pressed to a normal force and then sheared to gross sliding, and ``beyond`` (by default where it is cheap).
 
     control : what stays as it is normally under shear, the "displacement" (as in the paper) or the "force"
     """
     given, scene = scene, {"tangential_maugis": float(maugis), **LAWS[law], **scene}
-    size = scene.pop("points", None) or points(refinement, **scene)
+    size = scene.pop("points", None) or points(**scene)
     begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
     # The whole contact slips at once where the interface is compliant: smaller steps.
     legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 1 else 120)]
@@ -97,7 +102,7 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
         steps.insert(1, drive(scene, begin) / 40)
     if beyond is None:
         beyond = law != "mcgarry" and maugis <= 1 or fields == "all"
-    name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + f"-x{refinement}" * (refinement > 1) + suffix
+    name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + suffix
     return Run(name, finer="points" not in given, options={
         **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": size,
         "load_start": f"normal_displacement={max(2.0, reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)):.3f}",
@@ -106,20 +111,9 @@ def sheared(law, maugis, force, *, refinement=1, control="displacement", fields=
                                               for leg, step in enumerate(steps)),
         "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
         "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
-        # Along its length a branch tells exactly where a compliant interface slides; a stiff one's is too long for that.
-        **({"continuation_type": "arclength"} if maugis < 1 else {}),
-        "continuation_stability": "sign",
-        # The errors of figure 5: they take several times as many transforms as the run itself.
-        **({"archive_errors": "true"} if name in (f"{law}-t1-w{force:g}", f"{law}-t0.1-w{force:g}") and law != "mcgarry" and force in LOADS
-           else {})})
-
-
-def certified(law, maugis, given):
-    """Whether points are certified stable: not on grids that pin the front, nor where modes lie too close together to be told apart,
-    under eq. 3 with a stiff interface and at the folds of a compliant one."""
-    if maugis < 1:
-        return law == "full"
-    return not (maugis >= 10 and (law == "mcgarry" or "points" in given))
+        # Along its length a branch tells exactly where a stable onset is; a stiff interface with a fold has too long a one.
+        **({"continuation_type": "arclength"} if maugis <= (3.6 if law == "full" else 1) else {}),
+        "continuation_stability": "sign"})
 
 
 def peeling(maugis, force):
@@ -136,8 +130,8 @@ def approach(displacement, **scene):
     """One point: the top approaches by a displacement."""
     suffix = "".join(f"-{name}{value:g}" for name, value in scene.items() if name != "points")
     return Run(f"approach-{displacement:g}{suffix}", {
-        **{f"scene_{name}": value for name, value in scene.items()}, "load_start": f"normal_displacement={displacement:g}",
-        "load_path": f"normal_displacement={displacement:g}", "archive_errors": "true"})
+        **{f"scene_{name}": value for name, value in {"points": 8192, **scene}.items()},
+        "load_start": f"normal_displacement={displacement:g}", "load_path": f"normal_displacement={displacement:g}"})
 
 
 def catalogue():
@@ -151,7 +145,6 @@ def catalogue():
     found += [sheared("half", maugis, force, control="force") for maugis in TANGENTIAL for force in LOADS]
     found += [sheared("half", 1, 25, control="force", suffix="-period", period=2 * PERIOD, points=16384),
               sheared("half", 1, 25, control="force", suffix="-height", height=4000.0)]
-    found += [sheared("half", maugis, 25, refinement=2) for maugis in (1, 0.1)]
     found += [pressed(maugis) for maugis in NORMAL[::-1]]
     found += [approach(displacement, **scene) for displacement in (40, 2)
               for scene in ({}, {"period": 139.0, "gap_offset": -1.0, "points": 16384})]
@@ -225,6 +218,11 @@ class Results:
         said += [done.stdout, done.stderr]
         return done.returncode
 
+    def finer(self, run):
+        """A run that has been made, on twice the points and without certificates."""
+        size = 2 * int(self[run.name].scene["points"])
+        return Run(run.name + FINER, {**run.options, "scene_points": size, "continuation_stability": "off"}, finer=False)
+
     def make_all(self, runs, workers, say):
         """Make the runs that are missing, several at a time; ``say`` is called with a line on each."""
         missing = [run for run in runs if not self.done(run)]
@@ -236,3 +234,22 @@ class Results:
                 numbers = f"{self[name].points} points, {np.sum(self[name]['transforms']):.0f} transforms" if name in self else "no points"
                 end = {0: "", 1: ", ended early", 2: ", bad input"}.get(status, f", status {status}")
                 say(f"{count:3} of {len(missing)}  {name:28} {numbers}, {seconds:.1f} s{end}")
+
+
+class Finer:
+    """Results of the runs on twice the points, under the names of the runs; what has no such run is as in the results themselves.
+
+    Parameters
+    ----------
+    results : Results
+    fixed : names of runs whose grid is not to be refined
+    """
+
+    def __init__(self, results, fixed=()):
+        self.results, self.fixed = results, frozenset(fixed)
+
+    def __getitem__(self, name):
+        return self.results[name if name in self.fixed else name + FINER]
+
+    def __contains__(self, name):
+        return (name if name in self.fixed else name + FINER) in self.results

@@ -1,0 +1,95 @@
+"""A statement of the paper in numbers: what is measured, on two grids, with its error bar, and the verdict that follows."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contactsnes.archive import ArchiveError
+
+ALL = []
+"""The statements: functions from (results, results on finer grids) to a Statement, in the order of the paper."""
+MISSING = (KeyError, IndexError, AttributeError, ArchiveError)
+"""What functions of results raise where a run is missing or too short."""
+
+
+class Statement(NamedTuple):
+    """A row of the table.
+
+    place : where in the paper; text : what it says; measure : how it is measured here; found : what comes out, with errors;
+    verdict : "confirmed", "confirmed within ...", "not confirmed", and why
+    """
+
+    place: str
+    text: str
+    measure: str
+    found: str
+    verdict: str
+
+
+class Number(NamedTuple):
+    """A number that is found.
+
+    label : what of, may be empty; unit : "%" for a share, which is told in percent; spread : half width of the interval in which
+    it lies apart from the error of the grid (a confidence interval, a load step); exact : whether no run is behind it
+    """
+
+    label: str
+    value: float
+    unit: str = ""
+    spread: float = 0.0
+    exact: bool = False
+
+
+def statement(place, text, measure):
+    """Decorator: a function of results that gives (list of Number or of (heading, list of Number), verdict) is one of the statements."""
+    def wrap(function):
+        def row(results, finer=None):
+            found, verdict = function(results)
+            try:
+                again = None if finer is None else function(finer)[0]
+            except MISSING:
+                again = None
+            return Statement(place, text, measure, told(found, again), verdict)
+        row.__name__, row.__doc__ = function.__name__, function.__doc__
+        ALL.append(row)
+        return row
+    return wrap
+
+
+def table(results, finer=None):
+    """All statements; one whose runs are missing, or did not come far enough, says so."""
+    rows = []
+    for one in ALL:
+        try:
+            rows.append(one(results, finer))
+        except MISSING as error:
+            rows.append(Statement("", one.__name__.replace("_", " "), "", f"a run is missing or too short: {error}", "open"))
+    return rows
+
+
+def told(found, again=None):
+    """Text of numbers with their error bars: the larger of the spread and of the change on finer grids, ``again``."""
+    if found and isinstance(found[0], Number):
+        found, again = [("", found)], None if again is None else [("", again)]
+    others = {(heading, number.label): number for heading, numbers in again or () for number in numbers}
+    return "; ".join(heading + ": " * bool(heading) + ", ".join(_told(number, others.get((heading, number.label))) for number in numbers)
+                     for heading, numbers in found)
+
+
+def _told(number, other):
+    error = number.spread
+    if other is not None:
+        error = max(error, abs(other.value - number.value))
+    known = number.exact or other is not None or number.spread > 0.0
+    return number.label + ": " * bool(number.label) + with_error(number.value, error, number.unit) + ("" if known else " ± ?")
+
+
+def with_error(value, error, unit=""):
+    """A value with as many digits as its error leaves it, and the error; a share in percent for the unit "%"."""
+    scale = 100.0 if unit == "%" else 1.0
+    value, error, end = scale * value, scale * error, f" {unit}" * bool(unit)
+    if not error > 1e-9 * abs(value):
+        return f"{value:.4g}{end}"
+    whole = int(np.floor(np.log10(abs(value)))) + 1 if value else 0
+    digits = int(np.clip(whole - np.floor(np.log10(error)), max(whole, 1), max(6, whole)))
+    return f"{value:#.{digits}g}".rstrip(".").replace("e-0", "e-") + f" ± {error:.1g}".replace("e-0", "e-") + end
