@@ -13,6 +13,7 @@ HERE = Path(__file__).resolve().parents[1] / "scripts" / "paper"
 before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
 sys.path.insert(0, str(HERE))
 import beyond  # noqa: E402
+import cell  # noqa: E402
 import observed  # noqa: E402
 import pages  # noqa: E402
 import poisson  # noqa: E402
@@ -119,3 +120,13 @@ def test_gap_of_the_contact_without_adhesion_is_that_of_hertz():
     slope = np.linspace(half, edge, 100001)
     assert np.trapz(np.sqrt(slope ** 2 - half ** 2), slope) == pytest.approx(np.e / remnant.MAUGIS, rel=1e-6)
     assert remnant.jkr_width(-1, 1.01 * remnant.least_share(-1)) > 0 and np.isnan(remnant.jkr_width(-1, 0.99 * remnant.least_share(-1)))
+
+
+def test_layer_narrows_the_contact_less_and_less():
+    changes = [cell.layer_distance(height) for height in (40.0, 60.0, 100.0, 400.0)]
+    assert changes[0] < changes[1] < changes[2] < 0 and abs(changes[3]) < 1e-10
+
+
+def test_cell_matters_as_the_square_of_its_period():
+    assert cell.alone().options["scene_period"] == np.inf
+    assert cell.jkr_distance(1000.0) == pytest.approx(0.01 * cell.jkr_distance(100.0), rel=0.03)

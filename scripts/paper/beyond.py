@@ -11,7 +11,7 @@ from runs import PERIOD, Run, half_width
 
 HEIGHT = 2000.0
 SLIPPED = 40.0
-"""Displacement of the surface, u_t,r, that is left to slip in at the end of a run at a tangential parameter of 1."""
+"""Displacement of the surface, in delta_t, that is left to slip in at the end of a run."""
 
 
 def spacing_points(**scene):
@@ -19,15 +19,16 @@ def spacing_points(**scene):
     return 2 ** (11 + int(np.ceil(np.log2(max(resolution(Scene(**{**scene, "points": 2048}), True)) - 1e-9))))
 
 
-def held(name, force, steps=50, start=None, **scene):
+def held(name, force, steps=50, start=None, slipped=SLIPPED, **scene):
     """A contact that is pressed to a normal force and sheared to gross sliding and beyond while that force is held.
 
-    steps : the least number of points of the shear; start : displacement of the top to begin at (default: a contact at about W = 0.8)
+    steps : the least number of points of the shear; start : displacement of the top to begin at (default: a contact at about W = 0.8);
+    slipped : displacement left to slip in at the end, in units of delta_t
     """
     scene = {"tangential_maugis": 1.0, "residual_friction": 0.5, **scene}
     period, height, poisson = scene.get("period", PERIOD), scene.get("height", HEIGHT), scene.get("poisson", 0.5)
     strength = reference.peak_tangential_traction(scene["tangential_maugis"]) * (2 * half_width(max(force, 0.8)) + 2.0)
-    end = reference.driven_displacement(3 * strength + SLIPPED / scene["tangential_maugis"], strength, period, height, poisson)
+    end = reference.driven_displacement(3 * strength + slipped / scene["tangential_maugis"], strength, period, height, poisson)
     if start is None:
         normal = rigid_stiffness(poisson, height)[0]
         start = reference.jkr_line_approach(reference.jkr_line_half_width(0.8, period), period) + 0.8 / (period * normal)

@@ -4,6 +4,7 @@ import numpy as np
 
 from contactsnes.tables import markdown, write_between
 
+import cell
 import cost
 import poisson
 import remnant
@@ -40,7 +41,7 @@ BESIDE = {
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson)}
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 

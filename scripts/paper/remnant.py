@@ -21,8 +21,8 @@ CAPTION = "Remnant adhesion at large slip"
 
 
 def run(share, force):
-    """Shear at a held normal force with a share of adhesion left."""
-    return held(f"remnant-{share:g}-w{force:g}", force, residual_adhesion=share, normal_maugis=MAUGIS)
+    """Shear at a held normal force with a share of adhesion left; one that is pulled may come off, which is no reason for a finer grid."""
+    return held(f"remnant-{share:g}-w{force:g}", force, residual_adhesion=share, normal_maugis=MAUGIS)._replace(finer=force > 0)
 
 
 NEEDED = (*(run(share, force) for force in FORCES for share in SHARES), finer(run(0.4, 0.8)))
