@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from contactsnes import Load, Scene
 from contactsnes.scene import Steps, check
@@ -117,8 +118,8 @@ def test_pressing_moves_the_surface_as_a_half_plane_does(tmp_path):
 def test_gap_of_the_contact_without_adhesion_is_that_of_hertz():
     half = 0.5 * remnant.jkr_width(25, 0.0)
     edge = 0.5 * remnant.measured_width(25, 0.0)
-    slope = np.linspace(half, edge, 100001)
-    assert np.trapz(np.sqrt(slope ** 2 - half ** 2), slope) == pytest.approx(np.e / remnant.MAUGIS, rel=1e-6)
+    gap, _ = quad(lambda x: np.sqrt(x * x - half * half), half, edge)
+    assert gap == pytest.approx(np.e / remnant.MAUGIS, rel=1e-8)
     assert remnant.jkr_width(-1, 1.01 * remnant.least_share(-1)) > 0 and np.isnan(remnant.jkr_width(-1, 0.99 * remnant.least_share(-1)))
 
 

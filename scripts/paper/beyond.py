@@ -51,6 +51,18 @@ def grid_change(results, run):
     return tuple(abs(a / b - 1) for a, b in zip(coarse, fine))
 
 
+def refined(results, run, where):
+    """A sentence on what twice the points change."""
+    force, area, before = grid_change(results, run)
+    return (f"Twice the points change the onset's force by {force:.0e} of itself, the areas there and before shear by {area:.0e} and "
+            f"{before:.0e} ({where}).")
+
+
+def percent(ratio):
+    """A relative change in percent, as text."""
+    return f"{100 * ratio:+.2g}" if abs(ratio) >= 1e-6 else "0"
+
+
 def unsheared(record):
     """Contact area before the shear."""
     return record["contact_area"][sheared_part(record)][0]

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from contactsnes import reference
 from contactsnes.elasticity import layer_compliance
 
-from beyond import finer, grid_change, held, strength, unsheared
+from beyond import finer, held, percent, refined, strength, unsheared
 from observed import onset, sheared_part
 from runs import PERIOD, Run, half_width
 from style import AREA, FORCE, GREY, branch, panels, shades
@@ -43,8 +43,9 @@ def alone():
     force = reference.peak_tangential_traction(1.0) * (2 * half_width(FORCE_HELD) + 2.0)
     return Run("cell-alone", {
         "scene_residual_friction": 0.5, "scene_period": np.inf, "scene_height": np.inf, "scene_points": "auto",
-        "load_start": f"normal_force={FORCE_HELD}", "load_path": f"tangential_force={force:.4g}", "continuation_initial_step": f"{force / 80:.4g}",
-        "continuation_largest_step": f"{force / 40:.4g}", "continuation_at_fold": "stop", "continuation_stability": "sign"})
+        "load_start": f"normal_force={FORCE_HELD}", "load_path": f"tangential_force={force:.4g}",
+        "continuation_initial_step": f"{force / 80:.4g}", "continuation_largest_step": f"{force / 40:.4g}",
+        "continuation_at_fold": "stop", "continuation_stability": "sign"})
 
 
 NEEDED = (*{one.name: one for one in [run(height=height) for height in HEIGHTS] + [run(period=period) for period in PERIODS]}.values(),
@@ -129,7 +130,8 @@ def draw_path(axes, results):
     for height, colour in zip(LOWER, shades(len(LOWER))):
         branch(axes, results[compliant(height).name], "mean_tangential_displacement", "tangential_force", color=colour, linewidth=0.9,
                marker=".", markersize=3, label=f"H = {height:g}")
-    axes.set(xlabel=r"$\bar u_t/u_{t,r}$", ylabel=FORCE, title=f"(d)  $\\lambda_t = {COMPLIANT:g}$", xlim=(0, min(60.0, mean.max())), ylim=(0, None))
+    axes.set(xlabel=r"$\bar u_t/u_{t,r}$", ylabel=FORCE, title=f"(d)  $\\lambda_t = {COMPLIANT:g}$",
+             xlim=(0, min(60.0, mean.max())), ylim=(0, None))
     axes.legend()
 
 
@@ -156,25 +158,22 @@ def draw(results):
 
 def says(results):
     """What the figure shows, with its numbers."""
-    far = 100 * distances(results, [run(period=period).name for period in PERIODS], alone().name)
-    jkr = 100 * np.array([jkr_distance(period) for period in PERIODS])
-    told = {height: 100 * distances(results, [run(height=height).name], run().name)[0] for height in HEIGHTS}
+    far = distances(results, [run(period=period).name for period in PERIODS], alone().name)
+    jkr = np.array([jkr_distance(period) for period in PERIODS])
+    told = {height: " and ".join(map(percent, distances(results, [run(height=height).name], run().name)[0])) for height in HEIGHTS}
     critical = least_height(results)
     jumps = {height: bool(np.any(results[compliant(height).name]["event"] == "jump")) for height in LOWER}
     right = all((height > critical) == jumped for height, jumped in jumps.items())
-    change = grid_change(results, run(period=20.0))
-    fates = "; ".join(f"{height:g}: {'a jump' if jumped else 'no jump'}" for height, jumped in jumps.items())
-    return (f"At W = {FORCE_HELD} the contact is {measured(results[run().name])[0]:.1f} beta wide (lambda_n = 10, residual friction one half, force "
-            "held). Its area before shear and the force at the onset are those of an isolated contact within "
-            + ", ".join(f"{area:+.2g} and {force:+.2g} % at L = {period:g}" for period, (area, force) in zip(PERIODS[::-1], far[::-1]))
-            + f"; the area follows JKR's in the cell ({', '.join(f'{value:+.2g}' for value in jkr[::-1])} %) within "
-            f"{np.max(np.abs(jkr - far[:, 0])):.1g} percentage points. The height matters only where the layer is not a half-plane for the longest wave of the "
-            f"cell: area and onset differ from those of H = 2000 by {told[500.0][0]:+.1g} and {told[500.0][1]:+.1g} % at H = 500, "
-            f"{told[100.0][0]:+.1g} and {told[100.0][1]:+.1g} % at 100 (JKR's area under the layer: {100 * layer_distance(100.0):+.1g} %), {told[30.0][0]:+.2g} and {told[30.0][1]:+.2g} % at 30, and "
-            f"{told[10.0][0]:+.2g} and {told[10.0][1]:+.2g} % at 10, where an incompressible layer is thinner than the contact is wide. What "
-            "the height does govern is the displacement of the top, U = mean u_t + 4 H T/L, and so whether sliding begins by a jump: the path of the "
-            "force over the mean displacement of the surface is the same for every height of a thick layer (for lambda_t = 0.1 and H = "
-            f"{LOWER[-1]:g} within {off_path(results, LOWER[-1]):.0e} of the largest force), and a layer with 4 H/L above the inverse of its steepest "
-            f"fall cannot follow it: with lambda_t = 0.1 H above {critical:.0f} (heights, and what was found: {fates}; "
-            f"{'as predicted' if right else 'not as predicted'}). Twice the points change the onset's force by {change[0]:.0e}, the areas there and "
-            f"before shear by {change[1]:.0e} and {change[2]:.0e} of themselves (L = 20).")
+    fates = ", ".join(f"{'a jump' if jumped else 'none'} at {height:g}" for height, jumped in jumps.items())
+    return (f"At W = {FORCE_HELD} the contact is {measured(results[run().name])[0]:.1f} beta wide (lambda_n = 10, residual friction one half, "
+            "force held). Its area before shear and the force at the onset differ from those of an isolated contact by "
+            + ", ".join(f"{percent(area)} and {percent(force)} % at L = {period:g}" for period, (area, force) in zip(PERIODS[::-1], far[::-1]))
+            + f"; JKR's area in the cell by {', '.join(map(percent, jkr[::-1]))} %, the same within {100 * np.max(np.abs(jkr - far[:, 0])):.1g} "
+            "percentage points. The height bends the surface only where the layer is not a half-plane for the longest wave of the cell: area and "
+            f"onset differ from those of H = 2000 by {told[500.0]} % at H = 500, {told[100.0]} % at 100 (JKR's area under the layer: "
+            f"{percent(layer_distance(100.0))} %), {told[30.0]} % at 30, and {told[10.0]} % at 10, where an incompressible layer is thinner than "
+            "the contact is wide. What the height does govern is the displacement of the top, U = mean u_t + 4 H T/L, and so whether sliding "
+            "begins by a jump: the path of the force over the mean displacement of the surface is the same for every thick layer "
+            f"(lambda_t = 0.1, H = {LOWER[-1]:g}: within {off_path(results, LOWER[-1]):.0e} of the largest force), and a layer cannot follow it "
+            f"where L/(4 H) is less than its steepest fall, with lambda_t = 0.1 above H = {critical:.0f}. Found: {fates}"
+            + (", as predicted. " if right else ", not as predicted. ") + refined(results, run(period=20.0), "L = 20"))

@@ -67,7 +67,7 @@ def statement_table(results, finer):
 
 def convergence(results, runs):
     """Lines on the convergence and stability of all points."""
-    residual, count, ends, astray = 0.0, {"stable": 0, "fold": 0, "unstable": 0, "unknown": 0}, [], []
+    residual, count, ends, astray, traced = 0.0, {"stable": 0, "fold": 0, "unstable": 0, "unknown": 0}, [], [], 0
     for run in runs:
         if run.name not in results or run.options.get("continuation_stability", "off") == "off":
             continue
@@ -76,9 +76,13 @@ def convergence(results, runs):
         kinds = np.select([record["event"] == "fold", record["stable"] == 1, record["unstable_modes"] > 0], ["fold", "stable", "unstable"], "unknown")
         for name in count:
             count[name] += int(np.sum(kinds == name))
-        astray += [f"{run.name} at {record['tangential_displacement'][point]:.4g}" for point in np.flatnonzero(kinds == "unstable")]
+        if run.options.get("continuation_at_fold") == "trace":
+            traced += int(np.sum(kinds == "unstable"))
+        else:
+            astray += [f"{run.name} at {record['tangential_displacement'][point]:.4g}" for point in np.flatnonzero(kinds == "unstable")]
         if not record.complete:
             ends.append(run.name)
+    astray += [f"{traced} between folds of branches that are traced"] * (traced > 0)
     return [f"Of {sum(count.values())} points, all with a residual norm of at most {residual:.0e} ranges of the law, {count['stable']} are "
             f"certified stable, {count['fold']} are folds, {count['unstable']} have an unstable mode"
             + (f" ({'; '.join(dict.fromkeys(astray))})" if astray else "")

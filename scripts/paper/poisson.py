@@ -11,7 +11,7 @@ import numpy as np
 
 from contactsnes import reference
 
-from beyond import finer, grid_change, held, strength, unsheared
+from beyond import finer, held, refined, strength, unsheared
 from observed import onset, profile, sheared_part, stuck
 from runs import PERIOD, half_width
 from style import AREA, FORCE, branch, panels, shades
@@ -84,8 +84,10 @@ def draw(results):
         draw_branch(works, results[run(SHOWN, 0.8, work).name], color=colour, label=f"$\\phi_t/\\phi_n = {work:g}$")
     for force, marker in zip(FORCES, "os"):
         for values, name, colour in zip(100 * changes(results, force).T, ("onset", "area"), ("C0", "C1")):
-            relative.plot([coupling(ratio) for ratio in RATIOS], values, marker + "-", color=colour, markersize=3, label=f"{name}, W = {force:g}")
-    for one, letter, title in zip((high, low, works), "abf", ("$w_n/w_{n,r} = 25$", "$w_n/w_{n,r} = 0.8$", f"$\\nu = {SHOWN:g}$, $w_n/w_{{n,r}} = 0.8$")):
+            relative.plot([coupling(ratio) for ratio in RATIOS], values, marker + "-", color=colour, markersize=3,
+                          label=f"{name}, W = {force:g}")
+    loads = [f"$w_n/w_{{n,r}} = {force:g}$" for force in FORCES]
+    for one, letter, title in zip((high, low, works), "abf", (*loads, f"$\\nu = {SHOWN:g}$, {loads[1]}")):
         one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  {title}", xlim=(0, None))
     for one, letter, title in zip((pressed, half), "cd", ("pressed", "sheared, half of onset")):
         one.set(xlabel=r"$x/\beta$", ylabel=r"$p_t\,\delta_t/\phi_t$", title=f"({letter})  {title}", xlim=(-8, 8), ylim=(-1, 1))
@@ -103,7 +105,7 @@ def slipped(record, point):
 
 
 def trailing(record):
-    """(share of the tangential force that x < 0 carries, distances of the edges at x < 0 and x > 0 from the centre) at half of the onset."""
+    """(share of the force that x < 0 carries, distances of the edges at x < 0 and x > 0 from the centre) at half of the onset's force."""
     x, gap, _, _, traction = profile(record, half_way(record))
     contact = x[gap < np.e]
     return np.sum(traction[x < 0]) / np.sum(traction), -contact[0], contact[-1]
@@ -128,9 +130,10 @@ def edges_told(results):
         moved.append((ratio, 0.5 * unsheared(record), left, right))
     name, carried = ("trailing half (x < 0)", shares) if min(shares) > 0.5 else ("leading half (x > 0)", [1 - share for share in shares])
     more = (f"the {name} carries {100 * min(carried):.0f} to {100 * max(carried):.0f} % of half of the onset's force" if min(carried) > 0.5
-            else "which half carries more of half of the onset's force depends on nu")
-    return more + ", and the edges move " + "; ".join(f"from -{before:.2f} to -{left:.2f} and from +{before:.2f} to +{right:.2f} at nu = {ratio:g}"
-                                                    for ratio, before, left, right in (moved[0], moved[-1]))
+            else "which half carries more of half of the onset's force depends on ν")
+    edges = [f"from -{before:.2f} to -{left:.2f} and from +{before:.2f} to +{right:.2f} at ν = {ratio:g}"
+             for ratio, before, left, right in (moved[0], moved[-1])]
+    return f"{more}, and the edges move {'; '.join(edges)}"
 
 
 def says(results):
@@ -141,16 +144,16 @@ def says(results):
     plain, *others = [np.array(results[run(0.5, 0.8, work).name]["tangential_force"]) for work in (1.0, WORKS[0], WORKS[-1])]
     spread = max(np.max(np.abs(one - plain)) if len(one) == len(plain) else np.inf for one in others)
     works = [100 * (strength(results[run(SHOWN, 0.8, work).name]) / strength(results[run(0.5, 0.8).name]) - 1) for work in WORKS]
-    change = grid_change(results, run(0.0, 25))
-    return ("At nu = 1/2 pressing leaves no tangential traction; below it the pressure draws the surface together (du_t/dx = 2 b p_n without "
-            "friction, b = (1 - 2 nu)/(2 (1 - nu))), the interface holds it, and p_t is odd in x: with the shear for x < 0, against it for x > 0. "
-            f"At nu = {nearest:g} it is that of a bonded JKR contact within {100 * bonded_distance(results, nearest):.1f} % over the inner 80 % "
-            "(W = 25, lambda_n = 10, lambda_t = 1, residual friction one half, force held). A stronger coupling makes the rim slip by pressing alone: "
-            + ", ".join(f"{share:.0f} % at nu = {ratio:g}" for share, ratio in zip(pressed, RATIOS) if ratio < nearest)
-            + f" of the contact at W = 25 have passed tau_max. The area before shear changes by {large[third, 1]:+.1f} % at nu = {SHOWN:g} and {large[-1, 1]:+.1f} % at nu = 0 "
-            f"(W = 0.8: {small[third, 1]:+.1f} and {small[-1, 1]:+.1f} %), the force at the onset by {large[third, 0]:+.0f} and {large[-1, 0]:+.0f} % "
-            f"(W = 0.8: {small[third, 0]:+.1f} and {small[-1, 0]:+.1f} %). The two edges differ: {edges_told(results)} (W = 25). The ratio of the works of adhesion enters through the coupling only: at nu = 1/2 forces with "
-            f"{WORKS[0]:g}, 1 and {WORKS[-1]:g} differ by {spread:.0e}, at nu = {SHOWN:g} the onset's force differs from that of nu = 1/2 by "
+    same = "are the same" if spread == 0 else f"differ by {spread:.0e}"
+    return ("At ν = 1/2 pressing leaves no tangential traction; below it the pressure draws the surface together (du_t/dx = 2 b p_n without "
+            "friction, b = (1 - 2ν)/(2 (1 - ν))), the interface holds it, and p_t is odd in x: with the shear for x < 0, against it for "
+            f"x > 0. At ν = {nearest:g} it is that of a bonded JKR contact within {100 * bonded_distance(results, nearest):.1f} % over the "
+            "inner 80 % (W = 25, lambda_n = 10, lambda_t = 1, residual friction one half, force held). A stronger coupling makes the rim "
+            "slip by pressing alone: " + ", ".join(f"{share:.0f} % at ν = {ratio:g}" for share, ratio in zip(pressed, RATIOS) if ratio < nearest)
+            + f" of the contact at W = 25 have passed tau_max. The area before shear changes by {large[third, 1]:+.1f} % at ν = {SHOWN:g} and "
+            f"{large[-1, 1]:+.1f} % at ν = 0 (W = 0.8: {small[third, 1]:+.1f} and {small[-1, 1]:+.1f} %), the force at the onset by "
+            f"{large[third, 0]:+.0f} and {large[-1, 0]:+.0f} % (W = 0.8: {small[third, 0]:+.1f} and {small[-1, 0]:+.1f} %). The two edges "
+            f"differ: {edges_told(results)} (W = 25). The ratio of the works of adhesion enters through the coupling only: at ν = 1/2 forces "
+            f"with {WORKS[0]:g}, 1 and {WORKS[-1]:g} {same}, at ν = {SHOWN:g} the onset's force differs from that of ν = 1/2 by "
             + ", ".join(f"{value:+.1f} % for {work:g}" for work, value in zip(WORKS, works)) + " (W = 0.8). "
-            f"Twice the points change the onset's force by {change[0]:.0e}, the areas there and before shear by {change[1]:.0e} and {change[2]:.0e} "
-            "of themselves (nu = 0, W = 25).")
+            + refined(results, run(0.0, 25), "ν = 0, W = 25"))

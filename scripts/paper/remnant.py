@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from contactsnes import reference
 
-from beyond import finer, grid_change, held, sliding, strength, unsheared
+from beyond import finer, held, refined, sliding, strength, unsheared
 from observed import onset, sheared_part
 from runs import PERIOD
 from style import AREA, FORCE, branch, panels, shades
@@ -93,7 +93,8 @@ def fates(results):
     if all(stays) or not any(stays):
         return f"Under a tension of W = -1 it {'slides' if stays[0] else 'comes off'} for every r shown ({least})"
     if stays != sorted(stays):
-        return f"Under a tension of W = -1 it stays for r = {', '.join(f'{share:g}' for share, stay in zip(SHARES, stays) if stay)} ({least})"
+        kept = ", ".join(f"{share:g}" for share, stay in zip(SHARES, stays) if stay)
+        return f"Under a tension of W = -1 it stays for r = {kept} ({least})"
     first = stays.index(True)
     return (f"Under a tension of W = -1 it comes off when it is sheared for r up to {SHARES[first - 1]:g}, and slides, still pulled, from "
             f"{SHARES[first]:g} on ({least}): the remnant adhesion decides whether a contact under tension can slide")
@@ -110,12 +111,10 @@ def says(results):
     jkr, measured = (100 * max([abs(sliding(results[run(share, force).name]) / width(force, share) - 1)
                                 for share, force in staying if share and jkr_width(force, share) > 0] or [np.nan])
                      for width in (jkr_width, measured_width))
-    change = grid_change(results, run(0.4, 0.8))
     return ("Under eq. 5 slip destroys all adhesion, and a sliding contact is one without any; with a remnant share r of it, adhesion at "
             "large slip is r phi_n (lambda_n = 10, lambda_t = 1, residual friction one half, normal force held). "
-            f"Without remnant adhesion sliding leaves {kept(0.0, 25):.0f} % of the area at W = 25 and {kept(0.0, 0.8):.0f} % at W = 0.8; with four "
-            f"fifths it leaves {kept(0.8, 25):.0f} and {kept(0.8, 0.8):.0f} %, and the force at which sliding begins changes by "
-            f"{rises[25]:+.0f} and {rises[0.8]:+.0f} %. {fates(results)}. Where contacts slide with r > 0 their area is JKR's for the work of adhesion r phi_n within {jkr:.2g} %; the width where "
-            f"the gap of that JKR contact is below e delta_n, as areas are measured, agrees within {measured:.2g} %. "
-            f"Twice the points change the onset's force by {change[0]:.0e}, the areas there and before shear by {change[1]:.0e} and {change[2]:.0e} "
-            "of themselves (r = 0.4, W = 0.8).")
+            f"Without remnant adhesion sliding leaves {kept(0.0, 25):.0f} % of the area at W = 25 and {kept(0.0, 0.8):.0f} % at W = 0.8; "
+            f"with four fifths it leaves {kept(0.8, 25):.0f} and {kept(0.8, 0.8):.0f} %, and the force at which sliding begins changes by "
+            f"{rises[25]:+.0f} and {rises[0.8]:+.0f} %. {fates(results)}. Where contacts slide with r > 0 their area is JKR's for the work "
+            f"of adhesion r phi_n within {jkr:.2g} %; the width where the gap of that JKR contact is below e delta_n, as areas are "
+            f"measured, agrees within {measured:.2g} %. " + refined(results, run(0.4, 0.8), "r = 0.4, W = 0.8"))
