@@ -1,5 +1,8 @@
 """Analytic solutions against quadrature through the elastic kernels, energy balances, limits and published numbers."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -269,6 +272,57 @@ def test_maugis_line_pull_off_is_the_least_load(maugis):
         reference.maugis_line(load - 1e-6, maugis)
 
 
+@pytest.mark.parametrize("period, maugis, load", [(100.0, 3.0, 25.0), (9.0, 2.0, 3.0), (9.0, 10.0, -1.5), (12.0, 0.7, 1.0)])
+def test_maugis_line_in_a_cell_conforms_and_spends_the_work_of_adhesion(period, maugis, load):
+    a, c = reference.maugis_line(load, maugis, period)
+    pressure = lambda x: float(reference.maugis_line_pressure(x, a, c, maugis, period))
+    assert over_contact(pressure, c, (-a, a)) == pytest.approx(load, abs=1e-6)
+    centre = lift(pressure, c, 0.0, period, (-a, a))
+    assert centre == pytest.approx(reference.maugis_line_approach(a, c, maugis, period), abs=1e-6)
+    for x in (0.4 * a, 0.95 * a):
+        assert lift(pressure, c, x, period, (-a, a)) - centre == pytest.approx(-x**2 / 2, abs=1e-6)
+    gap = c**2 / 2 + lift(pressure, c, c * (1 - 1e-12), period, (-a, a)) - centre
+    assert maugis / np.e * gap == pytest.approx(1, abs=2e-5)
+    least, _, _ = reference.maugis_line_pull_off(maugis, period)
+    assert least < load and reference.maugis_line(load + 0.01, maugis, period)[0] > a
+
+
+def test_maugis_line_in_a_cell_tends_to_an_isolated_one_and_to_jkr_with_order_two():
+    periods, maugis = np.array([40.0, 80.0, 160.0]), np.array([20.0, 40.0, 80.0])
+    for outer in (0, 1):
+        alone = reference.maugis_line(5.0, 3.0)[outer]
+        assert slope(periods, [reference.maugis_line(5.0, 3.0, L)[outer] - alone for L in periods]) == pytest.approx(-2, abs=0.1)
+        sharp = reference.maugis_line(5.0, maugis, 12.0)[outer] - reference.jkr_line_half_width(5.0, 12.0)
+        assert slope(maugis, sharp) == pytest.approx(-2, abs=0.05)
+    loads = reference.maugis_line_pull_off(3.0, periods)[0] - reference.maugis_line_pull_off(3.0)[0]
+    assert slope(periods, loads) == pytest.approx(-2, abs=0.1)
+    approach = reference.maugis_line_approach(*reference.maugis_line(5.0, 300.0, 12.0), 300.0, 12.0)
+    assert approach == pytest.approx(reference.jkr_line_approach(reference.jkr_line_half_width(5.0, 12.0), 12.0), abs=1e-4)
+
+
+def test_maugis_line_in_a_cell_has_a_range_of_loads():
+    """Least and largest load are those of all states; beyond, the contact pulls off or jumps to the full period."""
+    maugis, period = 3.0, 9.0
+    least, a, c = reference.maugis_line_pull_off(maugis, period)
+    inside = np.linspace(least + 1e-3, 4.0, 40)
+    widths, zones = reference.maugis_line(inside, maugis, period)
+    assert (np.diff(widths) > 0).all() and (np.diff(zones) > 0).all() and a < widths[0] and c < zones[0]
+    for outside in (least - 1e-6, 20.0):
+        with pytest.raises(ValueError, match="no stable"):
+            reference.maugis_line(outside, maugis, period)
+    with pytest.raises(ValueError, match="no partial contact"):
+        reference.maugis_line(0.0, maugis, 2.0)
+
+
+def test_how_far_jkr_is_from_a_law_of_finite_range():
+    """What the conditions of JKR's solutions say."""
+    loads = [25.0, -1.0]
+    for maugis, excess in ((10.0, (0.003, 0.011)), (3.0, (0.023, 0.098))):
+        ratio = reference.maugis_line(loads, maugis, 100.0)[1] / reference.jkr_line_half_width(loads, 100.0)
+        np.testing.assert_allclose(ratio - 1, excess, rtol=0.1)
+    assert reference.maugis_line_pull_off(3.0)[0] / reference.jkr_line_pull_off()[1] == pytest.approx(0.992, abs=5e-4)
+
+
 def test_rigid_cylinder_integrates_the_law():
     maugis = 0.2
     for gap in (-2.0, 0.0, 4.0):
@@ -294,12 +348,20 @@ def test_slip_zone_sticks_inside(period):
     assert reference.slip_zone_force(a, 0.0, strength, period) == pytest.approx(2 * strength * a)
 
 
-def test_slip_at_the_edge_of_a_slip_zone():
+@pytest.mark.parametrize("period", [np.inf, 100.0, 10.5])
+def test_slip_at_the_edge_of_a_slip_zone(period):
     a, stick, strength = 5.0, 3.1, 1.7
-    traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength))
-    held = lift(traction, a, 0.0, breaks=(-stick, stick))
-    slip = held - lift(traction, a, a * (1 - 1e-12), breaks=(-stick, stick))
-    assert slip == pytest.approx(reference.slip_zone_edge_slip(a, stick, strength), abs=1e-5)
+    traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength, period))
+    held = lift(traction, a, 0.0, period, breaks=(-stick, stick))
+    slip = held - lift(traction, a, a * (1 - 1e-12), period, breaks=(-stick, stick))
+    assert slip == pytest.approx(reference.slip_zone_edge_slip(a, stick, strength, period), abs=1e-5)
+
+
+def test_slip_zones_of_arrays():
+    a, stick = np.array([2.0, 3.0, 4.0]), np.array([[0.5], [1.9]])
+    for function in (reference.slip_zone_force, reference.slip_zone_edge_slip):
+        values = function(a, stick, 0.8, 20.0)
+        assert values.shape == (2, 3) and values[1, 2] == pytest.approx(function(4.0, 1.9, 0.8, 20.0), rel=1e-14)
 
 
 def test_narrow_slip_zone_is_the_brittle_strength():
@@ -508,6 +570,13 @@ def test_sphere_radii_invert_and_pull_offs_are_extrema():
     assert loads.min() == pytest.approx(load, rel=1e-8) and trial[loads.argmin()] == pytest.approx(a, abs=1e-3)
     assert approaches.min() == pytest.approx(least, rel=1e-8) and trial[approaches.argmin()] == pytest.approx(fold, abs=1e-3)
     assert reference.jkr_sphere(fold, WORK, **SPHERE) == pytest.approx((load_at_fold, least))
+    for approach in (least, 0.5 * least, 0.0, 0.3, 5.0):
+        held = reference.jkr_sphere_radius_at_approach(approach, WORK, **SPHERE)
+        assert held >= fold and reference.jkr_sphere(held, WORK, **SPHERE)[1] == pytest.approx(approach, abs=1e-12)
+    with pytest.raises(ValueError, match="no stable"):
+        reference.jkr_sphere_radius_at_approach(1.001 * least, WORK, **SPHERE)
+    assert reference.dmt_sphere(reference.dmt_sphere_radius(2.2, WORK, **SPHERE), WORK, **SPHERE)[0] == pytest.approx(2.2)
+    assert reference.dmt_sphere_radius(-2 * np.pi * WORK * SPHERE["radius"], WORK, **SPHERE) == 0
     for applied in (load, 0.5 * load, 0.0, 4.0):
         stable = reference.jkr_sphere_radius(applied, WORK, **SPHERE)
         assert stable >= a * (1 - 1e-7) and reference.jkr_sphere(stable, WORK, **SPHERE)[0] == pytest.approx(applied, abs=1e-9)
@@ -551,6 +620,7 @@ def test_maugis_sphere_against_the_fits_of_carpick_ogletree_salmeron(stress):
     radius = 1.54 + 0.279 * (2.28 * maugis**1.3 - 1) / (2.28 * maugis**1.3 + 1)
     load, a, c, _ = reference.maugis_sphere_pull_off(stress, WORK, **SPHERE)
     assert load / unit == pytest.approx(pull_off, rel=0.02) and 0 < a < c
+    assert reference.sphere_maugis_parameter(stress, WORK, **SPHERE) == pytest.approx(maugis)
     assert reference.maugis_sphere(0.0, stress, WORK, **SPHERE)[0] / length == pytest.approx(radius, rel=0.015)
     with pytest.raises(ValueError, match="no stable"):
         reference.maugis_sphere(1.001 * load, stress, WORK, **SPHERE)
@@ -576,9 +646,10 @@ def test_cattaneo_sphere_grows_by_flat_punches_on_its_stick_zone():
         assert rate == pytest.approx(1 / stiffness, rel=1e-6)
     assert state(0.0) == pytest.approx((reference.hertz_sphere_radius(load, **SPHERE), 0)) and state(1.2)[0] < 1e-4
     stick, a = state(0.7)[0], state(0.0)[0]
-    pressure = lambda r, edge: float(reference.hertz_sphere_pressure(r, edge, **SPHERE))
-    total = sphere_load(lambda r: friction * (pressure(r, a) - pressure(r, stick)), a, (stick,))
-    assert total == pytest.approx(0.7, rel=1e-6)
+    traction = lambda r: float(reference.cattaneo_sphere_traction(r, a, stick, friction, **SPHERE))
+    assert sphere_load(traction, a, (stick,)) == pytest.approx(0.7, rel=1e-6)
+    ring = 0.5 * (a + stick)
+    assert traction(ring) == pytest.approx(friction * reference.hertz_sphere_pressure(ring, a, **SPHERE)) and traction(1.01 * a) == 0
 
 
 @pytest.mark.parametrize("load, tangential", [(2.0, 1.5), (-1.0, 0.7), (0.0, 3.0)])
@@ -592,6 +663,14 @@ def test_savkoor_briggs_sphere_releases_the_work_of_adhesion(load, tangential):
     release = -(force**2 * derivative(normal, a) + tangential**2 * derivative(shear, a)) / 2 / (2 * np.pi * a)
     assert release == pytest.approx(WORK, rel=1e-6)
     assert a < reference.jkr_sphere_radius(load, WORK, **SPHERE)
+
+
+def test_which_limit_of_a_sphere_applies():
+    """Johnson & Greenwood's map, and the normal Maugis parameter of the exponential law."""
+    assert reference.sphere_maugis_parameter(1 / np.e) == pytest.approx(0.415, abs=1e-3)
+    one = 1 / reference.sphere_maugis_parameter(1.0)
+    assert reference.maugis_sphere(0.0, 5 * one)[0] == pytest.approx(reference.jkr_sphere_radius(0.0), rel=0.01)
+    assert reference.maugis_sphere_pull_off(0.1 * one)[0] == pytest.approx(-2 * np.pi, rel=0.03)
 
 
 # ---------------------------------------------------------------- arguments
@@ -610,6 +689,19 @@ def test_savkoor_briggs_sphere_releases_the_work_of_adhesion(load, tangential):
     lambda: reference.sinusoid_approach(1.0, np.inf, 1.0),
     lambda: reference.maugis_line(1.0, 0.0),
     lambda: reference.maugis_line_pressure(0.0, 2.0, 1.0, 3.0),
+    lambda: reference.maugis_line_pressure(0.0, 2.0, 6.0, 3.0, 10.0),
+    lambda: reference.maugis_line_approach(1.0, 2.0, 3.0, np.inf),
+    lambda: reference.maugis_line(1.0, 3.0, -1.0),
+    lambda: reference.dmt_sphere_radius(-7.0),
+    lambda: reference.jkr_force(1.0, -1.0),
+    lambda: reference.sphere_maugis_parameter(0.0),
+    lambda: reference.cattaneo_sphere_traction(0.0, 1.0, 2.0, 0.5),
+    lambda: reference.cattaneo_line_traction(0.0, 1.0, 2.0, 0.5),
+    lambda: reference.cattaneo_line_displacement(1.0, 0.5, -0.5, 10.0),
+    lambda: reference.front_work(1.5),
+    lambda: reference.fading_work(1.0, -0.1),
+    lambda: reference.fading_slip(0.2, 0.3),
+    lambda: reference.savkoor_briggs_ratio(0.7),
     lambda: reference.slip_zone_force(1.0, 2.0, 1.0),
     lambda: reference.slip_zone_edge_slip(1.0, 0.0, 1.0),
     lambda: reference.cattaneo_line_stick_half_width(1.0, 1.0, 0.1),
@@ -649,3 +741,24 @@ def test_results_have_the_shape_of_the_arguments():
     assert reference.jkr_line_pressure(half_width, 2.2).shape == (2, 3)
     assert isinstance(reference.jkr_line_half_width(1.0), float)
     assert isinstance(reference.maugis_line(1.0, 3.0)[0], float)
+    assert isinstance(reference.front_onset(5.0, 0.6, 0.4)[1], float)
+
+
+def test_states_of_arrays_of_loads():
+    loads, forces = np.array([0.0, 1.0, 25.0]), np.array([[0.0], [0.5]])
+    widths = reference.jkr_line_half_width(loads, 100.0)
+    assert widths.shape == (3,) and widths[2] == reference.jkr_line_half_width(25.0, 100.0)
+    inner, outer = reference.maugis_line(loads, 3.0)
+    assert (inner[1], outer[1]) == reference.maugis_line(1.0, 3.0)
+    sheared = reference.mixed_mode_line_half_width(loads, forces, 0.5, period=100.0)
+    assert sheared.shape == (2, 3) and sheared[1, 2] == reference.mixed_mode_line_half_width(25.0, 0.5, 0.5, period=100.0)
+    assert reference.maugis_sphere(loads, 1.0)[2][1] == reference.maugis_sphere(1.0, 1.0)[2]
+
+
+def test_every_solution_is_tested_and_has_its_conditions():
+    text = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parent.glob("test_reference*.py"))
+    assert not [name for name in reference.__all__ if not re.search(rf"reference\.{name}\b", text)]
+    assert len(reference.__all__) == len(set(reference.__all__)) > 70
+    for name in reference.__all__:
+        function = getattr(reference, name)
+        assert function.__module__.startswith("contactsnes.reference.") and function.__doc__, name

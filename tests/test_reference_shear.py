@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contactsnes import Branch, Load, Scene, reference
+from contactsnes import Branch, Load, Scene, Steps, reference
 from contactsnes.laws import LAWS
 
 
@@ -22,7 +22,7 @@ def test_front_work_integrates_the_law(residual):
 def test_front_force_has_the_brittle_strength_and_the_slip_zone_as_limits():
     assert reference.front_force(5.0, 5.0, 0.0, 0.7) == pytest.approx(reference.ligament_force(5.0, work_of_adhesion=0.7))
     assert reference.front_force(5.0, 2.0, 0.8, 0.0) == pytest.approx(reference.slip_zone_force(5.0, 2.0, 0.8))
-    with pytest.raises(ValueError, match="work_of_adhesion"):
+    with pytest.raises(ValueError, match="work -0.1"):
         reference.front_force(5.0, 2.0, 0.8, -0.1)
 
 
@@ -66,6 +66,154 @@ def test_uniform_slip_starts_as_jkr_and_ends_as_hertz():
     _, largest, slip = reference.uniform_slip_onset(10.0, 0.1)
     assert 0.3 < slip < np.sqrt(0.5)
     assert largest < 2 * reference.jkr_line_half_width(10.0) * reference.peak_tangential_traction(0.1)
+
+
+def test_work_fades_with_the_slip():
+    law = LAWS["modified"](0.5, 0.2)
+    for slip in (0.3, 1.0, 6.0):
+        left = quad(lambda a: law.traction(np.array([[a], [slip]]))[0, 0], 0, 40)[0]
+        assert reference.fading_work(slip, 0.2) == pytest.approx(left, rel=1e-8)
+    slips = np.array([0.0, 0.4, 2.0])
+    np.testing.assert_allclose(reference.fading_slip(reference.fading_work(slips, 0.2), 0.2), slips, atol=1e-12)
+    assert reference.fading_work(reference.fading_slip(0.01)) == pytest.approx(0.01)
+
+
+def test_residual_adhesion_leaves_a_jkr_contact():
+    wide = reference.uniform_slip_state(10.0, 8.0, 0.1, residual_adhesion=0.3)[0]
+    assert wide == pytest.approx(reference.jkr_line_half_width(10.0, work_of_adhesion=0.3))
+    with pytest.raises(ValueError, match="no stable"):
+        reference.uniform_slip_state(-1.5, 0.6, 0.1)
+    with pytest.raises(ValueError, match="pull off"):
+        reference.uniform_slip_onset(-1.0, 0.1)
+    most = reference.uniform_slip_onset(5.0, 0.1, residual_adhesion=0.3)[1]
+    assert most > reference.uniform_slip_onset(5.0, 0.1)[1]
+
+
+def test_steepest_fall_of_uniform_slip():
+    ranges = np.linspace(0.71, 4, 40001)
+    force = reference.uniform_slip_force(3.0, ranges / 0.1, 0.1, 0.3)
+    steepest = -np.min(np.diff(force) / np.diff(ranges / 0.1))
+    assert reference.uniform_slip_softening(3.0, 0.1, 0.3) == pytest.approx(steepest, rel=1e-6)
+
+
+@pytest.mark.parametrize("period", [np.inf, 12.0])
+def test_friction_acts_beyond_hertz_by_the_range_of_the_law(period):
+    """The integral of exp(-g/delta_n) over the gap of a contact without adhesion, by quadrature."""
+    load, maugis = 6.0, np.array([20.0, 40.0, 80.0])
+    a = reference.hertz_line_half_width(load, period)
+    kernel = (lambda y: np.log(abs(y))) if np.isinf(period) else (lambda y: np.log(abs(np.sin(np.pi * y / period))))
+
+    def lowered(x):
+        return 2 / np.pi * quad(lambda t: kernel(x - a * np.sin(t)) * reference.hertz_line_pressure(a * np.sin(t), a, period) * a * np.cos(t),
+                                -np.pi / 2, np.pi / 2, epsabs=1e-12, epsrel=1e-12, limit=200)[0]
+
+    s = np.linspace(0, 1, 201) ** 2
+    gap = np.array([(a + one) ** 2 / 2 - lowered(a + one) for one in s])
+    gap -= gap[0]
+    added = np.array([np.sum((np.exp(-one * gap[1:]) + np.exp(-one * gap[:-1])) / 2 * np.diff(s)) for one in maugis])
+    estimate = reference.sliding_half_width(load, maugis, period) - a
+    np.testing.assert_allclose(estimate, added, rtol=0.05)
+    errors = estimate / added - 1
+    assert (np.diff(np.abs(errors)) < 0).all()
+    assert reference.sliding_half_width(load, period=period) == pytest.approx(a)
+    assert reference.sliding_force(load, 0.4, 20.0, period) == pytest.approx(0.8 * (a + estimate[0]))
+
+
+@pytest.mark.parametrize("maugis, load, tolerance", [(3.0, 1.0, 0.015), (3.0, 6.0, 0.015), (10.0, 6.0, 0.002)])
+def test_small_contacts_slide_at_the_force_of_gross_sliding(maugis, load, tolerance):
+    scene = Scene(normal_maugis=maugis, tangential_maugis=1.0, residual_friction=0.5, points=4096 if maugis > 5 else 1024, period=60.0)
+    branch = Branch(scene, Load(start="normal_displacement=6", path=f"normal_force={load:g}; tangential_displacement=800"))
+    row = branch.observe(list(branch)[-1])
+    expected = reference.sliding_force(load, 0.5 * reference.peak_tangential_traction(1.0), maugis, 60.0)
+    assert 0 < row["tangential_force"] / expected - 1 < tolerance
+
+
+# ---- the drive
+
+def test_a_path_folds_above_the_critical_height():
+    """A path whose steepest fall is known: T = sin(u), at u = pi."""
+    slips = np.linspace(0, 5, 2001)
+    forces = 0.3 * np.sin(slips)
+    height = reference.drive_critical_height(0.3, 100.0, 0.4)
+    assert reference.drive_stiffness(100.0, height, 0.4) == pytest.approx(0.3)
+    for factor in (1.05, 2.0, 50.0):
+        slip, force, displacement = reference.driven_fold(slips, forces, 100.0, factor * height, 0.4)
+        exact = np.arccos(-1 / factor)
+        assert (slip, force) == pytest.approx((exact, 0.3 * np.sin(exact)), abs=1e-5)
+        assert displacement == pytest.approx(reference.driven_displacement(slip, force, 100.0, factor * height, 0.4), abs=1e-5)
+    with pytest.raises(ValueError, match="gradually"):
+        reference.driven_fold(slips, forces, 100.0, 0.999 * height, 0.4)
+    with pytest.raises(ValueError, match="three points"):
+        reference.driven_fold([0.0, 1.0], [0.0, 1.0], 100.0, 10.0)
+
+
+def test_one_path_folds_where_a_contact_with_any_drive_does():
+    """The path of a layer without a fold tells where that of a higher one has its."""
+    scene = {"normal_maugis": 3.0, "tangential_maugis": 0.3, "points": 512, "period": 40.0, "residual_friction": 0.9}
+    rows, events = {}, {}
+    for height, part in ((70.0, 200), (2000.0, 20)):
+        end = 10.0 + reference.driven_displacement(0.0, 1.6, 40.0, height)
+        branch = Branch(Scene(height=height, **scene), Load(start="normal_displacement=6", path=f"normal_force=4; tangential_displacement={end:g}"),
+                        Steps(largest_step=(3.0, end / part)))
+        points = list(branch)
+        rows[height] = [branch.observe(point) for point in points]
+        events[height] = [point.event for point in points]
+    assert "fold" not in events[70.0]
+    slips, forces = (np.array([row[name] for row in rows[70.0]]) for name in ("mean_tangential_displacement", "tangential_force"))
+    slip, force, _ = reference.driven_fold(slips, forces, 40.0, 2000.0)
+    fold = rows[2000.0][events[2000.0].index("fold")]
+    assert force == pytest.approx(fold["tangential_force"], rel=1e-4)
+    assert slip == pytest.approx(fold["mean_tangential_displacement"], rel=1e-3)
+
+
+# ---- spheres, in units other than 1
+
+SPHERE = {"work_of_adhesion": 0.7, "contact_modulus": 3.0, "radius": 2.0}
+
+
+@pytest.mark.parametrize("parameter", [1.0, 0.6, 0.2])
+def test_mixed_mode_sphere_releases_the_toughness_of_its_phase(parameter):
+    """G by the compliances of the flat punch on the circle, modes by what each force releases alone."""
+    a, angle, poisson = 1.2, 0.7, 0.3
+    load, shear = reference.mixed_mode_sphere(a, angle, parameter, poisson, **SPHERE)
+    pull, step = reference.hertz_sphere(a, 3.0, 2.0)[0] - load, 1e-4
+    fall = lambda compliance: (compliance(a - step) - compliance(a + step)) / (2 * step) / 2 / (2 * np.pi * a)
+    normal, tangential = pull**2 * fall(lambda b: 1 / (6.0 * b)), shear**2 * fall(lambda b: 1 / reference.bonded_circle_stiffness(b, poisson, 3.0))
+    assert np.arctan(np.sqrt(tangential / normal)) == pytest.approx(angle, rel=1e-6)
+    assert normal + tangential == pytest.approx(0.7 * (1 + np.tan((1 - parameter) * angle) ** 2), rel=1e-6)
+
+
+@pytest.mark.parametrize("load", [-5.0, 0.0, 3.0])
+def test_mixed_mode_spheres_of_griffith_are_savkoor_and_briggs(load):
+    for poisson in (0.5, 0.2):
+        critical, strength = reference.savkoor_briggs_sphere_strength(load, poisson, **SPHERE)
+        assert reference.mixed_mode_sphere_strength(load, 1.0, poisson, **SPHERE) == pytest.approx((critical, strength), rel=1e-5)
+        forces = strength * np.array([0.0, 0.3, 0.999])
+        radii = reference.savkoor_briggs_sphere_radius(load, forces, poisson, **SPHERE)
+        np.testing.assert_allclose(reference.mixed_mode_sphere_radius(load, forces, 1.0, poisson, **SPHERE), radii, rtol=1e-9)
+        np.testing.assert_allclose(reference.savkoor_briggs_sphere_load(radii, forces, poisson, **SPHERE), load, atol=1e-9)
+        assert radii[2] > critical
+        for function in (reference.mixed_mode_sphere_radius, reference.savkoor_briggs_sphere_radius):
+            arguments = (load, 1.001 * strength) + ((1.0, poisson) if function is reference.mixed_mode_sphere_radius else (poisson,))
+            with pytest.raises(ValueError, match="strength|no equilibrium"):
+                function(*arguments, **SPHERE)
+    assert reference.savkoor_briggs_ratio() == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("load", [-5.0, 3.0])
+def test_mixed_mode_sphere_meets_load_and_force(load):
+    widest = reference.jkr_sphere_radius(load, **SPHERE)
+    radii = []
+    for parameter in (1.0, 0.5, 0.1):
+        a = reference.mixed_mode_sphere_radius(load, 3.0, parameter, **SPHERE)
+        angle = np.arctan2(np.sqrt(1.5) * 3.0, reference.hertz_sphere(a, 3.0, 2.0)[0] - load)
+        assert reference.mixed_mode_sphere(a, angle, parameter, **SPHERE) == pytest.approx((load, 3.0), abs=1e-9)
+        assert reference.mixed_mode_sphere_strength(load, parameter, **SPHERE)[1] > 3.0
+        radii.append(a)
+    assert radii == sorted(radii) and radii[-1] < widest
+    # The first loss is quadratic in the force, Griffith's.
+    lost = widest - reference.mixed_mode_sphere_radius(load, np.array([0.1, 0.2]), 0.5, **SPHERE)
+    assert lost[1] / lost[0] == pytest.approx(4, rel=0.01)
 
 
 def test_small_contacts_slide_where_the_estimates_say():

@@ -16,8 +16,9 @@ line : a normal load without adhesion (`hertz_line_...`) or with one of short ra
 sinusoid : the same on a wave (`sinusoid_...`)
 cohesive : a normal load with adhesion of finite range (`maugis_line...`), and the rigid limit (`rigid_cylinder_...`)
 slip : shear of line contacts that slip: zones of constant traction (`slip_zone_...`) with a front (`front_...`), the whole
-    contact (`uniform_slip_...`), Coulomb friction (`cattaneo_line_...`), the far body (`drive_...`)
-mixed_mode : shear of bonded adhesive line contacts (`mixed_mode_...`, `savkoor_briggs_line_load`)
+    contact (`uniform_slip_...`, `sliding_...`), Coulomb friction (`cattaneo_line_...`)
+drive : the layer that shears a contact (`drive_...`, `driven_...`), and whether sliding starts with a jump
+mixed_mode : shear of bonded adhesive contacts (`mixed_mode_...` of lines and spheres, `savkoor_briggs_line_load`)
 sphere : spheres under a normal load (`hertz_...`, `jkr_...`, `dmt_...`, `maugis_sphere...`)
 sphere_shear : spheres under shear (`bonded_circle_...`, `cattaneo_sphere`, `savkoor_briggs_sphere_...`)
 laws : peaks and works of the traction-separation laws
@@ -29,9 +30,9 @@ half_width, contact_radius : float or array >= 0, a; below half the period
 period : float, length L of the periodic cell; `inf` (default) is the isolated contact
 work_of_adhesion : float, w; lines: in units of phi_n, 0 gives Hertz's solutions; spheres: > 0
 load, tangential_force : float; for line contacts per cell
-Results have the shape of the arguments. Functions that find a state from a load or an approach take and return floats,
-of the state that is stable when that quantity is prescribed. All raise ValueError for arguments out of range and where
-no equilibrium exists.
+Results have the shape of the arguments, arrays being broadcast; `period` is one number where it is not said otherwise. Functions that
+find a state from a load or an approach find the one that is stable when that quantity is prescribed, floats for floats. Each says under
+which conditions it applies; all raise ValueError for arguments out of range and where no equilibrium exists.
 
 Periodic line contacts are sums of rigid flat punches of half width b: `ligament_traction` per unit of force lifts the
 contact by (2/pi) ln(1/sin(pi b/L)) above the mean surface. Abel's equation gives the density of punches that yields a
@@ -43,33 +44,38 @@ References
 Baney & Hui 1997, J. Adhes. Sci. Technol. 11; Barquins 1988, J. Adhes. 26; Block & Keer 2008, J. Mech. Mater. Struct. 3;
 Bradley 1932, Phil. Mag. 13; Cattaneo 1938, Rend. Lincei 27; Ciavarella 1998, Int. J. Solids Struct. 35; Derjaguin,
 Muller & Toporov 1975, J. Colloid Interface Sci. 53; Hutchinson & Suo 1992, Adv. Appl. Mech. 29; Johnson 1985, Contact
-Mechanics; Johnson 1995, Int. J. Solids Struct. 32; Johnson & Greenwood 2008, J. Phys. D 41; Johnson, Kendall & Roberts
-1971, Proc. R. Soc. A 324; Maugis 1992, J. Colloid Interface Sci. 150; McGarry et al. 2014, J. Mech. Phys. Solids 63;
-Mindlin 1949, J. Appl. Mech. 16; Savkoor & Briggs 1977, Proc. R. Soc. A 356; Tada, Paris & Irwin 2000, The Stress
-Analysis of Cracks Handbook; Westergaard 1939, J. Appl. Mech. 6.
+Mechanics; Johnson 1995, Int. J. Solids Struct. 32; Johnson & Greenwood 1997, J. Colloid Interface Sci. 192, and 2008,
+J. Phys. D 41; Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324; Maugis 1992, J. Colloid Interface Sci. 150; McGarry et
+al. 2014, J. Mech. Phys. Solids 63; Mindlin 1949, J. Appl. Mech. 16; Papangelo & Ciavarella 2019, J. Mech. Phys. Solids 124;
+Savkoor & Briggs 1977, Proc. R. Soc. A 356; Tada, Paris & Irwin 2000, The Stress Analysis of Cracks Handbook; Waters &
+Guduru 2010, Proc. R. Soc. A 466; Westergaard 1939, J. Appl. Mech. 6.
 """
 
 from .cohesive import (
-    maugis_line, maugis_line_pressure, maugis_line_pull_off, rigid_cylinder_load, rigid_cylinder_pull_off)
+    maugis_line, maugis_line_approach, maugis_line_pressure, maugis_line_pull_off, rigid_cylinder_load,
+    rigid_cylinder_pull_off)
+from .drive import drive_critical_height, drive_stiffness, driven_displacement, driven_fold
 from .laws import (
-    fading_work, front_work, mcgarry_proportional_work, mcgarry_sequential_work, modified_tangential_work, normal_work,
-    peak_normal_traction, peak_tangential_traction)
+    fading_slip, fading_work, front_work, mcgarry_proportional_work, mcgarry_sequential_work, modified_tangential_work,
+    normal_work, peak_normal_traction, peak_tangential_traction)
 from .line import (
     hertz_line_approach, hertz_line_half_width, hertz_line_load, hertz_line_pressure, jkr_line_approach, jkr_line_fold,
     jkr_line_half_width, jkr_line_half_width_at_approach, jkr_line_load, jkr_line_pressure, jkr_line_pull_off,
     ligament_force, ligament_stiffness, ligament_traction)
 from .mixed_mode import (
-    mixed_mode_line, mixed_mode_line_half_width, mixed_mode_line_strength, mixed_mode_toughness,
-    savkoor_briggs_line_load)
+    mixed_mode_line, mixed_mode_line_half_width, mixed_mode_line_strength, mixed_mode_sphere, mixed_mode_sphere_radius,
+    mixed_mode_sphere_strength, mixed_mode_toughness, savkoor_briggs_line_load)
 from .sinusoid import sinusoid_approach, sinusoid_half_width, sinusoid_load, sinusoid_pressure
 from .slip import (
-    cattaneo_line_displacement, cattaneo_line_stick_half_width, cattaneo_line_traction, drive_stiffness,
-    driven_displacement, front_force, front_onset, slip_zone_edge_slip, slip_zone_force, slip_zone_traction,
-    uniform_slip_force, uniform_slip_onset, uniform_slip_state)
+    cattaneo_line_displacement, cattaneo_line_stick_half_width, cattaneo_line_traction, front_force, front_onset,
+    sliding_force, sliding_half_width, slip_zone_edge_slip, slip_zone_force, slip_zone_traction, uniform_slip_force,
+    uniform_slip_onset, uniform_slip_softening, uniform_slip_state)
 from .sphere import (
-    dmt_sphere, hertz_sphere, hertz_sphere_pressure, hertz_sphere_radius, jkr_sphere, jkr_sphere_fold,
-    jkr_sphere_pressure, jkr_sphere_pull_off, jkr_sphere_radius, maugis_sphere, maugis_sphere_pressure,
-    maugis_sphere_pull_off)
-from .sphere_shear import bonded_circle_stiffness, cattaneo_sphere, savkoor_briggs_sphere_radius
+    dmt_sphere, dmt_sphere_radius, hertz_sphere, hertz_sphere_pressure, hertz_sphere_radius, jkr_force, jkr_sphere,
+    jkr_sphere_fold, jkr_sphere_pressure, jkr_sphere_pull_off, jkr_sphere_radius, jkr_sphere_radius_at_approach,
+    maugis_sphere, maugis_sphere_pressure, maugis_sphere_pull_off, sphere_maugis_parameter)
+from .sphere_shear import (
+    bonded_circle_stiffness, cattaneo_sphere, cattaneo_sphere_traction, savkoor_briggs_ratio,
+    savkoor_briggs_sphere_load, savkoor_briggs_sphere_radius, savkoor_briggs_sphere_strength)
 
 __all__ = sorted(name for name, value in globals().items() if callable(value))

@@ -1,5 +1,7 @@
 """Checks of arguments, roots, and the geometry of one contact in a cell."""
 
+import functools
+
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
@@ -59,3 +61,14 @@ def reciprocal_depth(x, half_width, period=np.inf):
     """1/`root_depth`, and 0 outside the contact."""
     depth = root_depth(x, half_width, period)
     return np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
+
+
+def elementwise(function):
+    """The same function of numbers, element by element where any of its arguments is an array, all broadcast."""
+    @functools.wraps(function)
+    def each(*args, **kwargs):
+        if any(np.ndim(value) for value in (*args, *kwargs.values())):
+            return np.vectorize(function, cache=True)(*args, **kwargs)
+        return function(*args, **kwargs)
+
+    return each

@@ -1,13 +1,20 @@
-"""Line contacts under a normal load, without adhesion or with one of short range (JKR), isolated or periodic, and the bonded strip."""
+"""Line contacts under a normal load, without adhesion or with one of short range (JKR), isolated or periodic, and the bonded strip.
+
+The forms for a cell are exact: the half width may be anything below half the period (narrow beside the radius of the cylinder).
+
+JKR's are the limit of a large normal Maugis parameter. The width of Maugis and Dugdale's contact (`maugis_line`), which is that of the
+law's threshold, exceeds JKR's by 0.3 % at a parameter of 10 and a load of 25, by 1 % near pull-off; at 3 by 2 % and 10 %.
+"""
 
 import numpy as np
 from scipy.special import spence, xlogy
 
-from .checks import find_root, half_angle, not_negative, periodic_angle, positive, reciprocal_depth, root_depth
+from .checks import elementwise, find_root, half_angle, not_negative, periodic_angle, positive, reciprocal_depth, root_depth
 
 
 def hertz_line_load(half_width, period=np.inf):
-    """Load of a cylinder, W = pi a^2/4 (Johnson 1985); periodic: W = -(L^2/2 pi) ln cos(pi a/L), exact."""
+    """Load of a cylinder, W = pi a^2/4 (Johnson 1985); periodic: W = -(L^2/2 pi) ln cos(pi a/L), exact. For contacts
+    without adhesion, or whose adhesion slip has taken away."""
     angle = half_angle(half_width, period)
     if np.isinf(period):
         return np.pi * np.square(half_width) / 4
@@ -15,7 +22,7 @@ def hertz_line_load(half_width, period=np.inf):
 
 
 def hertz_line_half_width(load, period=np.inf):
-    """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`."""
+    """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`; conditions as there."""
     not_negative(load=load)
     if np.isinf(period):
         return 2 * np.sqrt(load / np.pi)
@@ -24,7 +31,7 @@ def hertz_line_half_width(load, period=np.inf):
 
 def hertz_line_pressure(x, half_width, period=np.inf):
     """Pressure p = sqrt(a^2 - x^2)/2, 0 outside (Johnson 1985); periodic, exact:
-    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L))."""
+    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L)). Conditions of `hertz_line_load`."""
     angle, depth = half_angle(half_width, period), root_depth(x, half_width, period)
     if np.isinf(period):
         return depth / 2
@@ -33,7 +40,8 @@ def hertz_line_pressure(x, half_width, period=np.inf):
 
 def hertz_line_approach(half_width, period):
     """Approach of the mean surface, d = (L^2/4 pi^2)[ln v ln(1-v) + Li_2(v)], v = sin^2(pi a/L), exact; for a << L,
-    d = (2/pi)[W ln(L/(pi a)) + pi a^2/8]. Needs a finite period: an isolated line contact has no finite approach."""
+    d = (2/pi)[W ln(L/(pi a)) + pi a^2/8]. Conditions of `hertz_line_load`, and a finite period: an isolated line contact has no finite
+    approach."""
     v = np.sin(periodic_angle(half_width, period)) ** 2
     series = v * (1 + v / 4 + v**2 / 9 + v**3 / 16 + v**4 / 25)  # Li_2, where 1 - v would lose digits
     return (period / (2 * np.pi)) ** 2 * (xlogy(np.log1p(-v), v) + np.where(v < 1e-3, series, spence(1 - v)))
@@ -52,32 +60,37 @@ def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
 
 def ligament_traction(x, half_width, force=1.0, period=np.inf):
     """Traction on a bonded strip or under a flat punch, F/(pi sqrt(a^2 - x^2)), 0 outside (Johnson 1985); periodic:
-    F cos(pi x/L)/(L sqrt(sin^2(pi a/L) - sin^2(pi x/L))) (Tada, Paris & Irwin 2000)."""
+    F cos(pi x/L)/(L sqrt(sin^2(pi a/L) - sin^2(pi x/L))) (Tada, Paris & Irwin 2000), exact. Holds where nothing opens or slips
+    at |x| < a, up to about the range of the law from the edges."""
     half_angle(half_width, period)
     return force / np.pi * np.cos(np.pi * np.asarray(x) / period) * reciprocal_depth(x, half_width, period)
 
 
 def ligament_stiffness(half_width, period):
-    """Force per displacement of the mean surface, pi/(2 ln(1/sin(pi a/L))), normal or tangential, for a > 0."""
+    """Force per displacement of the mean surface, pi/(2 ln(1/sin(pi a/L))), normal or tangential, exact for a > 0 and a finite
+    period: the initial stiffness of a contact that neither opens nor slips, a stiff interface."""
     positive(half_width=half_width)
     return -np.pi / (2 * np.log(np.sin(periodic_angle(half_width, period))))
 
 
 def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
-    """JKR load of a cylinder, `hertz_line_load` - `ligament_force`: W = pi a^2/4 - sqrt(2 pi a w) (Barquins 1988)."""
+    """JKR load of a cylinder, `hertz_line_load` - `ligament_force`: W = pi a^2/4 - sqrt(2 pi a w) (Barquins 1988).
+    Stable or not. For adhesion of short range, a large normal Maugis parameter."""
     return hertz_line_load(half_width, period) - ligament_force(half_width, period, work_of_adhesion)
 
 
 def jkr_line_pressure(x, half_width, period=np.inf, work_of_adhesion=1.0):
     """JKR pressure of a cylinder, sqrt(a^2 - x^2)/2 - sqrt(2 w/(pi a))/sqrt(1 - x^2/a^2) (Barquins 1988) or its
-    periodic form, 0 outside: tension without bound towards the edge."""
+    periodic form, 0 outside: tension without bound towards the edge, where the law's peak bounds it within its range. For a large
+    normal Maugis parameter."""
     force = ligament_force(half_width, period, work_of_adhesion)
     return hertz_line_pressure(x, half_width, period) - ligament_traction(x, half_width, force, period)
 
 
 def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
     """JKR approach of the mean surface, d = d_Hertz - (2/pi) F ln(1/sin(pi a/L)), F = `ligament_force`: the periodic
-    cell in the limit of a short range of adhesion (normal Maugis parameter to infinity)."""
+    cell in the limit of a short range of adhesion (normal Maugis parameter to infinity).
+    Needs a finite period."""
     force = ligament_force(half_width, period, work_of_adhesion)
     return hertz_line_approach(half_width, period) + 2 / np.pi * xlogy(force, np.sin(half_angle(half_width, period)))
 
@@ -102,16 +115,19 @@ def _jkr_extrema(period, work_of_adhesion):
     return load_extrema(1, 2 * np.pi**2 * work_of_adhesion / period**3, period)
 
 
+@elementwise
 def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
     """(half_width, load) at pull-off under a prescribed load, dW/da = 0: a = (2w/pi)^(1/3), W = -3 pi a^2/4 (Barquins
-    1988); periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3."""
+    1988); periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3. For a large normal Maugis parameter (from 3 on within 1 % of the load)
+    and cells of L^3 > 32 pi^2 w/(3 sqrt 3), below which no partial contact is stable."""
     half_width = _jkr_extrema(period, work_of_adhesion)[0]
     return half_width, jkr_line_load(half_width, period, work_of_adhesion)
 
 
+@elementwise
 def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
     """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a periodic cell, above
-    the load at which the contact jumps to the full period."""
+    the load at which the contact jumps to the full period. For a large normal Maugis parameter."""
     smallest, largest = _jkr_extrema(period, work_of_adhesion)
     if np.isinf(period):  # Hertz's width plus JKR's at no load exceeds the width at this load
         largest = hertz_line_half_width(max(load, 0.0)) + np.cbrt(32 * work_of_adhesion / np.pi)
@@ -119,9 +135,10 @@ def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
                      f"no stable partial JKR contact at the load {load}")
 
 
+@elementwise
 def jkr_line_fold(period, work_of_adhesion=1.0):
     """(half_width, approach, load) at pull-off under a prescribed approach of the mean surface: dd/da = 0 of
-    `jkr_line_approach`."""
+    `jkr_line_approach`. For a large normal Maugis parameter and a finite period; w > 0."""
     def slope(a):  # (pi/2) dd/da
         t, force = periodic_angle(a, period), ligament_force(a, period, work_of_adhesion)
         hertz, release = period / 2 * np.tan(t), np.pi * work_of_adhesion / np.cos(t) ** 2 / force  # dW/da, dF/da
@@ -133,9 +150,10 @@ def jkr_line_fold(period, work_of_adhesion=1.0):
     return a, jkr_line_approach(a, period, work_of_adhesion), jkr_line_load(a, period, work_of_adhesion)
 
 
+@elementwise
 def jkr_line_half_width_at_approach(approach, period, work_of_adhesion=1.0):
     """Half width of a periodic JKR cylinder that is stable at an approach of the mean surface, between the fold and
-    L^2/24, where the contact fills the cell."""
+    L^2/24, where the contact fills the cell. For a large normal Maugis parameter and a finite period; w > 0."""
     smallest = jkr_line_fold(period, work_of_adhesion)[0]
     return find_root(lambda a: jkr_line_approach(a, period, work_of_adhesion) - approach, smallest,
                      period / 2 * (1 - 1e-7), f"no stable partial JKR contact at the approach {approach}")
