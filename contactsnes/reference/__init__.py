@@ -30,9 +30,9 @@ half_width, contact_radius : float or array >= 0, a; below half the period
 period : float, length L of the periodic cell; `inf` (default) is the isolated contact
 work_of_adhesion : float, w; lines: in units of phi_n, 0 gives Hertz's solutions; spheres: > 0
 load, tangential_force : float; for line contacts per cell
-Results have the shape of the arguments, arrays being broadcast; `period` is one number where it is not said otherwise. Functions that
-find a state from a load or an approach find the one that is stable when that quantity is prescribed, floats for floats. Each says under
-which conditions it applies; all raise ValueError for arguments out of range and where no equilibrium exists.
+Results have the shape of the arguments, arrays being broadcast; a period is one number. Functions that find a state from a load
+or an approach find the one that is stable when that quantity is prescribed, floats for floats, at arrays element by element.
+Each says under which conditions it applies; all raise ValueError for arguments out of range and where no equilibrium exists.
 
 Periodic line contacts are sums of rigid flat punches of half width b: `ligament_traction` per unit of force lifts the
 contact by (2/pi) ln(1/sin(pi b/L)) above the mean surface. Abel's equation gives the density of punches that yields a

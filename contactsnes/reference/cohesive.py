@@ -73,14 +73,16 @@ def maugis_line_pull_off(normal_maugis, period=np.inf):
 
 @elementwise
 def maugis_line(load, normal_maugis, period=np.inf):
-    """Half widths (a, c) of a Maugis-Dugdale cylinder that is stable at a load: contact |x| < a, uniform tension s = lambda_n/e on
-    a < |x| < c (the peak of the exponential law, over the range e delta_n), s h(c) = 1; isolated, with m = c/a:
+    """Half widths (a, c) of a Maugis-Dugdale cylinder that is stable at a load: contact |x| < a, uniform tension s = lambda_n/e
+    on a < |x| < c (the peak of the exponential law, over the range e delta_n), s h(c) = 1; isolated, with m = c/a:
     1 = (s a^2/2)[m sqrt(m^2-1) - arcosh m] + (4 s^2 a/pi)[sqrt(m^2-1) arcosh m - m ln m],
     W = pi a^2/4 - 2 s a sqrt(m^2-1) (Baney & Hui 1997; Johnson & Greenwood 2008); periodic, exact, by the sum of flat punches:
-    1 = s (L/pi^2) int (L tan t + 4 s) artanh(tan(t)/tan(pi c/L)) dt over 0 < t < T = arccos(cos(pi c/L)/cos(pi a/L)),
-    W = W_Hertz - 2 s L T/pi. Any normal Maugis parameter; that of the law (the width where the gap is e delta_n, 2 c) is met within
-    2.5 % of the width at 1, 0.5 % at 3 and 0.2 % from 5 on (under a load of 25). ValueError below pull-off and, in a cell, where the
-    contact or the zone jumps to the full period."""
+    1 = s (L/pi^2) int (L tan t + 4 s) artanh(tan(t)/tan(pi c/L)) dt over 0 < t < T, T = arccos(cos(pi c/L)/cos(pi a/L)),
+    W = W_Hertz - 2 s L T/pi.
+
+    Any normal Maugis parameter. The width of the law (gaps below e delta_n) exceeds 2 c by up to 2.5 % at a parameter of 1,
+    0.5 % at 3 and 0.2 % from 5 on, under a load of 25. ValueError below pull-off and, in a cell, where the contact or the zone
+    jumps to the full period."""
     state, least, end = _stable(float(normal_maugis), float(period))
     found = find_root(lambda t: state(t)[0] - load, *sorted((least, end)), f"no stable Maugis-Dugdale contact at the load {load}")
     return state(found)[1:]
@@ -94,8 +96,8 @@ def maugis_line_pressure(x, contact_half_width, cohesive_half_width, normal_maug
 
 
 def maugis_line_approach(contact_half_width, cohesive_half_width, normal_maugis, period):
-    """Approach of the mean surface of `maugis_line` with the half widths (a, c): Hertz's less the lift by the zone's tension. Needs a
-    finite period."""
+    """Approach of the mean surface of `maugis_line` with the half widths (a, c): Hertz's less the lift by the zone's tension.
+    Needs a finite period."""
     lift = zone_lift(contact_half_width, cohesive_half_width, peak_normal_traction(normal_maugis), period)
     return hertz_line_approach(contact_half_width, period) - lift
 

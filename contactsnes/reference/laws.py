@@ -36,8 +36,8 @@ def normal_work(ranges):
 
 
 def fading_work(slip_ranges, residual_adhesion=0.0):
-    """Work of adhesion that is left at a slip of b ranges delta_t, w/phi_n = r + (1 - r) exp(-b^2), r the share left at large slip
-    (0: eqs. 3a and 5a); of opening at that slip, by both laws."""
+    """Work of adhesion that is left at a slip of b ranges delta_t, w/phi_n = r + (1 - r) exp(-b^2), r the share left at large
+    slip (0: eqs. 3a and 5a); of opening at that slip, by both laws."""
     _share(residual_adhesion=residual_adhesion)
     return residual_adhesion + (1 - residual_adhesion) * np.exp(-np.square(slip_ranges))
 
@@ -79,7 +79,8 @@ def modified_tangential_work(residual_friction):
 
 
 def front_work(residual_friction):
-    """Work of slip in excess of the residual friction r = tau_inf/tau_max, G/phi_t at no gap: the integral of tau - tau_inf over the slip,
-    1 - exp(-1/2) - r exp(-1/2) + sqrt(pi/2) exp(-1/2) (1 - r). Negative for r above 0.82, where there is no front but a gradual slip."""
+    """Work of slip in excess of the residual friction r = tau_inf/tau_max, G/phi_t at no gap: the integral of tau - tau_inf over
+    the slip, 1 - exp(-1/2) - r exp(-1/2) + sqrt(pi/2) exp(-1/2) (1 - r). Negative for r above 0.82, where there is no front but a
+    gradual slip."""
     rising, beyond = modified_tangential_work(residual_friction)
     return rising - residual_friction * np.exp(-0.5) + beyond

@@ -1,9 +1,9 @@
-"""Line contacts under a normal load, without adhesion or with one of short range (JKR), isolated or periodic, and the bonded strip.
+"""Line contacts under a normal load, without adhesion or with one of short range (JKR), and the bonded strip.
 
 The forms for a cell are exact: the half width may be anything below half the period (narrow beside the radius of the cylinder).
 
-JKR's are the limit of a large normal Maugis parameter. The width of Maugis and Dugdale's contact (`maugis_line`), which is that of the
-law's threshold, exceeds JKR's by 0.3 % at a parameter of 10 and a load of 25, by 1 % near pull-off; at 3 by 2 % and 10 %.
+JKR's are the limit of a large normal Maugis parameter. The width of Maugis and Dugdale's contact (`maugis_line`), which is that
+of the law's threshold, exceeds JKR's by 0.3 % at a parameter of 10 and a load of 25, by 1 % near pull-off; at 3 by 2 % and 10 %.
 """
 
 import numpy as np
@@ -117,9 +117,9 @@ def _jkr_extrema(period, work_of_adhesion):
 
 @elementwise
 def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
-    """(half_width, load) at pull-off under a prescribed load, dW/da = 0: a = (2w/pi)^(1/3), W = -3 pi a^2/4 (Barquins
-    1988); periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3. For a large normal Maugis parameter (from 3 on within 1 % of the load)
-    and cells of L^3 > 32 pi^2 w/(3 sqrt 3), below which no partial contact is stable."""
+    """(half_width, load) at pull-off under a prescribed load, dW/da = 0: a = (2w/pi)^(1/3), W = -3 pi a^2/4 (Barquins 1988);
+    periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3. For a large normal Maugis parameter (from 3 on within 1 % of the
+    load) and cells of L^3 > 32 pi^2 w/(3 sqrt 3), below which no partial contact is stable."""
     half_width = _jkr_extrema(period, work_of_adhesion)[0]
     return half_width, jkr_line_load(half_width, period, work_of_adhesion)
 

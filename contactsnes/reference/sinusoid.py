@@ -1,4 +1,4 @@
-"""A wave on a flat, one contact a period, without adhesion or with one of short range (JKR's limit of a large normal Maugis parameter).
+"""A wave on a flat, one contact a period, without adhesion or with one of short range (a large normal Maugis parameter).
 
 Exact where the slope of the wave, 2 pi A/L in true lengths, is small.
 """

@@ -1,8 +1,8 @@
 """Spheres under a normal load: Hertz, JKR, DMT and Maugis-Dugdale.
 
-All take contact radii far below the sphere's radius. Maugis's parameter (`sphere_maugis_parameter`) tells which of the adhesive ones
-applies: JKR's above about 5, DMT's below about 0.1 (Johnson & Greenwood 1997), Maugis and Dugdale's at any; it is 0.415 times the normal
-Maugis parameter of a scene with the exponential law.
+All take contact radii far below the sphere's radius. Maugis's parameter (`sphere_maugis_parameter`) tells which of the adhesive
+ones applies: JKR's above about 5, DMT's below about 0.1 (Johnson & Greenwood 1997), Maugis and Dugdale's at any; it is 0.415
+times the normal Maugis parameter of a scene with the exponential law.
 """
 
 import numpy as np
@@ -34,8 +34,8 @@ def hertz_sphere_pressure(r, contact_radius, contact_modulus=1.0, radius=1.0):
 
 
 def jkr_force(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0):
-    """Force that breaks a bonded circle, sqrt(8 pi w E* a^3) (Kendall's flat punch): the adhesive part of JKR's load. For adhesion of a
-    range that is short beside the circle."""
+    """Force that breaks a bonded circle, sqrt(8 pi w E* a^3) (Kendall's flat punch): the adhesive part of JKR's load. For
+    adhesion of a range that is short beside the circle."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus)
     not_negative(contact_radius=contact_radius)
     return np.sqrt(8 * np.pi * work_of_adhesion * contact_modulus * np.power(contact_radius, 3.0))
@@ -50,7 +50,8 @@ def jkr_sphere(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0, radius
 
 
 def jkr_sphere_pressure(r, contact_radius, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """Pressure of `jkr_sphere`, Hertz's minus sqrt(2 w E*/(pi a))/sqrt(1 - r^2/a^2), 0 outside (Maugis 1992); conditions of `jkr_sphere`."""
+    """Pressure of `jkr_sphere`, Hertz's minus sqrt(2 w E*/(pi a))/sqrt(1 - r^2/a^2), 0 outside (Maugis 1992); conditions of
+    `jkr_sphere`."""
     positive(work_of_adhesion=work_of_adhesion)
     smooth = hertz_sphere_pressure(r, contact_radius, contact_modulus, radius)
     intensity = np.sqrt(2 * work_of_adhesion * contact_modulus * contact_radius / np.pi)
@@ -58,7 +59,8 @@ def jkr_sphere_pressure(r, contact_radius, work_of_adhesion=1.0, contact_modulus
 
 
 def jkr_sphere_radius(load, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """Contact radius of `jkr_sphere` that is stable at a load >= -3 pi w R/2 (Johnson, Kendall & Roberts 1971); conditions as there."""
+    """Contact radius of `jkr_sphere` that is stable at a load >= -3 pi w R/2 (Johnson, Kendall & Roberts 1971); conditions as
+    there."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
     require(np.greater_equal(load, -force / 2), f"the load {load} is below pull-off, {-force / 2}")
@@ -108,8 +110,8 @@ def dmt_sphere_radius(load, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.
 
 
 def sphere_maugis_parameter(cohesive_stress, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """Maugis's parameter of a sphere, 2 s (R/(pi w K^2))^(1/3), K = 4 E*/3, s the peak stress, phi_n/(e delta_n) of the exponential law
-    (Maugis 1992): above about 5 `jkr_sphere` applies, below about 0.1 `dmt_sphere` (Johnson & Greenwood 1997)."""
+    """Maugis's parameter of a sphere, 2 s (R/(pi w K^2))^(1/3), K = 4 E*/3, s the peak stress, phi_n/(e delta_n) of the
+    exponential law (Maugis 1992): above about 5 `jkr_sphere` applies, below about 0.1 `dmt_sphere` (Johnson & Greenwood 1997)."""
     return _maugis_sphere_units(cohesive_stress, work_of_adhesion, contact_modulus, radius)[0]
 
 

@@ -16,10 +16,9 @@ def bonded_circle_stiffness(contact_radius, poisson=0.5, contact_modulus=1.0):
 
 def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modulus=1.0, radius=1.0):
     """(stick radius, displacement) of a Hertzian sphere with Coulomb friction f, s^3/a^3 = 1 - Q/(f P),
-    delta_t = (3 f P/(16 a G*))[1 - (1 - Q/(f P))^(2/3)] (Cattaneo 1938; Mindlin 1949), G* of `bonded_circle_stiffness`.
-    Needs friction in proportion to the pressure and no adhesion, and a load held while the force grows from nothing to at most f P.
-    Slip across the force (unless nu = 0) and normal-tangential coupling (unless nu = 1/2) are neglected: expect
-    differences of a few per cent."""
+    delta_t = (3 f P/(16 a G*))[1 - (1 - Q/(f P))^(2/3)] (Cattaneo 1938; Mindlin 1949), G* of `bonded_circle_stiffness`. Needs friction in proportion to
+    the pressure and no adhesion, and a load held while the force grows from nothing to at most f P. Slip across the force (unless
+    nu = 0) and normal-tangential coupling (unless nu = 1/2) are neglected: expect differences of a few per cent."""
     positive(load=load, friction=friction)
     a, stick = hertz_sphere_radius(load, contact_modulus, radius), 1 - tangential_force / (friction * load)
     require(np.greater_equal(stick, 0) & np.less_equal(stick, 1),
@@ -29,8 +28,8 @@ def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modul
 
 
 def cattaneo_sphere_traction(r, contact_radius, stick_radius, friction, contact_modulus=1.0, radius=1.0):
-    """Traction of `cattaneo_sphere`, along the force, f [p(r; a) - p(r; s)] with Hertz's pressure of each radius, s <= a; conditions as
-    there."""
+    """Traction of `cattaneo_sphere`, along the force, f [p(r; a) - p(r; s)] with Hertz's pressure of each radius, s <= a;
+    conditions as there."""
     positive(friction=friction)
     require(np.less_equal(stick_radius, contact_radius), f"stick_radius {stick_radius} exceeds contact_radius {contact_radius}")
     outer, inner = (hertz_sphere_pressure(r, edge, contact_modulus, radius) for edge in (contact_radius, stick_radius))
@@ -38,15 +37,17 @@ def cattaneo_sphere_traction(r, contact_radius, stick_radius, friction, contact_
 
 
 def savkoor_briggs_ratio(poisson=0.5):
-    """E*/(4 G*) = (2 - nu)/(2 (1 - nu)), 3/2 for an incompressible body on a rigid counterface: what a tangential force releases at the
-    edge of a bonded circle, over what the same normal force does, modes II and III averaged (Savkoor & Briggs 1977)."""
+    """E*/(4 G*) = (2 - nu)/(2 (1 - nu)), 3/2 for an incompressible body on a rigid counterface: what a tangential force releases
+    at the edge of a bonded circle, over what the same normal force does, modes II and III averaged (Savkoor & Briggs 1977)."""
     return 2 / bonded_circle_stiffness(1.0, poisson)
 
 
-def savkoor_briggs_sphere_load(contact_radius, tangential_force, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """Load of a bonded adhesive sphere of a contact radius and a tangential force Q, stable or not: (4 E* a^3/(3R) - P)^2 =
-    8 pi w E* a^3 - E* Q^2/(4 G*), G* of `bonded_circle_stiffness` (Savkoor & Briggs 1977). For short-range adhesion (Maugis parameters
-    large) and no slip; the contact is taken to stay a circle, modes II and III averaged: the area falls too fast for most experiments."""
+def savkoor_briggs_sphere_load(contact_radius, tangential_force, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0,
+                               radius=1.0):
+    """Load of a bonded adhesive sphere of a contact radius and a tangential force Q, stable or not:
+    (4 E* a^3/(3R) - P)^2 = 8 pi w E* a^3 - E* Q^2/(4 G*), G* of `bonded_circle_stiffness` (Savkoor & Briggs 1977). For short-range adhesion (Maugis parameters
+    large) and no slip; the contact is taken to stay a circle, modes II and III averaged: the area falls too fast for most
+    experiments."""
     bond = jkr_force(contact_radius, work_of_adhesion, contact_modulus)
     remaining = np.square(bond) - savkoor_briggs_ratio(poisson) * np.square(tangential_force)
     require(remaining >= 0, f"tangential_force {tangential_force} exceeds the strength of the contact_radius {contact_radius}")
@@ -55,8 +56,8 @@ def savkoor_briggs_sphere_load(contact_radius, tangential_force, poisson=0.5, wo
 
 def savkoor_briggs_sphere_radius(load, tangential_force, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0,
                                  radius=1.0):
-    """Radius of `savkoor_briggs_sphere_load` that is stable at a load and a tangential force; conditions as there. ValueError beyond the
-    strength, where 9 (pi w R)^2 + 6 pi w R P < E* Q^2/(4 G*)."""
+    """Radius of `savkoor_briggs_sphere_load` that is stable at a load and a tangential force; conditions as there. ValueError
+    beyond the strength, where 9 (pi w R)^2 + 6 pi w R P < E* Q^2/(4 G*)."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
     root = force**2 + 2 * force * load - savkoor_briggs_ratio(poisson) * np.square(tangential_force)
@@ -65,8 +66,8 @@ def savkoor_briggs_sphere_radius(load, tangential_force, poisson=0.5, work_of_ad
 
 
 def savkoor_briggs_sphere_strength(load, poisson=0.5, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
-    """(contact_radius, tangential_force) of `savkoor_briggs_sphere_load` at the largest tangential force that a load >= -3 pi w R/2 allows,
-    E* Q^2/(4 G*) = 9 (pi w R)^2 + 6 pi w R P at 4 E* a^3/(3 R) = P + 3 pi w R; conditions as there."""
+    """(contact_radius, tangential_force) of `savkoor_briggs_sphere_load` at the largest tangential force that a load >= -3 pi w
+    R/2 allows, E* Q^2/(4 G*) = 9 (pi w R)^2 + 6 pi w R P at 4 E* a^3/(3 R) = P + 3 pi w R; conditions as there."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
     require(np.greater_equal(load, -force / 2), f"the load {load} is below pull-off, {-force / 2}")

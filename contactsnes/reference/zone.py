@@ -1,8 +1,8 @@
-"""A strip that stays closed at |x| < a under a uniform traction s on a < |x| < c, isolated or periodic: Dugdale's zone in tension or shear.
+"""A strip that stays closed at |x| < a under a uniform traction s on a < |x| < c: Dugdale's zone, in tension or shear.
 
 The traction is that of flat punches of half widths b between a and c. Abel's equation gives the force that they carry,
-dF = (2 s L/pi) dt with cos(pi b/L) = cos(pi c/L)/cos(t), t from 0 at b = c to the `zone_angle` at b = a. A punch under a unit force
-moves its middle by (2/pi) ln(1/sin(pi b/L)) relative to the mean surface, and by (2/pi) artanh(tan(t)/tan(pi c/L)) relative to c. The
+dF = (2 s L/pi) dt with cos(pi b/L) = cos(pi c/L)/cos(t), t from 0 at b = c to the `zone_angle` at b = a. A punch under a unit force moves
+its middle by (2/pi) ln(1/sin(pi b/L)) relative to the mean surface, and by (2/pi) artanh(tan(t)/tan(pi c/L)) relative to c. The
 forces and tractions are those of Dugdale's collinear cracks (Tada, Paris & Irwin 2000).
 """
 
