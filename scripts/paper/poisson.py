@@ -89,11 +89,12 @@ def draw(results):
     loads = [f"$w_n/w_{{n,r}} = {force:g}$" for force in FORCES]
     for one, letter, title in zip((high, low, works), "abf", (*loads, f"$\\nu = {SHOWN:g}$, {loads[1]}")):
         one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  {title}", xlim=(0, None))
-    for one, letter, title in zip((pressed, half), "cd", ("pressed", "sheared, half of onset")):
-        one.set(xlabel=r"$x/\beta$", ylabel=r"$p_t\,\delta_t/\phi_t$", title=f"({letter})  {title}", xlim=(-8, 8), ylim=(-1, 1))
+    for one, letter, title in zip((pressed, half), "cd", (f"pressed, {loads[0]}", f"half of onset, {loads[0]}")):
+        one.set(xlabel=r"$x/\beta$", ylabel=r"$p_t\,\delta_t/\phi_t$", title=f"({letter})  {title}", xlim=(-8, 8), ylim=(-1, 1.2))
     relative.set(xlabel=r"$(1-2\nu)/(2(1-\nu))$", ylabel="change from $\\nu = 1/2$, %", title="(e)")
     relative.set_ylim(1.6 * relative.get_ylim()[0], None)
-    for one in (low, relative, works):
+    pressed.plot([], [], "k--", linewidth=0.8, label="bonded, first order")
+    for one in (low, pressed, relative, works):
         one.legend(fontsize=6)
     return figure
 
