@@ -30,14 +30,15 @@ BESIDE = {
                "traction without an open gap coincide.",
     "figure3": "The paper's widths converge for large thresholds, these go on to grow. The least threshold, whose contact is the overlap alone, "
                "loses contact before pull-off.",
-    "figure4": "Maugis and Dugdale's theory is added; JKR's is that of the periodic cell. Curves end at the fold under a prescribed displacement.",
+    "figure4": "Maugis and Dugdale's theory and the inset in (b) are added; both theories are those of the periodic cell. Curves end at the fold "
+               "under a prescribed displacement.",
     "figure5": "Contacts are those of the forces 25 and 0.8, not of the approaches 40 and 2, which have other forces in the cell as the paper describes it. "
                "Sliding begins for lambda_t = 10 far beyond the range in which the others' does, not early: the drawing over the whole range "
                "shows it. Marks in (a) have the colours of the profiles.",
     "figure5-full": "The paper has both residual frictions in its laws, and profiles for one; this is the other one. Without a drop of friction "
                     "sliding begins gradually unless adhesion is lost at once.",
     "figure5-long": "The same runs, axes logarithmic.",
-    "figure6": "Onsets and theory are added. Power laws are fitted where up to a quarter of what is lost is lost: the paper does not tell its window.",
+    "figure6": "Onsets, theory, (c) and (d) are added. Power laws are fitted where up to a quarter of what is lost is lost: the paper does not tell its window.",
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
