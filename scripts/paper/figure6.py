@@ -116,7 +116,7 @@ def add_legends(loss, stick, exponents):
         loss.plot([], [], color=colour, linewidth=width, linestyle=style, label=name)
     loss.legend(fontsize=5.5, loc="lower right")
     for maugis, colour in COLOURS.items():
-        stick.plot([], [], color=colour, label=f"$\lambda_t = {maugis:g}$: {exponents[0][maugis]:.2f}, {exponents[1][maugis]:.2f}")
+        stick.plot([], [], color=colour, label=f"$\\lambda_t = {maugis:g}$: {exponents[0][maugis]:.2f}, {exponents[1][maugis]:.2f}")
     stick.legend(fontsize=5.5, ncols=2, loc="lower left", title="exponents in (a), (b)", title_fontsize=5.5, handlelength=1.3,
                  columnspacing=1.0)
 
