@@ -1,12 +1,12 @@
 """Figure 6: decay of the contact area with the tangential force, for more tangential parameters, with power laws and theory.
 
-(a), (b) Contact area at the two loads of the paper. Dotted grey: the best power law of each curve, fitted where up to a quarter of the
-area is lost that is lost before sliding; the exponents are in the legend of (d). Thin black: fracture mechanics of a bonded contact with works of
-adhesion that are the same in both directions - Savkoor and Briggs (mode parameter 1) and mixed-mode functions of Hutchinson and Suo with
-smaller ones - up to the force at which it breaks. Dash-dotted red: slip of the whole contact, for the smallest parameter. (c) Area lost, at
-the larger load, axes logarithmic. (d) Width that sticks, where no slip has passed the peak of the traction, against the share of the
-force of gross sliding that theory gives (the width a_inf over which friction acts then is Hertz's and the range of the law); dashed red:
-the slip zone, which holds for stiff interfaces.
+(a), (b) Contact area at the two loads of the paper. Dotted grey: the best power law of each curve, fitted where up to a quarter
+of the area is lost that is lost before sliding, drawn up to a half; the exponents are in the legend of (d). Thin black: fracture
+mechanics of a bonded contact with works of adhesion that are the same in both directions - Savkoor and Briggs (mode parameter 1)
+and mixed-mode functions of Hutchinson and Suo with smaller ones - up to the force at which it breaks. Dash-dotted red: slip of
+the whole contact, for the smallest parameter. (c) Area lost, at the larger load, axes logarithmic. (d) Width that sticks, where
+no slip has passed the peak of the traction, against the share of the force of gross sliding that theory gives (the width a_inf
+over which friction acts then is Hertz's and the range of the law); dashed red: the slip zone, which holds for stiff interfaces.
 """
 
 import numpy as np
@@ -66,7 +66,7 @@ def draw_area(axes, results, force):
         if begun:
             axes.plot(begun.force, begun.area, "o", color=colour, markersize=3.5, markeredgecolor="k", markeredgewidth=0.3, zorder=4)
         fit = power_law(forces, areas, 0.25)
-        along = np.linspace(0, min(1.5 * fit.end, (fit.area / fit.factor) ** (1 / fit.exponent)), 60)
+        along = np.linspace(0, (0.5 * (areas[0] - areas.min()) / fit.factor) ** (1 / fit.exponent), 60)
         axes.plot(along, fit(along), ":", color=GREY, linewidth=1.0, zorder=3)
         exponents[maugis], end = fit.exponent, max(end, forces[-1] if maugis <= 1 else 0.0)
     for parameter, dashes in MODE_PARAMETERS.items():
