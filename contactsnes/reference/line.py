@@ -24,6 +24,7 @@ def hertz_line_load(half_width, period=np.inf):
 def hertz_line_half_width(load, period=np.inf):
     """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`; conditions as there."""
     not_negative(load=load)
+    positive(period=period)
     if np.isinf(period):
         return 2 * np.sqrt(load / np.pi)
     return period / np.pi * np.arcsin(np.sqrt(-np.expm1(-4 * np.pi * load / period**2)))

@@ -25,8 +25,10 @@ from .zone import zone_force, zone_opening, zone_traction
 def slip_zone_force(half_width, stick_half_width, strength, period=np.inf):
     """Tangential force 2 tau sqrt(a^2 - s^2) on a contact that sticks at |x| < s and slips at the traction tau beyond; periodic
     (2 tau L/pi) arccos(cos(pi a/L)/cos(pi s/L)), exact (Dugdale's zone in shear). Needs a traction that stays at tau however far
-    the surface has slipped, and slip much beyond the range of the law in the zone: the modified law with full residual friction
-    and a tangential Maugis parameter of 3 and more, with the half width a over which friction acts once adhesion has gone."""
+    the surface has slipped, and slip much beyond the range of the law in the zone: the modified law with full residual friction,
+    stiff, and the half width a over which friction acts once adhesion has gone (`sliding_half_width`). At a given share of the
+    force of gross sliding s is met within 1 % up to two thirds at a tangential Maugis parameter of 10, and 3 % at 3.6; at 1 it is
+    wider by 15 %."""
     positive(strength=strength)
     return zone_force(stick_half_width, half_width, strength, period)
 
@@ -62,7 +64,10 @@ def front_onset(half_width, residual_traction, work, period=np.inf):
     still sticking; beyond, the front runs through under a prescribed force. The half width is that of a contact which has lost
     its adhesion (`sliding_half_width`).
 
-    Conditions of `front_force`; the drive's stiffness, which lets the front go on a little, is left out."""
+    Conditions of `front_force`; the drive's stiffness, which lets the front go on a little, is left out. The force at onsets of
+    the modified law with half residual friction is met within 0.3 % at a tangential Maugis parameter of 10 and 3 % at 1, for
+    loads of 1 to 25 (that at which it slides, which at a held displacement is larger than before) and a normal Maugis parameter
+    of 10."""
     positive(half_width=half_width)
     found = minimize_scalar(lambda s: -front_force(half_width, s, residual_traction, work, period), bounds=(0.0, half_width),
                             method="bounded", options={"xatol": 1e-9 * half_width})

@@ -162,6 +162,8 @@ def maugis_sphere(load, cohesive_stress, work_of_adhesion=1.0, contact_modulus=1
 
 
 def maugis_sphere_pressure(r, contact_radius, cohesive_radius, cohesive_stress, contact_modulus=1.0, radius=1.0):
-    """Pressure of `maugis_sphere`, Hertz's minus (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-r^2)) within a, -s up to c."""
+    """Pressure of `maugis_sphere`, Hertz's minus (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-r^2)) within a, -s up to c.
+    Any Maugis parameter."""
+    positive(cohesive_stress=cohesive_stress)
     tension = zone_traction(r, contact_radius, cohesive_radius, cohesive_stress)
     return hertz_sphere_pressure(r, contact_radius, contact_modulus, radius) - tension

@@ -100,9 +100,11 @@ def draw_stick(axes, results, force):
         record = results[f"full-t{maugis:g}-w{force:g}"]
         part = sheared_part(record)
         points = [point for point in record.field_points if point >= part.start]
-        slid = reference.sliding_force(force, reference.peak_tangential_traction(maugis), record.scene["normal_maugis"], PERIOD)
+        # Without adhesion the load at a held displacement is a little larger.
+        load, peak = record["normal_force"][-1], reference.peak_tangential_traction(maugis)
+        slid = reference.sliding_force(load, peak, record.scene["normal_maugis"], PERIOD)
         axes.plot(record["tangential_force"][points] / slid, [stick_width(record, point) for point in points], color=COLOURS[maugis])
-    axes.plot(*slip_zone_curve(force, record.scene["normal_maugis"]), "--", color="C3", linewidth=0.9)
+    axes.plot(*slip_zone_curve(load, record.scene["normal_maugis"]), "--", color="C3", linewidth=0.9)
     axes.set(xlabel=r"$w_t/(\tau_{\max} a_\infty)$", ylabel=r"$a_{stick}/\beta$", xlim=(0, 1.25), ylim=(0, 13.5))
 
 
