@@ -6,6 +6,7 @@ from contactsnes.tables import markdown, write_between
 
 import cell
 import cost
+import early
 import poisson
 import remnant
 import statements  # noqa: F401  makes the statements of the table
@@ -42,7 +43,7 @@ BESIDE = {
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell)}
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell, early)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 
@@ -101,7 +102,7 @@ def beyond_figures(results):
 
 def write(results, runs, figures):
     """Write both pages; ``runs`` are those of the paper's figures, ``figures`` their (name, function of results that draws it)."""
-    finer = Finer(results, {run.name for run in runs if not run.finer})
+    finer = Finer(results, {run.name for run in [*runs, *runs_beyond()] if not run.finer})
     images = [f"![{caption}]({name}.png)\n\n{caption}. {symbols(BESIDE[name])}"
               for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
     (HERE / "README.md").write_text("\n".join([

@@ -1,6 +1,6 @@
 """The runs behind the figures: what each one is, how they are made, and their archives.
 
-Every run is one command, ``contactsnes run`` with the options of `Run.options`; its archive and what it said lie in the folder
+Every run is one command, as a rule ``contactsnes run``, with the options of `Run.options`; its archive and what it said lie in the folder
 of results, and a run whose archive is complete is not made again. Lengths are in beta, normal displacements in u_n,r, tangential
 ones in u_t,r, forces in w_n,r and w_t,r, as everywhere.
 """
@@ -41,11 +41,12 @@ FINER = "-x2"
 
 class Run(NamedTuple):
     """A run: its name, its options, name -> value, and whether its grid may be refined: where it is too coarse to finish, and for a second
-    run on twice the points, which tells the errors of the grid."""
+    run on twice the points, which tells the errors of the grid. ``program`` is what takes the options, arguments of Python."""
 
     name: str
     options: dict
     finer: bool = True
+    program: tuple = ("-m", "contactsnes", "run")
 
     def arguments(self):
         """The options as words of a command."""
@@ -199,20 +200,20 @@ class Results:
     def make(self, run):
         """Make a run, or go on with it, if need be on a grid of twice the points; (exit status, seconds)."""
         path, began, said = self.path(run.name), time.perf_counter(), [" ".join(run.arguments())]
-        status = self._command(path, [*run.arguments(), "-archive_resume"], said)
+        status = self._command(path, [*run.program, *run.arguments(), "-archive_resume"], said)
         if status == 2:  # an archive of other options gives way
-            status = self._command(path, [*run.arguments(), "-archive_overwrite"], said)
+            status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"], said)
         if status == 1 and run.finer and "scene_points" in run.options:
             finer = run._replace(options={**run.options, "scene_points": 2 * run.options["scene_points"]})
-            status = self._command(path, [*finer.arguments(), "-archive_overwrite"], said)
+            status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"], said)
         path.with_suffix(".log").write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
         return status, time.perf_counter() - began
 
     @staticmethod
     def _command(path, arguments, said):
-        """Exit status of one command, whose output is added to what was said."""
-        command = [sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file", str(path)]
+        """Exit status of one command of Python, whose output is added to what was said."""
+        command = [sys.executable, *arguments, "-archive_file", str(path)]
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
         done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
         said += [done.stdout, done.stderr]
