@@ -9,6 +9,7 @@ import cost
 import early
 import poisson
 import remnant
+import sinusoid
 import statements  # noqa: F401  makes the statements of the table
 from errors import figure_table
 from runs import ROOT, Finer
@@ -43,7 +44,7 @@ BESIDE = {
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, early)}
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, early)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 
