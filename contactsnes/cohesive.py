@@ -30,7 +30,7 @@ def resolution(scene, sheared):
     """
     steepest = scene.normal_maugis ** 2
     if sheared:
-        softening = 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
+        softening = friction_softening(scene)
         stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
         law = (scene.law, scene.residual_friction, scene.residual_adhesion)
         tangential = scene.tangential_maugis ** 2 * 0.5 / stiffness
@@ -38,6 +38,11 @@ def resolution(scene, sheared):
                        coupled_softening(law, scene.normal_maugis, math.sqrt(tangential)) / SOFTENING)
     uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
     return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION for spacing, same in zip(scene.spacings, uniform))
+
+
+def friction_softening(scene):
+    """Steepest fall of the friction with the slip, (2/e) (1 - residual_friction) or 4 e^(-3/2), phi_t/delta_t^2."""
+    return 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
 
 
 @lru_cache(maxsize=64)

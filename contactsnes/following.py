@@ -3,14 +3,19 @@
 import numpy as np
 from scipy import ndimage
 
+from .cohesive import friction_softening
 from .fourier import Window
 from .grids import extent
+from .laws import SLIP
 from .levels import crossings
 from .spots import MOST
 from .states import NEAR, State, combined, normal_gap, onto, wider
 
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than 1e-7)."""
+FAR = 0.3
+"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip front has to move in a step to be
+followed: wider ones, and the gradual ones of full residual friction, are predicted better in place."""
 
 
 def edges(contact, state):
@@ -35,6 +40,28 @@ def edges(contact, state):
     return np.array(ends)
 
 
+def slip_fronts(contact, state, ends):
+    """The two places on a line, within ``ends`` of the contact, between which the surfaces stick: where the slip passes that of the peak
+    of the friction. None where there are not two."""
+    if len(ends) > 1 or len(state.displacement) < 2:
+        return None
+    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]), SLIP)
+    within = (places > ends[0, 0]) & (places < ends[0, 1])
+    return places[None, within] if list(signs[within]) == [-1, 1] else None
+
+
+def followed_places(contact, states):
+    """Places of each state that stay in place in the stretched coordinates, in order: the ends of its spot of contact and, where all have
+    them, the slip fronts; an array (directions, places) for each state, or None without such a spot."""
+    ends = [edges(contact, state) for state in states]
+    if any(end is None for end in ends):
+        return None
+    fronts = [slip_fronts(contact, state, end) for state, end in zip(states, ends)]
+    if any(front is None for front in fronts):
+        return ends
+    return [np.concatenate((end[:, :1], front, end[:, 1:]), axis=1) for end, front in zip(ends, fronts)]
+
+
 def follow_edge(contact, states, weights, half=False):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
 
@@ -42,7 +69,8 @@ def follow_edge(contact, states, weights, half=False):
     each is followed in a box of its own.
 
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
-    at a fixed distance from the edge hardly do. Where the law hardly acts, displacements are extrapolated at fixed places.
+    at a fixed distance from the edge hardly do. So do the fronts of slip on a line. Where the law hardly acts, displacements are
+    extrapolated at fixed places.
     """
     ahead = _follow_spot(contact, states, weights, half)
     return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
@@ -50,14 +78,18 @@ def follow_edge(contact, states, weights, half=False):
 
 def _follow_spot(contact, states, weights, half=False):
     """The same for the one spot of a window of one box."""
-    ends = [edges(contact, state) for state in states]
-    if any(end is None for end in ends):
+    known = followed_places(contact, states)
+    if known is None:
         return None
     window = states[-1].window
     # Places of all states in nodes from the first one of the last window; a wider window begins before it.
-    places = [end + _nodes_between(window, state.window)[:, None] for end, state in zip(ends, states)]
+    places = np.array([one + _nodes_between(window, state.window)[:, None] for one, state in zip(known, states)])
     target = np.tensordot(weights, places, axes=1)
-    if np.any(target[:, 1] - target[:, 0] < 4.0):
+    moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0) * contact.grid.spacings[0]
+    if moved * contact.scene.tangential_maugis ** 2 * friction_softening(contact.scene) < FAR or np.any(np.diff(target) < 4.0):
+        # Fronts that hardly move, or meet each other or the edges, are not followed.
+        places, target = places[..., [0, -1]], target[:, [0, -1]]
+    if np.any(np.diff(target) < 4.0):
         return None
     near = window.box(normal_gap(contact, states[-1])) < NEAR
     part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
@@ -97,16 +129,16 @@ def _follow_spots(contact, states, weights):
 def carried(contact, change, origin, state):
     """A small change of one state as one of another: moved with the edge of contact where it is one spot, to the other's window."""
     fixed = State(state.window, onto(change, state.window), change.means)
-    ends = [edges(contact, origin), edges(contact, state)]
-    if any(end is None for end in ends):
+    known = followed_places(contact, [origin, state])
+    if known is None:
         return fixed
     window = state.window
     near = window.box(normal_gap(contact, state)) < NEAR
     part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
-    places = ends[0] + _nodes_between(window, origin.window)[:, None]
+    places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= change.window.take(contact.initial_gap)
-    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, ends[1], part)
+    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, known[1], part)
     return fixed
 
 
@@ -117,15 +149,16 @@ def _near_boxes(gap):
             for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
 
 
-def _stretched(contact, state, window, ends, target, part):
-    """Normal gap and tangential displacements (components, *part) of a state where its ends have been moved to ``target``.
+def _stretched(contact, state, window, places, target, part):
+    """Normal gap and tangential displacements (components, *part) of a state whose ``places`` have been moved to ``target``.
 
-    ``ends`` and ``target`` are counted from the first node of ``window``, of whose box ``part`` is a part.
+    Both are counted from the first node of ``window``, of whose box ``part`` is a part.
     """
     known, sources = [], []
-    for (first, last), (left, right), wanted, begin, count in \
-            zip(ends, target, part, _nodes_between(window, state.window), state.window.shape):
-        source = first + (np.arange(wanted.start, wanted.stop) - left) * (last - first) / (right - left) - begin
+    for here, there, wanted, begin, count in zip(places, target, part, _nodes_between(window, state.window), state.window.shape):
+        node, scale = np.arange(wanted.start, wanted.stop), (here[-1] - here[0]) / (there[-1] - there[0])
+        source = np.interp(node, there, here) - begin
+        source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
         low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2))
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)

@@ -183,7 +183,7 @@ class Steps(Options):
                                          default_text="1/20 of the leg")
     smallest_step: float | tuple = option(None, "smallest step, below which a solve has failed", "of what moves",
                                           kind="number", above=0, many="legs", default_text="1e-6 of the leg")
-    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows the contact edge, where there is one spot)",
+    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge (follows contact edges and slip fronts, where there are any)",
                             choices=("none", "secant", "tangent", "edge"))
     at_bifurcation: str = option("pass", "at a bifurcation, which -continuation_stability finds: pass, stop, follow the stable "
                                  "branch", choices=("pass", "stop", "follow"))

@@ -39,6 +39,20 @@ def results(modules, tmp_path_factory):
     return found
 
 
+def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
+    import runs
+
+    made = runs.Results(tmp_path)
+    points = []
+    for step in ("0.5", "0.25"):
+        run = runs.Run("small", {"scene_points": 256, "scene_period": 30, "scene_normal_maugis": 3, "load_start": "normal_displacement=1",
+                                 "load_path": "normal_displacement=2", "continuation_initial_step": step, "continuation_largest_step": step})
+        made.make_all([run], 1, lambda line: None)
+        assert made.done(run)
+        points.append(made["small"].points)
+    assert points[1] > points[0]
+
+
 def test_catalogue_is_of_valid_scenes_and_loads():
     import cost
     import runs

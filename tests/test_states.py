@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from contactsnes import following, states
+from contactsnes import Branch, Load, following, states
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact
 from contactsnes.continuation import lagrange_weights
 from contactsnes.fourier import Window
 from contactsnes.laws import CUTOFF
-from contactsnes.scene import Scene
+from contactsnes.scene import Scene, Steps
 
 POINTS, PERIOD, MAUGIS = 512, 40.0, 3.0
 
@@ -392,3 +392,54 @@ def test_following_the_edge_does_not_go_into_deep_overlap():
     given = [parabola(contact, window, 2.0, opening=opening) for opening in (10.0, 20.0)]
     found = following.follow_edge(contact, given, np.array([-3.0, 4.0]))
     assert states.normal_gap(contact, found).min() == pytest.approx(states.normal_gap(contact, given[-1]).min() - 1.0)
+
+
+def slipping(contact, half, front, spread=0.15):
+    """A contact of a half width (beta) into which slip fronts have come as far as ``front``, sharp within ``spread``."""
+    window = contact.grid.whole
+    gap = parabola(contact, window, half)
+    x = np.abs(window.coordinates()[0])
+    slip = 20.0 / (1.0 + np.exp(-(x - front) / spread)) * np.where(x > half, (half / np.maximum(x, 1e-9)) ** 2, 1.0)
+    fields = np.array([gap.displacement[0], slip])
+    return states.State(window, fields, contact.grid.mean(fields))
+
+
+@pytest.mark.parametrize("residual", [0.0, 0.5, 1.0])
+def test_following_slip_fronts(residual):
+    """Fronts that run ahead of the edges; with full residual friction they are left in place."""
+    contact = line(points=2048, tangential_maugis=10.0, residual_friction=residual)
+    given = [slipping(contact, 3.0 - 0.01 * t, 2.4 - 0.2 * t - 0.02 * t * t) for t in range(4)]
+    ends = following.edges(contact, given[0])
+    found = following.slip_fronts(contact, given[0], ends)
+    assert ends[0, 0] < found[0, 0] < found[0, 1] < ends[0, 1]
+    np.testing.assert_allclose(np.diff(found)[0], 2 * (2.4 - 0.15 * np.log(20.0 / np.sqrt(0.5) - 1.0)) / contact.grid.spacings[0], rtol=1e-3)
+    weights = lagrange_weights(range(3), 3)
+    ahead = following.follow_edge(contact, given[:3], weights)
+    inside = np.abs(contact.grid.coordinates()[0].reshape(-1)) < 2.8
+    wrong, still = (np.abs(state.displacement - given[3].displacement)[1, inside].max()
+                    for state in (ahead, states.combined(contact, given[:3], weights)))
+    assert (wrong < 0.2 * still) == (residual < 1.0)
+
+
+def test_there_are_no_fronts_where_nothing_or_everything_slips():
+    contact = line(points=2048, tangential_maugis=10.0)
+    for front in (0.0, 3.5):
+        state = slipping(contact, 3.0, front, 0.05)
+        assert following.slip_fronts(contact, state, following.edges(contact, state)) is None
+    pressed = parabola(contact, contact.grid.whole, 3.0)
+    assert following.slip_fronts(contact, pressed, following.edges(contact, pressed)) is None
+
+
+def test_followed_fronts_halve_the_cost_of_incipient_sliding(monkeypatch):
+    """And lead to the same fold."""
+    scene = Scene(points=2048, period=20.0, height=100.0, normal_maugis=3.0, tangential_maugis=6.0, residual_friction=0.5)
+    load = Load(start="normal_displacement=4", path="normal_displacement=hold, tangential_displacement=500", stop="gross_sliding")
+    found = []
+    for far in (following.FAR, np.inf):
+        monkeypatch.setattr(following, "FAR", far)
+        found.append(list(Branch(scene, load, Steps(initial_step=(2.0,), largest_step=(20.0,), at_fold="stop"))))
+    followed, plain = found
+    assert followed[-1].event == plain[-1].event == "fold"
+    assert followed[-1].load[1] == pytest.approx(plain[-1].load[1], rel=1e-3)
+    costs = [sum(point.spent["transforms"] for point in points) for points in found]
+    assert costs[0] < 0.65 * costs[1] and len(followed) < len(plain)

@@ -200,13 +200,17 @@ class Results:
     def make(self, run):
         """Make a run, or go on with it, if need be on a grid of twice the points; (exit status, seconds)."""
         path, began, said = self.path(run.name), time.perf_counter(), [" ".join(run.arguments())]
-        status = self._command(path, [*run.program, *run.arguments(), "-archive_resume"], said)
-        if status == 2:  # an archive of other options gives way
+        log = path.with_suffix(".log")
+        # An archive of the same scene with other steps would be taken for this run's.
+        same = log.is_file() and log.read_text(encoding="utf-8").splitlines()[:1] == said
+        log.write_text(said[0] + "\n", encoding="utf-8")
+        status = self._command(path, [*run.program, *run.arguments(), "-archive_resume" if same else "-archive_overwrite"], said)
+        if status == 2 and same:
             status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"], said)
-        if status == 1 and run.finer and "scene_points" in run.options:
+        if status == 1 and run.finer:
             finer = run._replace(options={**run.options, "scene_points": 2 * run.options["scene_points"]})
             status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"], said)
-        path.with_suffix(".log").write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
+        log.write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
         return status, time.perf_counter() - began
 
