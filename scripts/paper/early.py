@@ -299,7 +299,7 @@ def says(results):
         f"With residual friction one half a front of slip goes in steadily, and equilibria slide {grids(half)}: where the grid pins the "
         f"front it goes in by instabilities, by a node each. {told_motions(results)}"
         f"No grid and no damping makes gross sliding an equilibrium below {least:.0f} (theory: {theory:.0f}), {100 * (1 - least_share(results)):.1f} % before the "
-        "onset: the sliding contact still carries tau_inf, which draws the surface back. Without residual friction, as under eq. 3, nothing does. There equilibria slide "
+        "onset: the sliding contact still carries tau_inf, which draws the surface back. Without residual friction, as under eq. 3 at large slip, nothing does. There equilibria slide "
         f"{grids(none)}, motion to rest {between(results, 'none', REST[0])} on 2^13 and {between(results, 'none', REST[1])} on 2^14 points, weakly damped motion "
         f"{between(results, 'none', WEAK[0])} and {between(results, 'none', WEAK[1])}"
         + (": it overshoots, and that is for good. " if overshoots else ". ")

@@ -180,14 +180,15 @@ def early_sliding(results):
                              for label, ends in early.onsets(results, law).items() if label in (*early.REST, *early.WEAK) and np.isfinite(ends[1])]))
     found.append(("in equilibrium, tau_max/2, from", [Number("", least, exact=True)]))
     overshoots = max(early.onsets(results, "none")[label][1] for label in early.WEAK) < 1
+    shaken = max(early.behind(results, label) for label in early.WEAK) < -2
     there = all(ends[0] <= 1.001 and ends[1] >= 0.999 for ends in (early.onsets(results, "half")[label] for label in early.REST))
     return found, "confirmed" if not late else (
         "not confirmed: the slip front enters the contact steadily, while the traction behind it stays at tau_inf, until the force is "
         f"about tau_inf a_r = {residual:.3g}. On 2^13 points (spacing 2.8 times what resolves the front) the front is pinned between "
         "nodes and advances by folds and jumps, the first of them early, each to a state whose centre still sticks. "
-        f"Damped motion to rest slides {'where equilibria do' if there else 'elsewhere'}; no motion comes to rest sliding more than {100 * (1 - least):.2g} % early, for tau_inf pulls the surface back. What looks "
-        "early is a front that weakly damped motion keeps shaking, or"
-        + (", without tau_inf (eq. 3), the overshoot of such motion, which is for good" if overshoots else ", without tau_inf (eq. 3), any overshoot"))
+        f"Damped motion to rest slides {'where equilibria do' if there else 'elsewhere'}; no motion comes to rest sliding more than {100 * (1 - least):.2g} % early, for tau_inf pulls the surface back. "
+        + "What looks early is a front that weakly damped motion keeps shaking. " * shaken
+        + "Without tau_inf (as under eq. 3) " + ("such motion overshoots, and slides early for good" if overshoots else "nothing holds back an overshoot"))
 
 
 def first_fold(record):
