@@ -71,8 +71,8 @@ def told(found, again=None):
     """Text of numbers with their error bars: the larger of the spread and of the change on finer grids, ``again``."""
     if found and isinstance(found[0], Number):
         found, again = [("", found)], None if again is None else [("", again)]
-    others = {(heading, number.label): number for heading, numbers in again or () for number in numbers}
-    return "; ".join(heading + ": " * bool(heading) + ", ".join(_told(number, others.get((heading, number.label))) for number in numbers)
+    others = {(heading, place): number for heading, numbers in again or () for place, number in enumerate(numbers)}
+    return "; ".join(heading + ": " * bool(heading) + ", ".join(_told(number, others.get((heading, place))) for place, number in enumerate(numbers))
                      for heading, numbers in found)
 
 
@@ -92,4 +92,4 @@ def with_error(value, error, unit=""):
         return f"{value:.4g}{end}"
     whole = int(np.floor(np.log10(abs(value)))) + 1 if value else 0
     digits = int(np.clip(whole - np.floor(np.log10(error)), max(whole, 1), max(6, whole)))
-    return f"{value:#.{digits}g}".rstrip(".").replace("e-0", "e-") + f" ± {error:.1g}".replace("e-0", "e-") + end
+    return f"{value:#.{digits}g} ± {error:.1g}{end}".replace("e-0", "e-").replace(".e", "e").replace(". ", " ")
