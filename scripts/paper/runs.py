@@ -81,7 +81,7 @@ def strength(law, maugis, force):
     carried = reference.peak_tangential_traction(maugis) * width
     if law == "mcgarry":
         # Under pressure eq. 3 holds more than tau_max.
-        return min(1.5 * carried if maugis < 1 else carried, 2.5 * reference.ligament_force(half_width(force), PERIOD))
+        return min(1.5 * carried if maugis < 1 else carried, 1.75 * reference.ligament_force(half_width(force), PERIOD))
     return carried
 
 
@@ -91,7 +91,8 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     control : what stays as it is normally under shear, the "displacement" (as in the paper) or the "force"
     """
     given, scene = scene, {"tangential_maugis": float(maugis), **LAWS[law], **scene}
-    size = scene.pop("points", None) or points(**scene)
+    # A rim that slips under eq. 3 is no longer kept out of the flat, and the deeper it sinks the faster its friction falls.
+    size = scene.pop("points", None) or points(**scene) * (4 if law == "mcgarry" and maugis >= 10 else 1)
     begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
     # The whole contact slips at once where the interface is compliant: smaller steps.
     legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 1 else 120)]
@@ -113,7 +114,7 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
         "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
         "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
         # Along its length a branch tells exactly where a stable onset is; a stiff interface with a fold has too long a one.
-        **({"continuation_type": "arclength"} if maugis <= (3.6 if law == "full" else 1) else {}),
+        **({"continuation_type": "arclength"} if law == "mcgarry" or maugis <= (3.6 if law == "full" else 1) else {}),
         "continuation_stability": "sign"})
 
 
