@@ -68,7 +68,7 @@ def draw(results):
             if maugis == TANGENTIAL[0]:
                 one.set_title(LAW_NAMES[law])
             one.annotate(f"$\\lambda_t = {maugis:g}$\n$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),
-                         xycoords="axes fraction", ha="right", fontsize=6.5)
+                         xycoords="axes fraction", ha="right", fontsize=6.5, bbox={"facecolor": "w", "edgecolor": "none", "pad": 1})
         line[0].set_ylabel(AREA)
     for one in axes[-1]:
         one.set_xlabel(FORCE)

@@ -94,8 +94,8 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     # A rim that slips under eq. 3 is no longer kept out of the flat, and the deeper it sinks the faster its friction falls.
     size = scene.pop("points", None) or points(**scene) * (4 if law == "mcgarry" and maugis >= 10 else 1)
     begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
-    # The whole contact slips at once where the interface is compliant: smaller steps.
-    legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 1 else 120)]
+    # The more compliant the interface the more of the contact slips at once: smaller steps.
+    legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 6 else 80 if maugis >= 1 else 120)]
     if control == "displacement":
         legs[1] = "normal_displacement=hold, " + legs[1]
     if drive(scene, begin) < 0.6 * end:
