@@ -38,17 +38,18 @@ def moved(law, points, label, step, end, *, damping=1.0, steps=6000, tolerance=1
         "moved_tolerance": tolerance})
 
 
-def newton(law, points, beyond=False):
+def newton(law, points):
     """Equilibria on a grid, without certificates; those of one half are runs of the paper's figures."""
     if law == "half":
         return sheared("half", MAUGIS, FORCE_HELD, fields="all") if points == 32768 else \
             sheared("half", MAUGIS, FORCE_HELD, points=points, suffix=f"-p{points}", beyond=points == 8192)
-    run = sheared("half", MAUGIS, FORCE_HELD, points=points, residual_friction=0.0, beyond=beyond)
+    # Beyond folds, for a front that a grid pins has several.
+    run = sheared("half", MAUGIS, FORCE_HELD, points=points, residual_friction=0.0, beyond=True)
     return run._replace(name=f"none-t{MAUGIS}-w{FORCE_HELD}-p{points}", options={
         **run.options, "continuation_stability": "off", "load_stop": "gross_sliding,pull_off"})
 
 
-EQUILIBRIA = {law: {size: newton(law, size, size == 8192) for size in (8192, 16384, 32768)} for law in RESIDUAL}
+EQUILIBRIA = {law: {size: newton(law, size) for size in (8192, 16384, 32768)} for law in RESIDUAL}
 MOTIONS = {
     "half": {
         "to rest, $2^{13}$": moved("half", 8192, "rest", 500, 4500),
@@ -57,14 +58,14 @@ MOTIONS = {
         "300 time steps, $2^{13}$": moved("half", 8192, "stopped", 200, 4800, steps=300),
         "strongly damped, 1000 time steps, $2^{13}$": moved("half", 8192, "strong", 500, 5000, damping=10.0, steps=1000),
         "weakly damped, $2^{13}$": moved("half", 8192, "weak", 1000, 5000, damping=0.1, steps=4000),
-        "weakly damped, $2^{14}$": moved("half", 16384, "weak", 1000, 2000, damping=0.1, steps=5000),
-        "weakly damped, short time step, $2^{13}$": moved("half", 8192, "short", 1000, 1000, damping=0.1, steps=8000, time_step=0.8),
+        "weakly damped, $2^{14}$": moved("half", 16384, "weak", 1000, 2000, damping=0.1, steps=4000),
+        "weakly damped, short time step, $2^{13}$": moved("half", 8192, "short", 1000, 1000, damping=0.1, steps=6000, time_step=0.8),
     },
     "none": {
         "to rest, $2^{13}$": moved("none", 8192, "rest", 40, 800, tolerance=1e-3, steps=3000, begin=400),
         "to rest, $2^{14}$": moved("none", 16384, "rest", 40, 800, tolerance=1e-3, steps=3000, begin=400),
-        "weakly damped, $2^{13}$": moved("none", 8192, "weak", 400, 800, damping=0.1, steps=4000),
-        "weakly damped, $2^{14}$": moved("none", 16384, "weak", 400, 800, damping=0.1, steps=4000),
+        "weakly damped, $2^{13}$": moved("none", 8192, "weak", 400, 800, damping=0.1, steps=3000),
+        "weakly damped, $2^{14}$": moved("none", 16384, "weak", 400, 800, damping=0.1, steps=3000),
     }}
 """Law -> label -> run."""
 REST, WEAK = ([f"{label}, $2^{{{power}}}$" for power in (13, 14)] for label in ("to rest", "weakly damped"))
