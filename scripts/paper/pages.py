@@ -9,6 +9,7 @@ import cost
 import early
 import poisson
 import remnant
+import rough
 import sinusoid
 import statements  # noqa: F401  makes the statements of the table
 from errors import figure_table
@@ -44,7 +45,7 @@ BESIDE = {
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, early)}
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 

@@ -46,8 +46,10 @@ def pressed(curvature):
     """Pressed to full contact, and pulled off."""
     return Run(f"sinusoid-c{curvature:g}", {
         **scene(curvature), "load_start": "normal_displacement=0",
-        "load_path": f"normal_force={HIGHEST[curvature]:g}; normal_displacement=-8", "load_stop": "pull_off",
-        "continuation_initial_step": "0.2,0.1", "continuation_largest_step": "1,0.12", "continuation_stability": "sign"})
+        # Near full contact the force depends steeply on the displacement.
+        "load_path": f"normal_force={HIGHEST[curvature]:g}; normal_displacement={amplitude(curvature) - 0.25:.4g}; normal_displacement=-8",
+        "load_stop": "pull_off", "continuation_initial_step": "0.2,0.01,0.1", "continuation_largest_step": "1,0.01,0.25",
+        "continuation_stability": "sign"})
 
 
 def sheared(curvature, force, full=False):
@@ -119,7 +121,8 @@ def draw_shear(axes, results):
 
 def draw_onsets(axes, results):
     """Forces over areas at the onset of sliding, and the front's."""
-    shown = [*((group, "o", f"C{number}", f"$A = {amplitude(curvature):.2f}\\,u_{{n,r}}$") for number, (curvature, group) in enumerate(GROUPS)),
+    shown = [*((group, "o", f"C{number}", f"$A = {amplitude(curvature):.2f}\\,u_{{n,r}}$")
+               for number, (curvature, group) in enumerate(GROUPS)),
              ([FULL], "D", "C0", "from full contact"), (CYLINDERS, "s", "w", "cylinder")]
     for runs, marker, colour, label in shown:
         records = [results[run.name] for run in runs if onset(results[run.name])]
