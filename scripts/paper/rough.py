@@ -18,8 +18,8 @@ from observed import onset, profile, sheared_part
 from runs import Run
 from style import AREA, FORCE, GREY, branch, panels, shades
 
-CELL, POINTS, MAUGIS = 50.0, 1024, 5.0
-"""Period, points (spacing times lambda_n^2: 1.22; ten nodes on the shortest wave) and normal Maugis parameter."""
+CELL, POINTS, MAUGIS = 50.0, 2048, 5.0
+"""Period, points (spacing times lambda_n^2: 0.61; twenty nodes on the shortest wave) and normal Maugis parameter."""
 HURST, LONGEST, SHORTEST = 0.8, 3.0, 0.5
 SLOPES, SEEDS, SHOWN = (0, 2, 4, 6), (2, 1, 3), 2
 """Root mean square slopes (u_n,r/beta), seeds of the surfaces, and the seed that most panels show."""
@@ -42,7 +42,7 @@ def run(slope, seed, name, **options):
 def pressed(slope, seed):
     """Pressed to the largest force, and pulled off."""
     return run(slope, seed, "pressed", load_path=f"normal_force={FORCES[0]}; normal_displacement=-8", load_stop="pull_off",
-               continuation_initial_step="0.5,0.25", continuation_largest_step="1,0.5")
+               continuation_initial_step="0.5,0.2", continuation_largest_step="0.5,0.2")
 
 
 def sheared(slope, seed, force):
@@ -50,7 +50,7 @@ def sheared(slope, seed, force):
     end = reference.driven_displacement(0.0, 2 * PEAK * reference.jkr_line_half_width(force, CELL), CELL, HEIGHT)
     return run(slope, seed, f"w{force:g}", scene_tangential_maugis=1.0, scene_residual_friction=0.5,
                load_path=f"normal_force={force:g}; tangential_displacement={end:.6g}", load_stop="gross_sliding,pull_off",
-               continuation_initial_step=f"0.5,{end / 80:.4g}", continuation_largest_step=f"1,{end / 40:.4g}")
+               continuation_initial_step=f"0.5,{end / 160:.4g}", continuation_largest_step=f"1,{end / 80:.4g}")
 
 
 def surfaces(slope):
@@ -193,8 +193,8 @@ def adhesion(results):
     snaps = [int(np.sum((record["event"] == "fold") & (record["leg"] == leg))) for leg in (1, 2)]
     areas = [float(results[SHEARED[slope, SHOWN, FORCES[0]].name]["contact_area"][
         sheared_part(results[SHEARED[slope, SHOWN, FORCES[0]].name])][0]) for slope in SLOPES]
-    return ("Pull-off forces are " + ", ".join(f"{listed(tensions[slope])} (slope {slope:g})" for slope in SLOPES)
-            + f": on the mean of the surfaces roughness raises adhesion at slopes of {' and '.join(raised) or 'none'} and lowers it at "
+    return ("Pull-off forces are " + "; ".join(f"{listed(tensions[slope])} at slope {slope:g}" for slope in SLOPES)
+            + f". On average over the surfaces roughness raises adhesion at slopes of {' and '.join(raised) or 'none'} and lowers it at "
             f"{' and '.join(lowered) or 'none'}. JKR with the work of adhesion less the energy that flattens the roughness, which is "
             f"{listed(map(flattening, SLOPES[1:]))} of it, is exceeded by {above} of {count}"
             f"{': crests hold on their own, and waves that stay closed hold the edge of the contact' if above else ''}. "
@@ -226,11 +226,11 @@ def says(results):
     spread = [begun[SLOPES[-1], seed, FORCES[0]].force for seed in SEEDS]
     errors = {force: max(abs(fronts(results[SHEARED[case].name])[0] / one.force - 1) for case, one in begun.items() if case[2] == force)
               for force in FORCES}
-    return (f"A cylinder with self-affine roughness, Hurst exponent {HURST:g}, waves from {SHORTEST:g} to {LONGEST:g}, root mean square slopes "
-            f"of {', '.join(f'{slope:g}' for slope in SLOPES)} u_n,r/beta and {len(SEEDS)} surfaces (lambda_n = {MAUGIS:g}, lambda_t = 1, "
-            f"residual friction one half, period {CELL:g}). {adhesion(results)} Sheared at W = {FORCES[0]} these contacts slide at forces "
-            f"that differ by {changes} % from the smooth one's, those of the largest slope at {min(spread):.2f} to {max(spread):.2f}; for all "
-            f"contacts here the force is {min(ratios):.2f} to {max(ratios):.2f} tau_max times the real area at the onset. A slip front in one "
-            f"contact as wide as the friction in sliding meets it within {100 * errors[FORCES[0]]:.0f} % at W = {FORCES[0]} and "
-            f"{100 * errors[FORCES[1]]:.0f} % at {FORCES[1]}. {sliding_order(results)} "
+    return (f"A cylinder with self-affine roughness, Hurst exponent {HURST:g}, waves from {SHORTEST:g} to {LONGEST:g}, root mean square "
+            f"slopes of {', '.join(f'{slope:g}' for slope in SLOPES)} u_n,r/beta and {len(SEEDS)} surfaces (lambda_n = {MAUGIS:g}, "
+            f"lambda_t = 1, residual friction one half, period {CELL:g}). {adhesion(results)} Sheared at W = {FORCES[0]} these contacts "
+            f"slide at forces that differ by {changes} % from the smooth one's, those of the largest slope at {min(spread):.2f} to "
+            f"{max(spread):.2f}; for all contacts here the force is {min(ratios):.2f} to {max(ratios):.2f} tau_max times the real area at "
+            f"the onset. A slip front in one contact as wide as the friction in sliding meets it within {100 * errors[FORCES[0]]:.0f} % "
+            f"at W = {FORCES[0]} and {100 * errors[FORCES[1]]:.0f} % at {FORCES[1]}. {sliding_order(results)} "
             + refined(results, ROUGHEST, f"slope {SLOPES[-1]}, W = {FORCES[0]}"))
