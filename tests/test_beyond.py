@@ -16,6 +16,7 @@ sys.path.insert(0, str(HERE))
 import beyond  # noqa: E402
 import cell  # noqa: E402
 import observed  # noqa: E402
+import onsets  # noqa: E402
 import pages  # noqa: E402
 import poisson  # noqa: E402
 import remnant  # noqa: E402
@@ -131,3 +132,33 @@ def test_layer_narrows_the_contact_less_and_less():
 def test_cell_matters_as_the_square_of_its_period():
     assert cell.alone().options["scene_period"] == np.inf
     assert cell.jkr_distance(1000.0) == pytest.approx(0.01 * cell.jkr_distance(100.0), rel=0.03)
+
+
+@pytest.mark.parametrize("normal", [5, 8])
+def test_friction_of_uniform_slip_fades_where_tension_opens_the_gap(normal, tmp_path):
+    found = runs.Results(tmp_path)
+    run = beyond.held("pressed", onsets.FORCE, normal_maugis=float(normal), points=8192)
+    run.options.update(archive_fields="last", load_path=f"normal_force={onsets.FORCE:g}", continuation_initial_step="0.25",
+                       continuation_largest_step="1.5")
+    found.make_all([run], 1, lambda line: None)
+    record = found["pressed"]
+    x, gap, *_ = observed.profile(record, record.points - 1)
+    width = np.sum(np.exp(-np.maximum(gap, 0.0))) * (x[1] - x[0])
+    assert onsets.gripping_width(0.0, normal) == pytest.approx(width, rel=0.02)
+
+
+def test_uniform_slip_tends_to_that_of_jkr():
+    distances = [onsets.uniform(normal, 0.1) / onsets.reference.uniform_slip_onset(onsets.FORCE, 0.1)[1] - 1 for normal in (20, 80, 320)]
+    assert distances[0] < distances[1] < distances[2] < 0 and distances[2] > -0.01
+
+
+def test_cases_are_told_in_words():
+    known = np.full(4, True)
+    told = [onsets.compressed("k", (1, 2, 3, 4), holds, known) for holds in
+            ([1, 1, 1, 1], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 1, 0], [1, 0, 1, 1], [0, 0, 1, 0])]
+    assert told == ["all k", "k >= 3", "k <= 2", "k = 2 to 3", "k = 1, 3, 4", "k = 3"]
+    assert onsets.compressed("k", (1, 2, 3, 4), [0, 0, 1, 1], np.array([0, 0, 1, 1], bool)) == "all k"
+
+
+def test_cells_of_a_map_meet_between_their_places():
+    assert onsets.edges((1, 10, 100)) == pytest.approx([10 ** -0.5, 10 ** 0.5, 10 ** 1.5, 10 ** 2.5])

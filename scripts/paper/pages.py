@@ -7,6 +7,7 @@ from contactsnes.tables import markdown, write_between
 import cell
 import cost
 import early
+import onsets
 import poisson
 import remnant
 import rough
@@ -45,7 +46,7 @@ BESIDE = {
     "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
 }
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early)}
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early, onsets)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
 
 
