@@ -119,4 +119,5 @@ def write(results, runs, figures):
         *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
     gallery = [f'<img src="scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]
+    gallery += [f'<img src="scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">' for name, module in BEYOND.items()]
     write_between(ROOT / "README.md", BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))
