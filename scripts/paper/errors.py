@@ -62,13 +62,15 @@ def distance(points, curve):
     return float(max(nearest))
 
 
-def figure_table(figures, results, finer):
-    """Lines of a table: the largest movement of each figure. ``figures``: (name, function of results that draws it), ..."""
-    rows = []
-    for name, draw in figures:
-        try:
-            moved, width = drawn_distance(draw(results), draw(finer))
-            rows.append([name, f"{moved:.1g} points", f"{moved / width:.1g} of its width"])
-        except KeyError as error:
-            rows.append([name, f"not known: {error} is missing", ""])
-    return markdown(["figure", "largest movement of a curve or marker", ""], rows)
+def movement(draw, results, finer):
+    """What the table says of a figure: how far it moves, and that over the width of what moves. ``draw`` : function of results."""
+    try:
+        moved, width = drawn_distance(draw(results), draw(finer))
+    except KeyError as error:
+        return f"not known: {error} is missing", ""
+    return f"{moved:.1g} points", f"{moved / width:.1g} of its width"
+
+
+def figure_table(movements):
+    """Lines of a table of ``movements``, figure -> `movement`."""
+    return markdown(["figure", "largest movement of a curve or marker", ""], [[figure, *moved] for figure, moved in movements.items()])

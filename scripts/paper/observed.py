@@ -43,7 +43,8 @@ def onset(record):
 
 def _at(record, point, unstable):
     force = record["tangential_force"]
-    error = 0.0 if unstable else abs(force[point] - force[point - 1])
+    # Along the length of a branch events are located exactly.
+    error = 0.0 if unstable or "-continuation_type arclength" in record.options else abs(force[point] - force[point - 1])
     return Onset(int(point), unstable, record["tangential_displacement"][point], force[point], record["contact_area"][point], error)
 
 

@@ -103,9 +103,14 @@ def beyond_figures(results):
     return lines
 
 
-def write(results, runs, figures):
-    """Write both pages; ``runs`` are those of the paper's figures, ``figures`` their (name, function of results that draws it)."""
-    finer = Finer(results, {run.name for run in [*runs, *runs_beyond()] if not run.finer})
+def fixed(runs):
+    """Names of runs, and of those beyond the paper, that are not made again on finer grids."""
+    return {run.name for run in [*runs, *runs_beyond()] if not run.finer}
+
+
+def write(results, runs, movements):
+    """Write both pages; ``runs`` are those of the paper's figures, ``movements`` how far these move on finer grids (`errors.movement`)."""
+    finer = Finer(results, fixed(runs))
     images = [f"![{caption}]({name}.png)\n\n{caption}. {symbols(BESIDE[name])}"
               for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
     (HERE / "README.md").write_text("\n".join([
@@ -115,7 +120,7 @@ def write(results, runs, figures):
         "event lies, or the confidence interval of a fit, whichever is largest; numbers without one are exact.", "",
         *statement_table(results, finer), "", "## Convergence, errors and cost", "", *convergence(results, [*runs, *runs_beyond()]), "",
         "Errors of the grid: every run is made again on twice the points, every figure drawn from these, and both drawings compared.", "",
-        *figure_table(figures, results, finer), "", *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
+        *figure_table(movements), "", *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
         *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
     gallery = [f'<img src="scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]

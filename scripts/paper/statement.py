@@ -8,7 +8,7 @@ from contactsnes.archive import ArchiveError
 
 ALL = []
 """The statements: functions from (results, results on finer grids) to a Statement, in the order of the paper."""
-MISSING = (KeyError, IndexError, AttributeError, ArchiveError)
+MISSING = (KeyError, IndexError, ArchiveError)
 """What functions of results raise where a run is missing or too short."""
 
 
@@ -40,16 +40,25 @@ class Number(NamedTuple):
     exact: bool = False
 
 
+def evaluated(function, *arguments):
+    """(value of a function of results, None), or (None, what is missing): a run, its fields, or an onset that it has not reached."""
+    try:
+        return function(*arguments), None
+    except MISSING as error:
+        return None, error
+    except AttributeError as error:
+        if "NoneType" not in str(error):
+            raise
+        return None, error
+
+
 def statement(place, text, measure):
     """Decorator: a function of results that gives (list of Number or of (heading, list of Number), verdict) is one of the statements."""
     def wrap(function):
         def row(results, finer=None):
             found, verdict = function(results)
-            try:
-                again = None if finer is None else function(finer)[0]
-            except MISSING:
-                again = None
-            return Statement(place, text, measure, told(found, again), verdict)
+            again = None if finer is None else evaluated(function, finer)[0]
+            return Statement(place, text, measure, told(found, again and again[0]), verdict)
         row.__name__, row.__doc__ = function.__name__, function.__doc__
         ALL.append(row)
         return row
@@ -60,10 +69,8 @@ def table(results, finer=None):
     """All statements; one whose runs are missing, or did not come far enough, says so."""
     rows = []
     for one in ALL:
-        try:
-            rows.append(one(results, finer))
-        except MISSING as error:
-            rows.append(Statement("", one.__name__.replace("_", " "), "", f"a run is missing or too short: {error}", "open"))
+        row, error = evaluated(one, results, finer)
+        rows.append(row or Statement("", one.__name__.replace("_", " "), "", f"a run is missing or too short: {error}", "open"))
     return rows
 
 

@@ -10,6 +10,7 @@ import early
 import figure7
 import remnant
 import statements_pressed  # noqa: F401  its statements come first
+from beyond import grid_change, sliding
 from observed import Onset, area_at, onset, peel, power_law, profile, sheared_part
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, TANGENTIAL, half_width
 from statement import Number, statement
@@ -121,10 +122,10 @@ def constant_area(results):
            "area in sliding for remnant adhesions of 0.2 and 0.4 over that without, minus 1, normal forces of 25 and 0.8 held, lambda_t = 1, tau_max/2")
 def remnant_adhesion(results):
     found, kinds = [], set()
-    change = remnant.grid_change(results, remnant.run(0.4, 0.8))[1]
+    change = grid_change(results, remnant.run(0.4, 0.8))[1]
     for force in LOADS[::-1]:
         records = [results[remnant.run(share, force).name] for share in (0.0, 0.2, 0.4)]
-        areas = [remnant.sliding(record) for record in records]
+        areas = [sliding(record) for record in records]
         kinds |= {onset(record).unstable for record in records}
         found += [Number(f"W = {force:g}, {share:g}", area / areas[0] - 1, "%", change) for share, area in zip((0.2, 0.4), areas[1:])]
     same = "onsets keep their kind" if len(kinds) == 1 else "some onsets change their kind"
