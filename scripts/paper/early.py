@@ -166,6 +166,7 @@ def draw_half(results, fronts, means, forces):
         axes.axvspan(least_sliding(equilibrium["normal_force"][-1]), 5200, color=GREY, alpha=0.25, linewidth=0)
         axes.set(xlabel=DRIVE, xlim=(0, 4800))
     fronts.set(ylabel=r"half width that sticks, $s/\beta$", title=r"(a)  $\tau_\infty = \tau_{\max}/2$", ylim=(0, None))
+    fronts.annotate("symbols as in (f)", (0.03, 0.03), xycoords="axes fraction", fontsize=6)
     means.axhline(0, color="k", linewidth=0.8)
     means.set(xlabel=DRIVE, ylabel=r"$\langle u_t\rangle/\langle u_t\rangle_{eq} - 1$", title=r"(b)  $\tau_\infty = \tau_{\max}/2$", xlim=(0, 4200), ylim=(-1, 1))
     means.set_yscale("symlog", linthresh=1e-4)
