@@ -84,13 +84,14 @@ def convergence(results, runs):
         if run.options.get("continuation_at_fold") == "trace":
             traced += int(np.sum(kinds == "unstable"))
         else:
-            astray += [f"{run.name} at {record['tangential_displacement'][point]:.4g}" for point in np.flatnonzero(kinds == "unstable")]
+            places = record["tangential_displacement"][kinds == "unstable"]
+            astray += [f"{places.size} of {run.name} between {places.min():.6g} and {places.max():.6g}"] if places.size else []
         if not record.complete:
             ends.append(run.name)
     astray += [f"{traced} between folds of branches that are traced"] * (traced > 0)
     return [f"Of {sum(count.values())} points, all with a residual norm of at most {residual:.0e} ranges of the law, {count['stable']} are "
             f"certified stable, {count['fold']} are folds, {count['unstable']} have an unstable mode"
-            + (f" ({'; '.join(dict.fromkeys(astray))})" if astray else "")
+            + (f" ({'; '.join(astray)})" if astray else "")
             + f", and {count['unknown']} have a mode that is neutral or was not found."
             + (f" Runs that ended before their end: {', '.join(ends)}." if ends else "")]
 
