@@ -119,7 +119,7 @@ def write(results, runs, movements):
         "Written by `scripts/reproduce`. Lengths are in β, tangential forces in w_t,r, normal ones in w_n,r; W is the normal force.", "",
         "## Statements", "", "Each number is told with its error bar: the change on a grid of twice the points, the step of the load in which an "
         "event lies, or the confidence interval of a fit, whichever is largest; numbers without one are exact.", "",
-        *statement_table(results, finer), "", "## Convergence, errors and cost", "", *convergence(results, [*runs, *runs_beyond()]), "",
+        *statement_table(results, finer), "", "## Convergence, errors and cost", "", *convergence(results, {run.name: run for run in [*runs, *runs_beyond()]}.values()), "",
         "Errors of the grid: every run is made again on twice the points, every figure drawn from these, and both drawings compared.", "",
         *figure_table(movements), "", *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
         *beyond_figures(results)]), encoding="utf-8")
