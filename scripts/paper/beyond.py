@@ -1,22 +1,14 @@
 """What the figures beyond the paper's share: runs at a held normal force, and what is read off them."""
 
-import numpy as np
-
-from contactsnes import Scene, reference
-from contactsnes.cohesive import resolution
+from contactsnes import reference
 from contactsnes.elasticity import rigid_stiffness
 
 from observed import onset, sheared_part
-from runs import PERIOD, Run, half_width
+from runs import FINER, PERIOD, Run, half_width, points
 
 HEIGHT = 2000.0
 SLIPPED = 40.0
 """Displacement of the surface, in delta_t, that is left to slip in at the end of a run."""
-
-
-def spacing_points(**scene):
-    """Least power of two of points that resolves the cohesive zone of a sheared scene."""
-    return 2 ** (11 + int(np.ceil(np.log2(max(resolution(Scene(**{**scene, "points": 2048}), True)) - 1e-9))))
 
 
 def held(name, force, steps=50, start=None, slipped=SLIPPED, **scene):
@@ -33,7 +25,7 @@ def held(name, force, steps=50, start=None, slipped=SLIPPED, **scene):
         normal = rigid_stiffness(poisson, height)[0]
         start = reference.jkr_line_approach(reference.jkr_line_half_width(0.8, period), period) + 0.8 / (period * normal)
     return Run(name, {
-        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": scene.get("points") or spacing_points(**scene),
+        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": scene.get("points") or points(0, **scene),
         "load_start": f"normal_displacement={start:.6g}", "load_path": f"normal_force={force:g}; tangential_displacement={end:.6g}",
         "load_stop": "pull_off", "continuation_initial_step": f"0.25,{end / steps / 2:.4g}",
         "continuation_largest_step": f"1.5,{end / steps:.4g}", "continuation_stability": "sign"})
@@ -41,7 +33,7 @@ def held(name, force, steps=50, start=None, slipped=SLIPPED, **scene):
 
 def finer(run):
     """A run again on twice the points."""
-    return run._replace(name=f"{run.name}-x2", options={**run.options, "scene_points": 2 * run.options["scene_points"]})
+    return run.on(2 * run.options["scene_points"])._replace(name=run.name + FINER)
 
 
 def grid_change(results, run):

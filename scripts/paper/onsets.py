@@ -15,9 +15,9 @@ from scipy.special import lambertw
 
 from contactsnes import reference
 
-from beyond import HEIGHT, finer, grid_change, spacing_points, unsheared
+from beyond import HEIGHT, finer, grid_change, unsheared
 from observed import onset
-from runs import PERIOD, Run, half_width
+from runs import PERIOD, Run, half_width, points
 from style import panels
 
 FORCE, RESIDUALS = 0.8, (0.5, 1.0)
@@ -48,7 +48,7 @@ def run(residual, normal, tangential):
     strength = min(2 * peak * half, 2 * residual * peak * half + reference.ligament_force(half))
     end, steps = reference.driven_displacement(3 / tangential, strength, PERIOD, HEIGHT), STEPS.get(tangential, 25)
     return Run(name(residual, normal, tangential), {
-        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": max(2048, spacing_points(**scene)),
+        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": points(2048, **scene),
         "load_start": f"normal_displacement={reference.jkr_line_approach(half_width(FORCE), PERIOD):.4g}",
         "load_path": f"normal_force={FORCE:g}; tangential_displacement={end:.6g}",
         "load_stop": "pull_off", "continuation_initial_step": f"0.25,{end / steps / 4:.4g}",

@@ -13,7 +13,7 @@ from contactsnes import reference
 from contactsnes.laws import SLIP
 from contactsnes.rough import surface
 
-from beyond import HEIGHT, finer, refined, strength
+from beyond import HEIGHT, finer, refined
 from observed import onset, profile, sheared_part
 from runs import Run
 from style import AREA, FORCE, GREY, branch, panels, shades

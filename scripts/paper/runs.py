@@ -52,11 +52,15 @@ class Run(NamedTuple):
         """The options as words of a command."""
         return [word for name, value in self.options.items() for word in (f"-{name}", str(value))]
 
+    def on(self, size, **options):
+        """The run on another number of points, with some other options."""
+        return self._replace(options={**self.options, "scene_points": size, **options})
 
-def points(**scene):
-    """Least power of two of points that resolves the cohesive zone of a sheared scene, at least 2^13."""
-    ratio = max(resolution(Scene(points=8192, **scene), "tangential_maugis" in scene))
-    return max(8192, 2 ** (13 + int(np.ceil(np.log2(ratio)))))
+
+def points(least=8192, **scene):
+    """Least power of two of points that resolves the cohesive zone of a scene, sheared where it has a tangential parameter."""
+    ratio = max(resolution(Scene(**{**scene, "points": 8192}), "tangential_maugis" in scene))
+    return max(least, 2 ** (13 + int(np.ceil(np.log2(ratio) - 1e-9))))
 
 
 def half_width(force):
@@ -209,7 +213,7 @@ class Results:
         if status == 2 and same:
             status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"], said)
         if status == 1 and run.finer:
-            finer = run._replace(options={**run.options, "scene_points": 2 * run.options["scene_points"]})
+            finer = run.on(2 * run.options["scene_points"])
             status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"], said)
         log.write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
@@ -227,7 +231,7 @@ class Results:
     def finer(self, run):
         """A run that has been made, on twice the points and without certificates."""
         size = 2 * int(self[run.name].scene["points"])
-        return Run(run.name + FINER, {**run.options, "scene_points": size, "continuation_stability": "off"}, finer=False)
+        return run.on(size, continuation_stability="off")._replace(name=run.name + FINER, finer=False)
 
     def make_all(self, runs, workers, say):
         """Make the runs that are missing, several at a time; ``say`` is called with a line on each."""
