@@ -1,6 +1,7 @@
 """The pieces of scripts/reproduce on small runs: what is read off them, figures, and the table of statements."""
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,39 @@ def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
         assert made.done(run)
         points.append(made["small"].points)
     assert points[1] > points[0]
+
+
+def test_an_interrupted_run_goes_on_and_those_behind_it_do_not_begin(tmp_path, monkeypatch):
+    import runs
+
+    made, asked, ends = runs.Results(tmp_path), [], iter([130, 0])
+    run = runs.Run("small", {"scene_points": 256}, finer=False)
+
+    def command(path, arguments, said):
+        path.touch()
+        asked.append(arguments[-1])
+        return next(ends)
+
+    monkeypatch.setattr(made, "_command", command)
+    made.make(run)
+    assert not made.done(run)
+    made.make(run)
+    assert made.done(run) and asked == ["-archive_overwrite", "-archive_resume"]
+
+    def interrupted(line):
+        raise KeyboardInterrupt
+
+    begun = []
+
+    def slow(run):
+        begun.append(run.name)
+        time.sleep(0.05)
+        return 1, 0.05
+
+    monkeypatch.setattr(made, "make", slow)
+    with pytest.raises(KeyboardInterrupt):
+        made.make_all([run._replace(name=str(number)) for number in range(40)], 1, interrupted)
+    assert len(begun) < 5
 
 
 def test_catalogue_is_of_valid_scenes_and_loads():

@@ -38,6 +38,9 @@ PERIOD = 100.0
 FINER = "-x2"
 """End of the names of runs on twice the points."""
 
+ENDS = {0: "", 1: ", ended early", 2: ", bad input"}
+"""Exit status of a run that has come to its end -> what is told of it; with another one it was interrupted, and goes on the next time."""
+
 
 class Run(NamedTuple):
     """A run: its name, its options, name -> value, and whether its grid may be refined: where it is too coarse to finish, and for a second
@@ -215,7 +218,8 @@ class Results:
         if status == 1 and run.finer:
             finer = run.on(2 * run.options["scene_points"])
             status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"], said)
-        log.write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
+        if status in ENDS:
+            log.write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
         return status, time.perf_counter() - began
 
@@ -238,12 +242,15 @@ class Results:
         missing = [run for run in runs if not self.done(run)]
         with ThreadPoolExecutor(workers) as pool:
             futures = {pool.submit(self.make, run): run for run in missing}
-            for count, future in enumerate(as_completed(futures), start=1):
-                status, seconds = future.result()
-                name = futures[future].name
-                numbers = f"{self[name].points} points, {np.sum(self[name]['transforms']):.0f} transforms" if name in self else "no points"
-                end = {0: "", 1: ", ended early", 2: ", bad input"}.get(status, f", status {status}")
-                say(f"{count:3} of {len(missing)}  {name:28} {numbers}, {seconds:.1f} s{end}")
+            try:
+                for count, future in enumerate(as_completed(futures), start=1):
+                    status, seconds = future.result()
+                    name = futures[future].name
+                    numbers = f"{self[name].points} points, {np.sum(self[name]['transforms']):.0f} transforms" if name in self else "no points"
+                    say(f"{count:3} of {len(missing)}  {name:28} {numbers}, {seconds:.1f} s{ENDS.get(status, f', status {status}')}")
+            except KeyboardInterrupt:
+                pool.shutdown(cancel_futures=True)
+                raise
 
 
 class Finer:
