@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -93,6 +94,46 @@ def test_a_point_that_the_finer_grid_does_not_have_is_not_trusted(monkeypatch):
     monkeypatch.setattr(accuracy.Reference, "solve", fails)
     errors = accuracy.Estimator(branch.contact)(point)
     assert not errors.trusted and np.isnan(errors[:3]).all() and errors.largest() == 0.0
+
+
+def test_an_estimate_from_another_branch_is_not_trusted(monkeypatch):
+    """The finer grid's solve ended far from where it began: before the fold of a pull-off there are two states at a load."""
+    branch = Branch(Scene(points=128, **LINE), PRESS)
+    point, solve = next(iter(branch)), accuracy.Reference.solve
+    estimator = accuracy.Estimator(branch.contact)
+    assert estimator(point).trusted
+    monkeypatch.setattr(accuracy.Reference, "solve", lambda self, guess, controls, load: solve(self, guess, controls, load + 2.0))
+    away = accuracy.Estimator(branch.contact)(point)
+    assert not away.trusted and away[0] > 0.01
+
+
+def test_tractions_whose_waves_do_not_fall_are_not_trusted(monkeypatch):
+    """What varies from node to node on the finer grid, too, would show on a still finer one."""
+    branch = Branch(Scene(points=128, **LINE), PRESS)
+    point, solve = next(iter(branch)), accuracy.Reference.solve
+
+    def rough(self, guess, controls, load):
+        exact = solve(self, guess, controls, load)
+        noise = 1e-3 * np.random.default_rng(3).standard_normal(exact.state.displacement.shape)
+        return replace(exact, state=replace(exact.state, displacement=exact.state.displacement + noise))
+
+    assert accuracy.Estimator(branch.contact)(point).trusted
+    monkeypatch.setattr(accuracy.Reference, "solve", rough)
+    errors = accuracy.Estimator(branch.contact)(point)
+    assert not errors.trusted and errors.largest() < 0.01
+
+
+def test_sheared_lines_are_refined_four_times():
+    """Slip fronts have corners of the law: their errors fall slowly, and twice the points show a part of them only."""
+    line, plane = Scene(points=128, **LINE), Scene(dimension=2, geometry="sphere", points=16, period=8.0, normal_maugis=1.0)
+    for scene, path, expected in ((line, "normal_displacement=0.5", [2]), (line, "tangential_displacement=0.5", [4]),
+                                  (plane, "tangential_displacement_x=0.1", [2])):
+        branch = Branch(scene, Load(path=path))
+        *_, point = branch
+        estimator = accuracy.Estimator(branch.contact)
+        estimator(point)
+        assert [round(system.contact.grid.shape[0] / branch.contact.grid.shape[0])
+                for system, _ in estimator._finer.values()] == expected
 
 
 SCENES = {

@@ -145,7 +145,8 @@ def test_force_form_records_the_norm_of_its_own_test():
     """PETSc's norm of the force form is another number than the imbalance of displacements."""
     comparison, _ = compared(FORCE, path="normal_displacement=hold")
     result = comparison.results[FORCE.name][0]
-    assert result.history()[-1, 2] == pytest.approx(result.residual_norm, rel=2.0)
+    # An upper bound that is told without a transform: not below the true norm, and what the solve was stopped by.
+    assert 0.99 * result.residual_norm <= result.history()[-1, 2] <= 1e-8
 
 
 # Failures

@@ -129,6 +129,24 @@ def test_jacobian_is_the_derivative_of_the_residual(body, box, law):
 
 @pytest.mark.parametrize("box", LINE_BOXES + PLANE_BOXES)
 @pytest.mark.parametrize("body", BODIES)
+def test_transposed_products_are_adjoint(body, box):
+    """x J y = y J^T x for random vectors, whatever is controlled."""
+    random = np.random.default_rng(11)
+    for count in (1, 2) if box in LINE_BOXES else (1, 3):
+        contact = contact_of(3 if box in PLANE_BOXES else 2, body)
+        for controls in CONTROLS[count]:
+            for form in forms(contact, controls, box):
+                form.set_load(np.linspace(0.4, 2.0, count))
+                form.linearise(unknown_of(form, smooth_gaps(form.shape)))
+                first, second = random.normal(size=(2, form.size))
+                product = form.apply_jacobian(first, np.empty(form.size))
+                transposed = form.apply_transpose(second, np.empty(form.size))
+                size = np.linalg.norm(product) * np.linalg.norm(second)
+                assert abs(second @ product - first @ transposed) < 1e-12 * size, (controls, form.name)
+
+
+@pytest.mark.parametrize("box", LINE_BOXES + PLANE_BOXES)
+@pytest.mark.parametrize("body", BODIES)
 def test_load_derivative(body, box):
     # The scale of a force row depends on the load, which cannot be seen where the row is balanced.
     count = 2 if box in LINE_BOXES else 3

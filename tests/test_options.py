@@ -226,6 +226,10 @@ def test_unknown_names_are_errors_with_the_nearest_valid_one(petsc, name, guess)
 def test_names_inside_values_are_not_taken_for_options(petsc):
     petsc["contactsnes_value"] = "1 -scene_nonsense 2"
     options.check_names()
+    assert options.database()["contactsnes_value"] == "1 -scene_nonsense 2"
+    petsc["scene_nonsense"] = 2
+    with pytest.raises(InputError, match="-scene_nonsense is no option"):
+        options.check_names()
 
 
 def test_unused_options_of_petsc_are_found(petsc):

@@ -222,6 +222,22 @@ def test_a_point_without_a_certificate_is_no_end(monkeypatch):
     assert all(point.stable == 1 for point in rest) and rest[-1].position == 1.0
 
 
+@pytest.mark.parametrize("values, unstable", [((-2e-4, 0.3), 0), ((2e-4, 0.3), 0), ((-0.5, -2e-4, 0.3), 1), ((-0.5, 2e-4), 1),
+                                              ((-0.5, 0.4), 1), ((0.3, 0.4), 0)])
+def test_the_null_mode_of_a_fold_is_neither_stable_nor_counted(monkeypatch, values, unstable):
+    """The last pairs are those of corners, where an eigenvalue jumps through zero and none is small."""
+    made = branch(SMALL, "normal_displacement=0.2", "sign")
+    point, values = next(iter(made)), np.array(values, dtype=complex)
+    vectors = np.zeros((len(values), made.stability.modes(point).vectors.shape[1]))
+    found = modes.Modes(values, vectors, vectors, np.ones(len(values), dtype=bool))
+    monkeypatch.setattr(made.stability, "modes", lambda point, accurate: found)
+    monkeypatch.setattr(made.stability, "_leave_symmetry", lambda modes: None)
+    fold = made.stability(replace(point, event="fold"))
+    assert (fold.stable, fold.unstable_modes) == (0, unstable)
+    plain = made.stability(point)
+    assert (plain.stable, plain.unstable_modes) == (int(values[0].real > NEUTRAL), int(np.sum(values.real < -NEUTRAL)))
+
+
 def test_what_a_point_tells():
     made = branch(SMALL, "normal_displacement=0.2", "eigenvalue")
     for point in made:
