@@ -141,13 +141,15 @@ class ArcWalk(Walk):
             # The last two steps share what is left, so that none is tiny.
             length *= 0.5 * (end - here) / ahead
             guess, position = self._predicted(length, predictor)
-        if (position - end) * ahead >= -1e-9 * abs(ahead) and here != end:
+        if ahead and (position - end) * ahead >= -1e-9 * abs(ahead) and here != end:
             length *= (end - here) / (position - here)
             guess, _ = self._predicted(length, predictor)
             point = self._at_end(guess, end)
         else:
             way = self.system.chord_length(last.state, guess)
             whole = np.hypot(way, self._pace * (position - here))
+            if whole == 0.0:
+                raise NotConverged("the step has shrunk to nothing")
             border = way / whole, self._pace ** 2 * (position - here) / whole
             point = self.system.solve_arc((last.state, guess), way, guess, position, self.leg, border)
         self._check(guess, point)

@@ -188,8 +188,9 @@ class Walk:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
             starts = [] if fold is None else self._starts(fold, beyond)
         else:
-            # A body off the flat under a force has no branch to follow.
-            fold, passed, starts = replace(last, leg=self.leg.number, position=place, step=self.leg.initial), None, [lambda: lowered]
+            # A body off the flat under a force has no branch to follow: it carries none, to rounding.
+            fold = replace(last, leg=self.leg.number, position=place, step=self.leg.initial, fold_precision=np.finfo(float).eps)
+            passed, starts = None, [lambda: lowered]
         if fold is None:
             yield self._accept(passed)
             return
@@ -265,7 +266,8 @@ def further_events(previous, point):
     """Copies of a point, at no cost, for the events that it has besides the one that it carries."""
     names = events_between(previous, point)
     for name in names[names.index(point.event) + 1 if point.event in names else 0:]:
-        yield replace(point, event=name, fold_kind="", tangents=(), spent={key: 0 * value for key, value in point.spent.items()})
+        yield replace(point, event=name, fold_kind="", fold_precision=0.0, tangents=(),
+                      spent={key: 0 * value for key, value in point.spent.items()})
 
 
 def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point,

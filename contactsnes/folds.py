@@ -33,7 +33,7 @@ class Turn:
             except NotConverged as second:
                 length *= 0.25
                 if length < 1e-4 * first:
-                    raise NoFold(f"{error}; following the branch by arc length failed too: {second}") from None
+                    raise NoFold(f"{error}; following the branch by arc length failed too, so that no fold was located: {second}") from None
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
@@ -42,7 +42,12 @@ class Turn:
                 try:
                     fold, beyond, trail = self._locate(trail)
                 except NotConverged as second:
-                    raise NoFold(f"{error}; the fold there was not located: {second}") from None
+                    # Between points that are nearer to it a search succeeds.
+                    length *= 0.25
+                    if length < 1e-4 * first:
+                        raise NoFold(f"{error}; the fold there was not located: {second}") from None
+                    trail.pop()
+                    continue
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
             place = trail[-1][0]
@@ -148,10 +153,12 @@ class Turn:
                 fold = peak.locate()
                 return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, [*trail[:after], (fold.position, fold)]
         place, fold = max(trail[-3:], key=lambda item: item[0])
-        if peak.relative(place - min(trail[-3][0], trail[-1][0])) > FOLD_TOLERANCE:
+        width = peak.relative(place - min(trail[-3][0], trail[-1][0]))
+        if not width <= FOLD_TOLERANCE:
             raise NotConverged("the load turned, but its slope did not: edges that stick between nodes give way one by one")
         # A plateau: the load neither rises nor falls.
-        return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, trail
+        fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=max(width, np.finfo(float).eps))
+        return fold, beyond.state, trail
 
     def _returns(self, trail):
         """Whether the last point lies on the way to the one before it: the arc turned, not the branch.

@@ -11,6 +11,8 @@ FOLD_TOLERANCE = 1e-8
 """Relative accuracy in the load to which a fold is located."""
 MOST = 50
 """Most points that a search makes: enough to halve its bracket to rounding."""
+FAILURES = 6
+"""Solves that may fail in a search; the later ones are tried nearer to what is known."""
 CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
@@ -54,22 +56,24 @@ class LimitPoint:
         return self.left.slope * self.right.slope <= 0.0
 
     def locate(self):
-        """The fold, with its tangents."""
+        """The fold, with its tangents; NotConverged where its load does not become known to FOLD_TOLERANCE."""
         first, proposals, mode, failures = (self.left, self.right), (self._smooth, self._corner, self._middle), 0, 0
         before = self.uncertainty()
         for _ in range(MOST):
-            if before <= 0.1 * FOLD_TOLERANCE or failures == 3:
+            if before <= 0.1 * FOLD_TOLERANCE or failures == FAILURES:
                 break
             try:
-                self._narrow(proposals[mode]())
+                self._narrow(self._pulled(proposals[mode](), 0.25 ** (failures // 3)))
             except NotConverged:
                 failures, mode = failures + 1, (mode + 1) % 3
                 continue
             after = self.uncertainty()
             mode, before = mode if after < 0.5 * before else (mode + 1) % 3, after
-        if before > FOLD_TOLERANCE:
-            self.system.log(f"the fold is located to {before:.2g} of its load only")
-        return self._fold(self._is_corner(*first))
+        if not before <= FOLD_TOLERANCE:
+            place = self.system.told(self.leg.controls, self.leg.load(self.left.point.position))
+            raise NotConverged(f"the load turns beyond {place}, but where is known to {before:.2g} of it only, no fold "
+                               f"(known to {FOLD_TOLERANCE:g})")
+        return replace(self._fold(self._is_corner(*first)), fold_precision=max(before, np.finfo(float).eps))
 
     def uncertainty(self):
         """What the load may lack to its limit, relative to itself."""
@@ -108,6 +112,11 @@ class LimitPoint:
 
     def _middle(self):
         return 0.5 * (self.left.place + self.right.place)
+
+    def _pulled(self, place, part):
+        """A place nearer to the closer end of the bracket, where after failures a solve is likelier to succeed."""
+        end = min(self.left.place, self.right.place, key=lambda known: abs(known - place))
+        return end + part * (place - end)
 
     def _narrow(self, place, closest=1e-3):
         """Replace an end of the bracket by the point at a place in it, no closer to an end than a part of its width."""

@@ -198,6 +198,7 @@ def _scaled_table(scene):
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
     rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
     rows["fold_tangents"] = Observable(lambda m: len(m.point.tangents), "tangents of a fold (2: in a corner of the branch)", "", "i8")
+    rows["fold_precision"] = Observable(lambda m: m.point.fold_precision, "relative width of the bracket of a fold's load", "")
     rows["jump_balance"] = Observable(lambda m: m.point.jump_balance, "what tells the energy lost in a jump", "", "i8", BALANCES)
     return rows
 

@@ -65,6 +65,7 @@ class Point:
     jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
+    fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that are no folds
     resolved : 0 where edges of contact or slip stick between nodes, so that a fold may be the grid's own, else 1
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.stability``)
@@ -97,6 +98,7 @@ class Point:
     viscous_work: float = np.nan
     jump_balance: str = ""
     tangents: tuple = ()
+    fold_precision: float = 0.0
     resolved: int = 1
     stable: int = -1
     unstable_modes: int = -1

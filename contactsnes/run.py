@@ -20,7 +20,8 @@ from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
-        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue", "resolved")
+        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue", "resolved",
+        "fold_precision")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 
@@ -119,7 +120,8 @@ class Branch:
         spent = dict(point.spent)
         for point in continuation.Walk(self.corrector, leg, [(0.0, point)], self.steps.predictor, "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
-        point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="", spent=spent)
+        point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="", fold_precision=0.0,
+                        spent=spent)
         return self._certified(point)
 
     def _certified(self, point):

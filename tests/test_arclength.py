@@ -119,7 +119,9 @@ def test_null_vectors_are_kept_with_fields():
         branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4", at_fold="stop", stability=stability)
         fields = [observables.Measurement(branch.contact, point).fields() for point in (points[-2], points[-1])]
         assert branch.steps.keeps_modes and len(fields[0]) == (2 if stability == "off" else 3)
-        assert observables.observe(branch.contact, points[-1])["fold_tangents"] == 1
+        row = observables.observe(branch.contact, points[-1])
+        assert row["fold_tangents"] == 1 and 0.0 < row["fold_precision"] <= 1e-8
+        assert branch.restored(branch.packed(points[-1])).fold_precision == row["fold_precision"]
         found.append(fields[1][2])
     np.testing.assert_allclose(found[0], found[1], atol=1e-3)
 

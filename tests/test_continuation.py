@@ -562,6 +562,39 @@ def test_a_point_of_the_arc_serves_where_no_solve_does():
         turn._natural(trail, 0.3)
 
 
+@pytest.mark.parametrize("walker", [Walk, ArcWalk, Trace])
+def test_what_is_not_located_to_its_precision_is_no_fold(walker):
+    """Solves next to the fold fail: the path ends there and says so; the load is known to the part in which they fail."""
+    system = System(cubic(), fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4, arc_fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4)
+    points, error = followed(path(system, [-1.875, 2.0], [-1.5], walker=walker))
+    assert isinstance(error, NotConverged) and folds(points) == [] and points[-1].load[0] < CUBIC_FOLD
+    assert "fold" in str(error) or any("no fold" in sentence for sentence in system.sentences)
+
+
+def test_the_precision_of_a_fold_is_told_with_it():
+    for walker in (Walk, ArcWalk):
+        points, _ = followed(path(System(cubic()), [-1.875, 2.0, -1.5], [-1.5], walker=walker))
+        assert len(folds(points)) == 2 and all(0.0 < point.fold_precision <= FOLD_TOLERANCE for point in folds(points))
+        assert all(point.fold_precision == 0.0 for point in points if point.event != "fold")
+        for fold, load in zip(folds(points), (CUBIC_FOLD, -CUBIC_FOLD)):
+            assert abs(fold.load[0] / load - 1.0) <= max(10.0 * fold.fold_precision, 1e-12)
+
+
+@pytest.mark.parametrize("limit", [0.02, 0.1, 0.3])
+def test_a_fold_that_steps_are_too_long_for_is_located_by_shorter_ones(limit):
+    """A solver that finds only what its guess hardly misses, as Newton's method where a fold is sharp."""
+    class Short(System):
+        def solve_arc(self, chord, length, guess, *rest):
+            point = super().solve_arc(chord, length, guess, *rest)
+            if self.missed(guess, point.state) > limit * 0.05:
+                raise NotConverged("the guess is too far away")
+            return point
+
+    for walker in (Walk, ArcWalk):
+        points, error = followed(path(Short(cubic()), [-1.875, 2.0], [-1.5], walker=walker, at_fold="stop", sizes=(0.1, 0.2, 1e-6)))
+        assert error is None and [point.load[0] for point in folds(points)] == pytest.approx([CUBIC_FOLD], rel=FOLD_TOLERANCE)
+
+
 def test_kinds_of_folds():
     def kind(moving, change):
         return fold_kind(Leg(1, ("force", "displacement"), np.zeros(2), np.array(change), moving, 0.1, 0.1, 0.1))
