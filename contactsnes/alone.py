@@ -50,12 +50,11 @@ def check_form(form):
 
 
 def largest_force(scene, load):
-    """The largest normal force that a load prescribes, at least 0."""
+    """The largest normal force that a load prescribes, at least 0, in the scene's own units."""
     forces = (controls[0].value for controls in _prescribed(scene, load) if 0 in controls and controls[0].control == "force")
     return max([0.0, *(force for force in forces if force is not None)])
 
 
 def _prescribed(scene, load):
-    """What is controlled at the start and in each leg: mappings of component to Control."""
-    return (load.initial(scene.dimension, scene.isolated),
-            *(leg.controls for leg in (load.legs(scene.dimension) if load.path else ())))
+    """What is controlled at the start and in each leg: mappings of component to Control, in the scene's own units."""
+    return scene.initial(load), *(leg.controls for leg in (scene.legs(load) if load.path else ()))

@@ -168,8 +168,8 @@ def window_part(scene, load):
     That of the body bent without a law, on few points: the window of a contact with adhesion is somewhat larger.
     """
     contact = Contact(on(scene, FEW[scene.dimension]))
-    legs = load.legs(scene.dimension) if load.path else ()
-    controls = [load.initial(scene.dimension)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]
+    legs = scene.legs(load) if load.path else ()
+    controls = [scene.initial(load)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]
     windows = [contact.window(states.normal_gap(contact, states.undeformed(contact, (its.control,), [its.value]))
                               .reshape(contact.grid.shape)) for its in controls if its.value is not None]
     return min(1.0, 1.2 * max(window.size for window in windows) / contact.grid.size)

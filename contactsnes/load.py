@@ -51,6 +51,18 @@ def names(dimension):
     return {(quantity.component, quantity.control): name for name, quantity in quantities(dimension).items()}
 
 
+def controls_along(initial, legs):
+    """What controls each component, 'displacement' or 'force', at the start and along each leg: a list of tuples.
+
+    A leg changes the controls that it names, also where it moves nothing.
+    """
+    found = [tuple(initial[component].control for component in sorted(initial))]
+    for leg in legs:
+        found.append(tuple(leg.controls[component].control if component in leg.controls else control
+                           for component, control in enumerate(found[-1])))
+    return found
+
+
 def _quantity(name, piece, source, dimension):
     """The Quantity of a name in `piece` of option `source`."""
     table = quantities(dimension)

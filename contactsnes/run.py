@@ -9,6 +9,7 @@ from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights
 from .isolated import IsolatedContact, lay_out
+from .load import controls_along, names, quantities
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
 from .rough import check_edge
@@ -31,8 +32,8 @@ class Branch:
     Parameters
     ----------
     scene : Scene
-    load : Load
-    steps : Steps, optional
+    load : Load, as it is typed: in SI where the scene is
+    steps : Steps, optional; as they are typed, too
     form : Form, optional
     log : function (sentence), optional; called with what a user should know
     history : points of an interrupted run to go on from, oldest first
@@ -63,7 +64,8 @@ class Branch:
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.history = history
-        self.legs = load.legs(scene.dimension)
+        self.legs = scene.legs(load)
+        self._controls = controls_along(scene.initial(load), self.legs)
         self._log, self._ways = log, {}
 
     def __iter__(self):
@@ -77,6 +79,7 @@ class Branch:
         grid = failures.Resolution(self.contact, self._log, self._last)
         try:
             for point in map(grid.marked, map(ledger.entered, points)):
+                self._say_what_cannot_be_held(point)
                 self._last = point
                 yield point
         except NotConverged as error:
@@ -109,14 +112,15 @@ class Branch:
 
     def _start(self):
         """The first point, at -load_start: a cold solve without tangential load, then steps to the one asked for."""
-        initial = self.load.initial(self.scene.dimension, self.scene.isolated)
+        initial = self.scene.initial(self.load)
         count = self.scene.components if self._sheared[0] else 1
         controls = (initial[0].control, *[self._resting] * (count - 1))
         values = np.array([initial[0].value, *[0.0] * (count - 1)])
         point = replace(self.corrector.start(controls, values), spent=self.corrector.account())
         leg = self._leg_to(0, initial, count, [point], lambda length: (0.1 * length, 0.25 * length, 1e-6 * length))
         if leg is None:
-            return self._certified(point)
+            asked = np.array([initial[component].value for component in range(count)])
+            return self._certified(self.corrector.adapted(point, self._controls[0][:count], asked))
         spent = dict(point.spent)
         for point in continuation.Walk(self.corrector, leg, [(0.0, point)], self.steps.predictor, "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
@@ -151,14 +155,31 @@ class Branch:
             self._log(f"leg {leg.number} takes a tangential load back: these laws have no memory, so that a path without folds "
                       "retraces itself and shows no frictional hysteresis; energy is lost in jumps only")
 
+    def _say_what_cannot_be_held(self, point):
+        """Say of a leg whether it begins where the forces that it moves do not hold the body, if nobody checks stability.
+
+        A displacement that goes against its force does so on an unstable part of the branch: what was stable while the
+        displacement was held need not be so under the force.
+        """
+        last = self._last
+        if self.stability is not None or last is None or point.leg == last.leg or point.event == "jump":
+            return
+        count = len(last.controls)
+        forced = np.array([control == FORCE for control in point.controls[:count]])
+        moved = point.displacements[:count] - last.displacements
+        if (moved[~forced] == 0.0).all() and (point.forces[:count] - last.forces)[forced] @ moved[forced] < 0.0:
+            self._log(f"leg {point.leg} begins on an unstable part of the branch: at "
+                      f"{self.corrector.told(point.controls, point.load)} the displacement goes against the force; "
+                      "-continuation_stability sign tells more")
+
     def _leg_to(self, number, named, count, points, sizes):
-        """A leg from the last point to named controls and values (None: held), or None where nothing moves."""
-        last = points[-1]
-        controls = [*last.controls, *[self._resting] * (count - len(last.controls))]
+        """A leg from the last point to named controls and values (None: held), or None where nothing moves.
+
+        What controls each component follows from the path alone: legs that moved nothing have left no point.
+        """
+        last, controls = points[-1], self._controls[number][:count]
         reached = {DISPLACEMENT: last.displacements, FORCE: last.forces}
         reached = {control: np.append(values, np.zeros(count - len(values))) for control, values in reached.items()}
-        for component in set(named) & set(range(count)):
-            controls[component] = named[component].control
         start = np.array([reached[control][i] for i, control in enumerate(controls)])
         if last.leg == number and last.origin is not None:
             start = last.origin
@@ -166,9 +187,11 @@ class Branch:
         for component in set(named) & set(range(count)):
             if named[component].value is not None:
                 end[component] = named[component].value
-        moving = [component for component in named if component < count and end[component] != start[component]]
-        if not moving:
+        moving = next((component for component in named if component < count and end[component] != start[component]), None)
+        if moving is None:
             return None
-        length = abs(end[moving[0]] - start[moving[0]])
+        # Steps are typed in the unit of what moves.
+        unit = quantities(self.scene.dimension)[names(self.scene.dimension)[moving, controls[moving]]].unit
+        length = abs(end[moving] - start[moving]) * self.scene.scale(unit)[0]
         initial, largest, smallest = np.array(sizes(length)) / length
-        return Leg(number, tuple(controls), start, end, moving[0], initial, largest, smallest)
+        return Leg(number, controls, start, end, moving, initial, largest, smallest)

@@ -18,7 +18,6 @@ from .load import Load
 from .options import check_names, check_values, database, install, petsc_arguments, read
 from .scene import OPTION_CLASSES
 from .settings import InputError
-from .si import scaled_load, scaled_steps
 
 
 class Settings(NamedTuple):
@@ -68,7 +67,7 @@ def start_petsc(arguments):
     check_classes()
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
     scenes.check(scene, load, steps)
-    settings = Settings(scene, form, scaled_load(load, scene), scaled_steps(steps, load, scene), output)
+    settings = Settings(scene, form, load, steps, output)
     return settings._replace(scene=_with_points(settings))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from .load import names, quantities
+from .load import Control, names, quantities
 from .settings import InputError, Options, as_text, checked, option
 
 UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m", "w_t,r": "N/m", "R phi_n": "N",
@@ -98,6 +98,21 @@ class Units(Options):
         """A value (or several) of a unit in what the scene is told in, with the unit's name."""
         return f"{as_text(self.told(value, unit))} {self.scale(unit)[1]}"
 
+    def initial(self, load):
+        """Component -> Control where a load path begins (``Load.initial``), its values in the scene's own units."""
+        return self._scaled(load.initial(self.dimension, self.isolated))
+
+    def legs(self, load):
+        """The legs of a load path (``Load.legs``), their values in the scene's own units."""
+        return tuple(replace(leg, controls=self._scaled(leg.controls)) for leg in load.legs(self.dimension))
+
+    def _scaled(self, controls):
+        """Controls as they are typed with values in the scene's own units."""
+        known, units = names(self.dimension), quantities(self.dimension)
+        sizes = {component: self.scale(units[known[component, control]].unit)[0] for component, (control, _) in controls.items()}
+        return {component: Control(control, None if value is None else value / sizes[component])
+                for component, (control, value) in controls.items()}
+
     def loads(self, controls, values):
         """What controls each component, and its values, in words and the units of the scene."""
         told = []
@@ -148,48 +163,6 @@ def _divided(value, factor):
     if isinstance(value, tuple):
         return tuple(_divided(item, factor) for item in value)
     return value if factor == 1.0 or isinstance(value, (str, bool)) else value / factor
-
-
-def scaled_load(load, scene):
-    """The load path of a scene with its values, which are typed in SI where the scene is, in the scene's own units."""
-    if scene.units == "dimensionless":
-        return load
-    known, units = names(scene.dimension), quantities(scene.dimension)
-
-    def text(controls):
-        pairs = ((known[component, control], value) for component, (control, value) in controls.items())
-        return ", ".join(f"{name}={'hold' if value is None else repr(value / scene.scale(units[name].unit)[0])}" for name, value in pairs)
-
-    start = None if load.start is None else text(load.initial(scene.dimension, scene.isolated))
-    path = "; ".join(text(leg.controls) for leg in load.legs(scene.dimension)) if load.path else ""
-    return replace(load, start=start, path=path)
-
-
-def scaled_steps(steps, load, scene):
-    """The steps along a load path (either scaled or typed) in the scene's own units, one number a leg: each leg moves something else."""
-    if scene.units == "dimensionless" or not load.path:
-        return steps
-    factors = [scene.scale(unit)[0] for unit in _moving(load, scene)]
-    scaled = {}
-    for name in ("initial_step", "largest_step", "smallest_step"):
-        value = getattr(steps, name)
-        if value is not None:
-            values = value if isinstance(value, tuple) else (value,) * len(factors)
-            scaled[name] = tuple(size / factor for size, factor in zip(values, factors))
-    return replace(steps, **scaled)
-
-
-def _moving(load, scene):
-    """Unit of what moves in each leg: of the first quantity it names that is not known to be where it is told to go."""
-    known, units = load.initial(scene.dimension, scene.isolated), {}
-    of_control = {(row.component, row.control): row.unit for row in quantities(scene.dimension).values()}
-    for number, leg in enumerate(load.legs(scene.dimension)):
-        moving = [component for component, control in leg.controls.items() if control.value is not None and control != known[component]]
-        component = (moving or list(leg.controls))[0]
-        units[number] = of_control[component, leg.controls[component].control]
-        known |= {i: known[i] if control.value is None and control.control == known[i].control else control
-                  for i, control in leg.controls.items()}
-    return list(units.values())
 
 
 def prefix(largest, unit):

@@ -24,7 +24,7 @@ def resolution_warnings(settings):
 
 def start_window(settings, branch):
     """The window when the path begins."""
-    contact, initial = branch.contact, settings.load.initial(settings.scene.dimension, settings.scene.isolated)
+    contact, initial = branch.contact, settings.scene.initial(settings.load)
     if settings.form.form == "force" or settings.form.window == "off":
         return contact.grid.whole
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
@@ -142,7 +142,7 @@ def about_path(settings, legs):
     def words(controls, verb):
         for component, (control, value) in controls.items():
             name = known[component, control]
-            yield f"{name} is held" if value is None else f"{name} {verb} {settings.scene.words(value, units[name].unit)}"
+            yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {settings.scene.scale(units[name].unit)[1]}"
 
     lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated), "="))]
     lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]

@@ -85,28 +85,27 @@ def test_what_is_typed_is_told():
     assert Scene.typed(period=20.0) == Scene(period=20.0)
 
 
-def test_loads_and_steps_move_in_the_scenes_own_units():
+def test_loads_are_taken_in_the_scenes_own_units():
     scene = Scene.typed(**TYPED, dimension=2, period=0.01)
     force, shear = EXPECTED["R phi_n"][0], EXPECTED["R sqrt(phi_n phi_t)"][0]
     load = Load(start="normal_displacement=1e-6", path="normal_displacement=1e-6, tangential_displacement_y=2e-5; normal_force=3e-4; "
                 "normal_force=3e-4, tangential_force_x=1e-3; tangential_force_x=hold, normal_displacement=4e-6")
-    steps = Steps(initial_step=1e-6, largest_step=(1e-6, 2e-4, 5e-4, 3e-6))
-    scaled = si.scaled_load(load, scene)
-    start, legs = scaled.initial(2), scaled.legs(2)
+    start, legs = scene.initial(load), scene.legs(load)
     assert start[0].value == pytest.approx(1e-6 / U_N, rel=1e-13)
     assert legs[0].controls[2].value == pytest.approx(2e-5 / U_T, rel=1e-13)
     assert legs[1].controls[0].value == pytest.approx(3e-4 / force, rel=1e-13)
     assert legs[2].controls[1].value == pytest.approx(1e-3 / shear, rel=1e-13)
     assert legs[3].controls[1] == ("force", None) and list(legs[3].controls) == [1, 0]
-    moved = U_T, force, shear, U_N  # what stays, and what is held, does not move
-    for given in (load, scaled):
-        found = si.scaled_steps(steps, given, scene)
-        assert found.initial_step == pytest.approx([1e-6 / size for size in moved], rel=1e-13)
-        assert found.largest_step == pytest.approx([step / size for step, size in zip(steps.largest_step, moved)], rel=1e-13)
-        assert found.smallest_step is None
-    for same in (si.scaled_load(load, Scene()), si.scaled_load(Load(), scene)):
-        assert same in (load, Load())
-    assert si.scaled_steps(steps, load, Scene()) == steps and si.scaled_steps(steps, Load(), scene) == steps
+    assert Scene(dimension=2).legs(load) == load.legs(2) and Scene(dimension=2).initial(load) == load.initial(2)
+
+
+def test_steps_have_the_unit_of_what_moves():
+    """The third leg names the approach, which is where it was, before the slip that moves."""
+    scene = Scene.typed(**{**TYPED, "range_tangential": 5e-6}, period=0.004, height=0.002, points=128)
+    load = Load(path="normal_displacement=2e-7; normal_force=hold; normal_displacement=2e-7, tangential_displacement=4e-7")
+    points = list(Branch(scene, load, Steps(initial_step=(1e-7, 1e-7, 2e-7), largest_step=(1e-7, 1e-7, 2e-7))))
+    assert [(point.leg, point.position) for point in points] == [(0, 0.0), (1, 0.5), (1, 1.0), (3, 0.5), (3, 1.0)]
+    assert points[-1].load == pytest.approx([2e-7 / U_N, 4e-7 / U_T], rel=1e-13)
 
 
 def without(*names):
@@ -171,7 +170,7 @@ def twins(request):
                   **{name: value / LENGTHS.get(name, 1.0) if name in LENGTHS else value for name, value in values.items()})
     text = "; ".join(f"{name}={value}" for name, value in path)
     load = Load(path="; ".join(f"{name}={value / size!r}" for (name, value), size in zip(path, sizes)))
-    both = (Branch(in_si, si.scaled_load(Load(path=text), in_si), si.scaled_steps(Steps(largest_step=largest), Load(path=text), in_si)),
+    both = (Branch(in_si, Load(path=text), Steps(largest_step=largest)),
             Branch(plain, load, Steps(largest_step=tuple(step / size for step, size in zip(largest, sizes)))))
     return request.param, typed, *((branch, list(branch)) for branch in both)
 

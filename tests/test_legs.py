@@ -1,0 +1,126 @@
+"""Legs of a load path: what controls each component follows from the path, also where a leg moves nothing."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes.load import controls_along, Load  # noqa: E402
+from contactsnes.run import Branch  # noqa: E402
+from contactsnes.scene import Form, Scene, Steps  # noqa: E402
+
+LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
+PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3, period=20.0, height=30.0)
+ALONE = Scene(period=float("inf"), spacing=0.3, normal_maugis=1.0, tangential_maugis=0.5)
+LARGE = Steps(initial_step=1.5, largest_step=2.0)
+DISPLACED, FORCED = "displacement", "force"
+
+
+def followed(path, scene=LINE, steps=LARGE, start=None, history=(), log=lambda sentence: None):
+    """Branch of a path, and its points."""
+    branch = Branch(scene, Load(start=start, path=path), steps, history=history, log=log)
+    return branch, list(branch)
+
+
+def held(point):
+    """What a point's controls hold, read off its displacements and forces."""
+    return [(point.forces if control == FORCED else point.displacements)[i] for i, control in enumerate(point.controls)]
+
+
+def test_controls_follow_from_the_path():
+    load = Load(path="normal_force=1; tangential_force=hold, normal_displacement=hold; tangential_force=2; normal_force=hold")
+    kinds = controls_along(load.initial(1), load.legs(1))
+    assert kinds == [(DISPLACED, DISPLACED), (FORCED, DISPLACED), (DISPLACED, FORCED), (DISPLACED, FORCED), (FORCED, FORCED)]
+
+
+# A path with legs that move nothing, and the same one without them: the second switches while it moves; start, scene and step.
+PAIRS = {
+    "force": ("normal_displacement=2; normal_force=hold; tangential_displacement=4",
+              "normal_displacement=2; normal_force=hold, tangential_displacement=4", None, LINE, 1.5),
+    "displacement": ("normal_force=1; normal_displacement=hold; tangential_displacement=4",
+                     "normal_force=1; normal_displacement=hold, tangential_displacement=4", None, LINE, 1.5),
+    "tangential force": ("tangential_displacement=2; tangential_force=hold; normal_displacement=3",
+                         "tangential_displacement=2; tangential_force=hold, normal_displacement=3", None, LINE, 1.5),
+    "first leg": ("normal_force=hold; tangential_displacement=4", "normal_force=hold, tangential_displacement=4",
+                  "normal_displacement=2", LINE, 1.5),
+    "several": ("normal_force=hold; normal_displacement=hold; normal_force=hold, tangential_force=hold; tangential_force=0.5",
+                "normal_force=hold, tangential_force=0.5", "normal_displacement=2", LINE, 0.2),
+    "where it is": ("normal_displacement=2; normal_force=hold; normal_displacement=2; tangential_displacement=4",
+                    "tangential_displacement=4", "normal_displacement=2", LINE, 1.5),
+    "plane": ("normal_force=hold; tangential_force_y=hold; tangential_displacement_x=2",
+              "normal_force=hold, tangential_force_y=hold, tangential_displacement_x=2", "normal_displacement=3", PLANE, 0.8),
+    "alone": ("normal_force=hold; normal_force=2, tangential_force=0; tangential_force=0.2",
+              "tangential_force=0.2", "normal_force=2", ALONE, 0.08),
+}
+
+
+@pytest.mark.parametrize("kind", ["natural", "arclength"])
+@pytest.mark.parametrize("case", PAIRS)
+def test_legs_that_move_nothing_switch_the_control(case, kind):
+    idle, direct, start, scene, step = PAIRS[case]
+    steps = Steps(initial_step=step, largest_step=1.5 * step, type=kind)
+    (branch, points), (_, expected) = followed(idle, scene, steps, start), followed(direct, scene, steps, start)
+    moved = [point for point in points if point.leg == len(branch.legs)]
+    assert len(points) == len(expected) and len(moved) > 1
+    kinds = controls_along(branch.load.initial(scene.dimension, scene.isolated), branch.legs)
+    for point, other in zip(points, expected):
+        np.testing.assert_allclose(point.displacements, other.displacements, atol=1e-7)
+        np.testing.assert_allclose(point.forces, other.forces, atol=1e-7)
+        if point.leg:
+            assert point.controls == kinds[point.leg][:len(point.controls)]
+    still = [i for i in range(len(moved[0].load)) if i not in branch.legs[-1].controls]
+    for point in moved:
+        assert held(point) == list(point.load) and [point.load[i] for i in still] == [moved[0].load[i] for i in still]
+    # What was held before moves now.
+    free = {"force": "displacements", "displacement": "forces", "tangential force": "displacements"}.get(case)
+    if free:
+        component = int(case.startswith("tangential"))
+        assert np.ptp([getattr(point, free)[component] for point in moved]) > 1e-4
+
+
+def test_ends_of_legs_are_exact():
+    path = "normal_displacement=1.1; normal_force=hold; tangential_displacement=0.7; tangential_force=hold; normal_force=1.3"
+    _, points = followed(path)
+    ends = {point.leg: point for point in points if point.position == 1.0}
+    assert ends.keys() == {1, 3, 5}
+    assert ends[1].displacements[0] == 1.1 and ends[3].displacements[1] == 0.7 and ends[5].forces[0] == 1.3
+    assert ends[3].forces[0] == ends[1].forces[0] and ends[5].forces[1] == ends[3].forces[1]
+
+
+def test_the_first_point_is_under_the_controls_that_were_asked_for():
+    (first,) = followed("normal_displacement=2", start="normal_displacement=2, tangential_force=0")[1]
+    assert first.controls == (DISPLACED, FORCED) and first.forces[1] == 0.0
+    *_, last = followed("normal_displacement=2.5", start="normal_displacement=2, tangential_force=0")[1]
+    assert last.controls == (DISPLACED, FORCED) and last.forces[1] == 0.0
+
+
+@pytest.mark.parametrize("at_fold", ["jump", "trace"])
+def test_an_interrupted_path_keeps_the_switch(at_fold):
+    """Interrupted after every point, also right before and after legs that move nothing."""
+    path = "normal_displacement=1; normal_force=hold; tangential_displacement=4; tangential_force=hold; normal_force=1"
+    steps = Steps(initial_step=2.0, largest_step=2.0, at_fold=at_fold)
+    branch, points = followed(path, steps=steps)
+    assert {point.leg for point in points} == {0, 1, 3, 5}
+    for done in range(1, len(points)):
+        history = [branch.restored(branch.packed(point)) for point in points[max(0, done - 4):done]]
+        _, rest = followed(path, steps=steps, history=history)
+        assert [point.controls for point in rest] == [point.controls for point in points[done:]]
+        assert rest[-1].load == pytest.approx(points[-1].load, abs=1e-12)
+        assert rest[-1].displacements == pytest.approx(points[-1].displacements, abs=1e-6)
+
+
+def test_what_was_stable_under_other_controls_is_checked_anew():
+    """Beyond the smallest force, -1.62 at -2.3, a displacement holds what a force does not."""
+    path, scene = "normal_displacement=-2.5; normal_force=hold; normal_force=-1.5", Scene(points=256, normal_maugis=2.0, period=30.0)
+    found, told = {}, []
+    for stability in ("sign", "off"):
+        steps = Steps(initial_step=0.1, largest_step=0.4, stability=stability)
+        points = followed(path, scene, steps, "normal_displacement=-2", log=told.append)[1]
+        found[stability] = [(point.leg, point.stable) for point in points if point.event == "none"]
+    assert {stable for leg, stable in found["sign"] if leg < 3} == {1}
+    assert {stable for leg, stable in found["sign"] if leg == 3} == {0}
+    assert [sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence] == told[-1:]
+    told.clear()
+    followed("normal_displacement=2; normal_force=hold; normal_force=3", log=told.append)
+    assert not any("unstable" in sentence for sentence in told)
