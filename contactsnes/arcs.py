@@ -178,7 +178,7 @@ class ArcWalk(Walk):
         """NotConverged unless a point is the neighbour of the last one that a prediction led to."""
         (_, before), (here, last) = self.history[-2:]
         missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
-        if missed > 0.15 and missed > 0.5 * moved:
+        if (missed > 0.15 and missed > 0.5 * moved) or self.system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
         ahead = self._way(last, point)

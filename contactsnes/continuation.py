@@ -159,12 +159,26 @@ class Walk:
             back = self.system.along_tangent(point, self.leg, target, here - target)
             wrong = max(wrong, self.system.missed(back, last.state))
         far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
-        local = predictor == "edge" and len(self.history) > 2 and self.system.missed(guess, point.state, largest=True)
-        spot = local > 1.0 and local > 0.6 * self.system.missed(last.state, point.state, largest=True)
-        if far or spot or (wrong > 0.15 and wrong > 0.5 * moved):
+        if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
             raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
         return replace(point, leg=self.leg.number, position=target)
+
+    def _strayed(self, guess, target, point):
+        """Whether some node ended where no prediction has it, however the solve began: part of the contact has jumped."""
+        last = self.history[-1][1]
+        return all(self.system.strayed(foretold, last.state, point.state) > 0.0 for foretold in self._foretold(guess, target))
+
+    def _foretold(self, guess, target):
+        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and those by fewer or more points."""
+        here, last = self.history[-1]
+        if guess is not last.state:
+            yield guess
+        for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
+            yield predict(self.system, self.history[-used:], self.leg, target, "edge")
+            yield predict(self.system, self.history[-used:], self.leg, target, "secant")
+        if len(self.history) == 1 and guess is last.state:
+            yield self.system.along_tangent(last, self.leg, here, target - here)
 
     def _expected(self, target):
         """How far a step to ``target`` would move at the rate of the last one; inf for a first step."""

@@ -90,6 +90,11 @@ class Corrector:
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean square or largest."""
         return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state, largest)
 
+    def strayed(self, guess, last, state):
+        """By how much a node ends farther from its guess than a smooth branch through ``last`` leaves open (``states.strayed``)."""
+        guess, last = (states.with_components(start, len(state.displacement)) for start in (guess, last))
+        return states.strayed(self.contact, guess, last, state)
+
     def lowered(self, point):
         """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""
         free = point.controls[0] == FORCE and not point.in_contact

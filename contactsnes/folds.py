@@ -99,7 +99,8 @@ class Turn:
         guess = system.extrapolate([first, last], [-ahead, 1.0 + ahead])
         point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before), self.leg)
         aside = system.missed(guess, point.state)
-        if aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state):
+        if (aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state)) \
+                or system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
         return point
 
@@ -115,7 +116,8 @@ class Turn:
             guess = self.system.extrapolate([first, second], lagrange_weights([before, behind], target))
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-                if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)):
+                if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)) \
+                        and self.system.strayed(guess, first.state, point.state) <= 0.0:
                     return self._passed(point, target)
             except NotConverged:
                 pass

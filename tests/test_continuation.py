@@ -125,6 +125,9 @@ class System:
     def missed(self, first, second, **_):
         return self.distance(first, second)
 
+    def strayed(self, guess, last, state):
+        return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last), 10.0)))
+
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
 

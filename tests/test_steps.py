@@ -1,0 +1,107 @@
+"""Steps stay on their branch: the same folds, jumps and energies whatever their size is."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+from contactsnes import Branch, Load, Scene, Steps
+from contactsnes.contact import Contact
+from contactsnes.scene import Form
+from contactsnes.states import State, strayed
+
+HALF_SPACE = {"points": 512, "period": 30.0, "height": inf, "normal_maugis": 2.0}
+LAYER = {"points": 1024, "period": 40.0, "normal_maugis": 3.0}
+APPROACHES = {"half-space": (HALF_SPACE, -5.115, 0.216, {}), "layer": (LAYER, -4.5, 1.0, {"window": "off"})}
+STICKY = {**LAYER, "height": 50.0, "tangential_maugis": 2.0, "residual_friction": 0.3}
+SMOOTH = {"points": 256, "period": 20.0, "height": 20.0, "normal_maugis": 1.0,
+          "tangential_maugis": 1.0, "residual_friction": 0.0}
+
+
+def walked(scene, path, first, largest, start=None, form=None, **steps):
+    """The points of a path in steps of given sizes, one a leg."""
+    steps = Steps(initial_step=first, largest_step=largest, **steps)
+    return list(Branch(Scene(**scene), Load(start=start, path=path), steps, form))
+
+
+def kinds(points):
+    """Names of the folds and jumps among points."""
+    found = [(point.event, point.fold_kind) for point in points]
+    return [names for names in found if names[0] in ("fold", "jump")]
+
+
+def folds(points):
+    """Loads of the folds among points, array (folds, components)."""
+    return np.array([point.load for point in points if point.event == "fold"])
+
+
+def losses(points):
+    """What each jump among points dissipates."""
+    return np.diff([0.0] + [point.dissipated_work for point in points if point.event == "jump"])
+
+
+@pytest.mark.parametrize("case", APPROACHES)
+def test_steps_of_any_size_and_predictor_meet_the_same_jump(case):
+    """A body that comes near jumps into contact; what it loses balances the works of its loads."""
+    scene, start, end, form = APPROACHES[case]
+    runs = [walked(scene, f"normal_displacement={end}", size / 40.0 * (end - start), size / 20.0 * (end - start),
+                   f"normal_displacement={start}", Form(**form), predictor=predictor)
+            for size, predictor in ((1.0, "edge"), (4.0, "tangent"), (2.0, "none"))]
+    for points in runs:
+        assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
+        np.testing.assert_allclose(folds(points), folds(runs[0]), rtol=1e-8)
+        assert losses(points) == pytest.approx(losses(runs[0]), rel=1e-5)
+        assert abs(points[-1].energy_imbalance) < 0.1 * points[-1].dissipated_work
+
+
+@pytest.mark.parametrize("scene, way, first, largest, steps", [
+    (STICKY, 80, (0.06, 2.0, 4.0), (0.6, 16.0, 32.0), {}),
+    (SMOOTH, 50, (0.25, 5.0, 10.0), (0.5, 10.0, 20.0), {"type": "arclength"})])
+def test_sliding_back_sticks_again_however_long_the_steps(scene, way, first, largest, steps):
+    """The law knows no direction: where sliding sets in on the way back mirrors where it did there."""
+    path = f"normal_force=2; tangential_displacement={way}; tangential_displacement={-way}"
+    points = walked(scene, path, first, largest, **steps)
+    assert kinds(points) == [("fold", "sliding"), ("jump", "")] * 3
+    ahead, back, behind = folds(points)[:, 1]
+    assert behind == pytest.approx(-ahead, rel=1e-7) and 0.0 < back < ahead
+    there, stuck, again = losses(points)
+    assert again == pytest.approx(there, rel=1e-3) and stuck > 0.0
+
+
+def uniform(contact, gap, slip=0.0):
+    """The state on the whole cell with a normal gap, for all nodes or each, and a uniform slip, in ranges."""
+    fields = np.array([gap - contact.initial_gap, np.full(contact.grid.size, slip)])
+    return State(contact.grid.whole, fields, np.zeros(2))
+
+
+def aside(state, node, by):
+    """The state with one node's normal displacement changed."""
+    fields = state.displacement.copy()
+    fields[0, node] += by
+    return replace(state, displacement=fields)
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return Contact(Scene(points=256, period=20.0, normal_maugis=1.0))
+
+
+def test_one_node_that_jumps_is_seen_among_many(contact):
+    last, found = uniform(contact, 1.0), uniform(contact, 0.5)
+    assert strayed(contact, found, last, found) < 0.0
+    assert strayed(contact, aside(found, 3, 0.6), last, found) > 0.0
+    # Beyond the law's reach nodes are free.
+    apart = aside(found, 3, 20.0)
+    assert strayed(contact, aside(apart, 3, 0.6), last, apart) < 0.0
+
+
+def test_a_long_way_excuses_no_jump(contact):
+    """Sliding by 30 ranges, a body may not end five from where it is predicted, nor stick on the way."""
+    last, found = uniform(contact, 0.5, slip=-40.0), uniform(contact, 0.5, slip=-10.0)
+    assert strayed(contact, found, last, found) < 0.0
+    assert strayed(contact, uniform(contact, 0.5, slip=-15.0), last, found) > 0.0
+    beyond = uniform(contact, 0.5, slip=10.0)
+    assert strayed(contact, beyond, last, beyond) > 0.0
+    far = uniform(contact, 8.0, slip=10.0)
+    assert strayed(contact, far, uniform(contact, 8.0, slip=-10.0), far) < 0.0
