@@ -5,16 +5,17 @@ lambda_i lambda_j.
 """
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from .elasticity import Body
 from .fourier import Convolution, Grid, Operator, Transform, enclosing
-from .geometry import initial_gap
+from .geometry import initial_gap, is_convex
 from .laws import CUTOFF, LAWS
+from .settings import InputError
 from .spots import fitting
-from .symmetry import Cosines
+from .symmetry import Cosines, asymmetry
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -39,7 +40,6 @@ class Contact:
     law : Law
     ranges : (lambda_n, lambda_t, ...), one a component of the scene
     initial_gap : array over the cell, delta_n
-    convex : whether the gap only grows away from a window around the contact
     datum : 0 where the displacement of the body as a whole is defined, nan where it is not
     isolated : whether means are to be told as displacements of the far surface
     widest : the largest window, on whose nodes fields are known
@@ -48,22 +48,31 @@ class Contact:
     datum, isolated = 0.0, False
 
     def __init__(self, scene, heights=None, counter=None):
-        self.scene = scene
+        self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter)
         self.ranges = np.array(scene.ranges)
         if scene.law == "modified":
             self.law = LAWS[scene.law](scene.residual_friction, scene.residual_adhesion)
         else:
             self.law = LAWS[scene.law]()
-        gap = initial_gap(scene.geometry if heights is None else "file", self.grid.coordinates(), self.grid.periods,
+        gap = initial_gap(self.scene.geometry, self.grid.coordinates(), self.grid.periods,
                           amplitude=scene.amplitude, heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
         self.initial_gap = self.ranges[0] * np.ascontiguousarray(gap)
-        self.convex = scene.geometry in ("cylinder", "sphere")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
         self._operators = {}
         self.circle = lru_cache(maxsize=12)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.widest = self.grid.whole
+
+    @cached_property
+    def convex(self):
+        """Whether the initial gap is, so that the gap only grows away from a window around the contact."""
+        return is_convex(self.initial_gap)
+
+    @cached_property
+    def unevenness(self):
+        """Largest difference between mirror images about the apex in the initial gap, delta_n."""
+        return asymmetry(self.grid.whole, self.initial_gap.reshape(1, -1))
 
     @property
     def periodic(self):
@@ -118,6 +127,7 @@ class Contact:
                            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
                            range_normal=None, range_tangential=None)
         coarse = self._coarser(softened)
+        coarse.scene = softened
         coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
         return coarse
 
@@ -173,5 +183,15 @@ class Contact:
 
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""
-        made = fitting if self.scene.geometry in ("file", "rough") else enclosing
+        made = enclosing if self.convex else fitting
         return made(self.grid, normal_gap < CUTOFF, margin=0.05)
+
+
+def _of_heights(scene, heights):
+    """The scene of heights given in place of its geometry, which is then that of a file; InputError where they do not fit."""
+    if heights.shape != scene.shape:
+        raise InputError(f"the heights have the shape {heights.shape}, the grid has {scene.shape}: give one height for each node, or "
+                         "-scene_points and -scene_dimension that fit the heights")
+    if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
+        raise InputError("the heights have to be real and finite numbers: fill the missing ones first")
+    return scene if scene.geometry == "file" else replace(scene, geometry="file", geometry_file="heights given as an array")

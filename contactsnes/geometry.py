@@ -95,6 +95,23 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roug
     return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
 
 
+def is_convex(gap):
+    """Whether a gap on a grid is convex within the cell, to rounding, and not the same everywhere: a body with one summit.
+
+    Its second differences are those of a convex function: along each direction not negative, with a Hessian's determinant that
+    is not, either. Across the border of the cell, where a body meets its neighbour, nothing is asked.
+    """
+    rounding = 8.0 * np.finfo(float).eps * np.max(np.abs(gap))
+    bends = [np.diff(gap, 2, axis) for axis in range(gap.ndim)]
+    if np.ptp(gap) <= rounding or min(bend.min() for bend in bends) < -rounding:
+        return False
+    if gap.ndim == 1:
+        return True
+    along, across = bends[0][:, 1:-1], bends[1][1:-1]
+    twist = (gap[2:, 2:] - gap[2:, :-2] - gap[:-2, 2:] + gap[:-2, :-2]) / 4
+    return bool(np.min(along * across - twist ** 2) >= -rounding * max(bend.max() for bend in bends))
+
+
 def read_heights(specification, shape=None):
     """Read heights on the grid from a file, in units of u_n,r, the highest nearest to the flat.
 

@@ -2,10 +2,12 @@
 
 import numpy as np
 
+from .contact import CERTAIN
 from .forms import DisplacementForm
 from .settings import InputError
-from .states import State, onto
-from .symmetry import EvenConvolution, EvenWindow, asymmetry, centred, obstacle
+from .spots import cost
+from .states import State, normal_gap, onto
+from .symmetry import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
 
 EVEN = 1e-6
 """Largest difference of mirror images in a state that counts as even, ranges of the law."""
@@ -130,18 +132,27 @@ class Symmetry:
     """
 
     def __init__(self, contact, settings, solver, log):
-        self.contact, self.log = contact, log
+        self.contact, self.log, self.asked = contact, log, settings.symmetry == "even"
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, solver) is None
 
     def holds(self, components):
         """Whether states with so many components are taken for even."""
-        return self.wanted and obstacle(self.contact.scene, components) is None
+        return self.wanted and obstacle(self.contact, components) is None
 
     def checked(self, state):
         """The state; if it is not even where it should be, no state is taken for even from now on."""
-        if self.holds(len(state.displacement)) and not asymmetry(state.window, state.displacement) <= EVEN:
+        if self.holds(len(state.displacement)) and not self._is_even(state):
             self.leave("the state is not even about the apex")
         return state
+
+    def _is_even(self, state):
+        """Whether mirror images in a state are alike, and the law acts where there is one only nowhere."""
+        if not asymmetry(state.window, state.displacement) <= EVEN:
+            return False
+        if centred(state.window) == state.window:
+            return True
+        alone = lone(state.window)
+        return self.contact.grid.minimum(normal_gap(self.contact, state), where=alone) >= CERTAIN
 
     def leave(self, why):
         """Take no state for even from now on, for a reason in words."""
@@ -149,9 +160,12 @@ class Symmetry:
         self.log(f"{why}: going on without symmetry")
 
     def centred(self, state):
-        """The state on a centred window, if it is taken for even."""
+        """The state on a centred window, if it is taken for even: half of one box, in place of several where that is cheaper."""
         self.checked(state)
         window = centred(state.window) if self.holds(len(state.displacement)) else state.window
+        if len(window.parts) < len(state.window.parts) and not self.asked and 2.0 * cost(state.window) < cost(window):
+            self.leave("boxes around the spots cost less than half of one window")
+            return state
         return state if window == state.window else State(window, onto(state, window), state.means)
 
     def halves(self, state):
@@ -178,22 +192,22 @@ def method_obstacle(settings, solver):
     return None if solver.startswith("newton") else f"the method (-snes_type {solver}) is none of Newton's"
 
 
-def refuse(scene, sheared, settings, solver):
+def refuse(contact, sheared, settings, solver):
     """InputError where symmetry is asked for and a leg has none.
 
     Parameters
     ----------
-    scene : Scene
+    contact : Contact
     sheared : whether tangential unknowns appear at the start and in each leg
     settings : Form
     solver : type of SNES
     """
-    why = obstacles(scene, sheared, settings, solver)
-    if settings.symmetry == "even" and any(why):
+    why = obstacles(contact, sheared, settings, solver) if settings.symmetry == "even" else []
+    if any(why):
         raise InputError(f"-contact_symmetry is 'even', but {next(filter(None, why))}: allowed here are auto and off")
 
 
-def obstacles(scene, sheared, settings, solver):
+def obstacles(contact, sheared, settings, solver):
     """Why states are not taken for even at the start and in each leg, in words or None where they are, a list."""
     method = method_obstacle(settings, solver)
-    return [method or obstacle(scene, scene.components if tangential else 1) for tangential in sheared]
+    return [method or obstacle(contact, contact.scene.components if tangential else 1) for tangential in sheared]

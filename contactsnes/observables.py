@@ -185,7 +185,9 @@ def _scaled_table(scene):
         "maximum_pressure": Observable(lambda m: float(m.grid.maximum(-m.traction[0], initial=0.0)), "largest pressure", "p_n,r"),
         "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap, "largest slip", "u_t,r"),
         "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction, "largest shear traction", "p_t,r"),
-        "residual_norm": Observable(lambda m: m.point.residual_norm, "residual", "ranges of the law")})
+        "residual_norm": Observable(lambda m: m.point.residual_norm, "residual", "ranges of the law"),
+        "largest_residual": Observable(lambda m: m.point.largest_residual, "largest residual at a node where the law acts",
+                                       "ranges of the law")})
     for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""), ("function_evaluations", ""),
                        ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"), ("wall_time", "s")):
         rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "), unit,

@@ -53,7 +53,7 @@ class Point:
     arc : length of the step along the branch to try next, ranges of the law; 0 in natural continuation
     origin : controlled values where the leg began
     in_contact, sliding : whether a node is in contact; whether all of those have slipped past the law's peak
-    residual_norm : of the archive
+    residual_norm, largest_residual : of the archive; the second nan where nobody looked at it
     spent : name -> count of iterations, evaluations, transforms and time since the point before
     event, fold_kind : as in the archive
     elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law has no potential)
@@ -79,6 +79,7 @@ class Point:
     in_contact: bool
     sliding: bool
     residual_norm: float
+    largest_residual: float = np.nan
     leg: int = 0
     position: float = 0.0
     step: float = 0.0

@@ -20,10 +20,14 @@ from .states import State
 from .tracing import Tracer
 
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
-        "event", "fold_kind", "elastic_energy", "interfacial_energy", "smooth_steps", "jump_work", "viscous_work",
-        *energies.WORKS, "stable", "unstable_modes", "leading_eigenvalue", "resolved",
-        "fold_precision")
+        "largest_residual", "event", "fold_kind", "elastic_energy", "interfacial_energy",
+        "smooth_steps", "jump_work", "viscous_work", *energies.WORKS, "stable", "unstable_modes",
+        "leading_eigenvalue", "resolved", "fold_precision")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
+
+DILUTED = 100.0
+"""Largest imbalance of a node over the tolerance of their root mean square from which on a run says so: that of one node alone, were
+it all there is, in a window of 10^4 unknowns."""
 
 
 class Branch:
@@ -57,7 +61,7 @@ class Branch:
             self.contact = Contact(scene, heights(scene))
             check_edge(self.contact)
         self._sheared = scenes.tangential_legs(scene, load)
-        refuse(scene, self._sheared, form, solver_type())
+        refuse(self.contact, self._sheared, form, solver_type())
         refuse_without_tangent(self.steps.stability, form, solver_type())
         arcs.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
@@ -66,7 +70,7 @@ class Branch:
         self.history = history
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
-        self._log, self._ways = log, {}
+        self._log, self._ways, self._diluted = log, {}, False
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]
@@ -81,6 +85,7 @@ class Branch:
             for point in map(grid.marked, map(ledger.entered, points)):
                 self._say_what_cannot_be_held(point)
                 self._last = point
+                self._say_what_is_diluted(point)
                 yield point
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared), self._modes) from None
@@ -143,6 +148,15 @@ class Branch:
         if leg is not None:
             self._say_what_turns_back(leg)
         return leg
+
+    def _say_what_is_diluted(self, point):
+        """Say once that a node is much worse balanced than the mean over the window's, which may be far more than the contact's."""
+        tolerance = self.corrector.snes.getTolerances()[1]
+        if not self._diluted and point.largest_residual > DILUTED * tolerance:
+            self._diluted = True
+            self._log(f"a node where the law acts is out of balance by {point.largest_residual:.1e} ranges (largest_residual), at a "
+                      f"residual_norm of {point.residual_norm:.1e} over a window of {point.state.window.size} nodes: the mean hides what "
+                      "is wrong in a few of them; a smaller -snes_atol balances these, too")
 
     def _say_what_turns_back(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""

@@ -27,7 +27,7 @@ from .points import NotConverged
 from .preconditioners import CoreOptions, CoreZone
 from .settings import InputError
 from .states import State
-from .symmetry import asymmetry, centred
+from .symmetry import UNEVEN, asymmetry, centred
 
 CERTIFIED = "stable: all eigenvalues of the discrete problem on this grid, linearised at the point under its controls, have positive " \
     "real parts in overdamped motion (the body creeps, M = K, relaxation time 1); finite disturbances are not looked at"
@@ -149,7 +149,7 @@ def symmetries(contact, state):
         signs = np.ones(components)
         signs[1 + axis:2 + axis] = -1.0
         tried = [signs] if components == 1 or contact.couples() else [np.append(1.0, -signs[1:]), signs]
-        even = np.abs(gap - mirrored(window, gap, axis, (1.0,))).max() <= EVEN
+        even = np.abs(gap - mirrored(window, gap, axis, (1.0,))).max() <= UNEVEN
         found += [(axis, tuple(signs)) for signs in tried
                   if even and np.abs(state.displacement - mirrored(window, state.displacement, axis, signs)).max() <= EVEN][:1]
     return found

@@ -42,7 +42,7 @@ def skipped(settings, branch):
         sentences.append("no tangential unknowns: the load names none, and the body does not couple them to normal ones")
     elif not all(sheared):
         sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
-    if any(sheared) and not scene.coupled:
+    if any(sheared) and not branch.contact.couples():
         sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
     window, cell = start_window(settings, branch), branch.contact.grid.shape
     if np.isnan(branch.contact.datum):
@@ -57,14 +57,14 @@ def skipped(settings, branch):
     else:
         nodes = _by(window.shape) if len(window.parts) == 1 else f"{len(window.parts)} boxes with {window.size}"
         sentences.append(f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start")
-    return [*sentences, _mirror_images(settings, sheared)]
+    return [*sentences, _mirror_images(settings, branch.contact, sheared)]
 
 
-def _mirror_images(settings, sheared):
+def _mirror_images(settings, contact, sheared):
     """Sentence on what symmetry leaves out, or why it does not."""
     if settings.form.symmetry == "off":
         return "no symmetry is used: -contact_symmetry is off"
-    why = _asymmetries(settings, sheared)
+    why = _asymmetries(settings, contact, sheared)
     reason = next(filter(None, why), None)
     if all(why):
         return f"no symmetry is used: {reason}"
@@ -74,11 +74,11 @@ def _mirror_images(settings, sheared):
     return f"mirror images, so that {part} is solved: scene and load path are even about the apex"
 
 
-def _asymmetries(settings, sheared):
+def _asymmetries(settings, contact, sheared):
     """Why states are not even at the start and in each leg, or None."""
     if settings.form.symmetry == "off":
         return ["it is not wanted"] * len(sheared)
-    return obstacles(settings.scene, sheared, settings.form, database().get("snes_type", "newtonls"))
+    return obstacles(contact, sheared, settings.form, database().get("snes_type", "newtonls"))
 
 
 def _by(shape):
@@ -156,7 +156,7 @@ def about_unknowns(settings, branch):
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
     controls = settings.load.initial(scene.dimension, scene.isolated)
     lines, largest, sheared_legs = [], 0, scenes.tangential_legs(scene, settings.load)
-    for number, (sheared, uneven) in enumerate(zip(sheared_legs, _asymmetries(settings, sheared_legs))):
+    for number, (sheared, uneven) in enumerate(zip(sheared_legs, _asymmetries(settings, branch.contact, sheared_legs))):
         if number:
             controls = controls | legs[number - 1].controls
         components = scene.components if sheared else 1

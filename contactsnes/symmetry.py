@@ -13,33 +13,58 @@ from scipy import fft
 from .fourier import Grid, Window, clear_padding, transform_cost
 
 
-def obstacle(scene, components):
-    """Why displacements of a scene with so many components need not be even in every direction, in words; None if they are."""
-    if scene.geometry == "file":
-        return "heights from a file need not be even"
-    if scene.geometry == "rough":
-        return "roughness is not even"
-    if components > 1 and scene.coupled:
+UNEVEN = 1e-10
+"""Largest difference of mirror images in an initial gap that counts as even, delta_n: what rounding makes of one."""
+
+
+def obstacle(contact, components):
+    """Why displacements of a contact with so many components need not be even in every direction, in words; None if they are.
+
+    What is asked is its initial gap on the grid, node by node, and which components of traction its body moves which others by.
+    """
+    if not contact.unevenness <= UNEVEN:
+        return (f"the initial gap is not even about the apex: its mirror images differ by up to {contact.unevenness:.3g} delta_n, "
+                f"of which {UNEVEN:g} is allowed")
+    coupled = [(i, j) for i, j in contact.operator(components).blocks if i != j] if components > 1 else []
+    if any(0 in pair for pair in coupled):
         return "the body couples tangential displacements, which are odd, to normal ones"
-    if components > 2:
+    if coupled:
         return "tangential displacements along and across a load are even in different directions"
     return None
 
 
 def centred(window):
-    """The smallest window about the apex that holds a window."""
+    """The smallest window about the apex, one box, that holds a window."""
     start, shape = [], []
-    for first, extent, total in zip(window.start, window.shape, window.grid.shape):
-        first -= total // 2
-        reach = max(-first, first + extent - 1, 1)
+    for axis, (extent, total) in enumerate(zip(window.shape, window.grid.shape)):
+        ends = [end for part in window.parts for end in (total // 2 - part.start[axis], part.start[axis] - total // 2 + extent - 1)]
+        reach = max(1, *ends)
         whole = extent == total or 2 * reach + 1 >= total
         start.append(0 if whole else total // 2 - reach)
         shape.append(total if whole else 2 * reach + 1)
     return Window(window.grid, start, shape)
 
 
+def mirrored(field, axis):
+    """Mirror image about the apex, along an axis, of an array that the cell's nodes fill there."""
+    return np.roll(np.flip(field, axis), 1, axis)
+
+
+def lone(window):
+    """Mask of the nodes of a window (nodes) whose mirror image in some direction lies outside of it."""
+    known = np.zeros((1, *window.grid.shape), dtype=bool)
+    window.put(np.ones((1, window.size), dtype=bool), known)
+    return window.take(np.any([known & ~mirrored(known, axis) for axis in range(1, known.ndim)], axis=0))[0]
+
+
 def asymmetry(window, values):
     """Largest difference of values (arrays, nodes) between mirror images in a window; inf if it does not hold the apex."""
+    if len(window.parts) > 1:
+        cell = np.full((len(values), *window.grid.shape), math.inf)
+        window.put(values, cell)
+        differences = (np.abs(cell - mirrored(cell, axis)) for axis in range(1, cell.ndim))
+        with np.errstate(invalid="ignore"):
+            return float(max(np.max(difference, where=np.isfinite(difference), initial=0.0) for difference in differences))
     box, largest = window.box(values), 0.0
     for axis, (first, extent, total) in enumerate(zip(window.start, window.shape, window.grid.shape), start=1):
         middle = (total // 2 - first) % total

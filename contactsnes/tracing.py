@@ -39,11 +39,15 @@ class Tracer(Corrector):
             unknown, iterations = self._newton(arc, start, WARM, snes)
             arc.set_position(unknown[-1])
             state = self._state(form, unknown[:-1])
-            if states.covers(self.contact, state):
-                norm = self._norm(form, unknown[:-1], state, evaluated=False)
-                point = self._point(form, state, norm, iterations)
+            if not states.covers(self.contact, state):
+                guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
+                continue
+            unknown, state, imbalance = self._balanced(form, unknown, state, arc, snes)
+            if imbalance is not None:
+                arc.set_position(unknown[-1])
+                point = self._point(form, state, imbalance, iterations)
                 return replace(point, leg=leg.number, position=float(unknown[-1]))
-            guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
+            guess, position = state, unknown[-1]
         raise NotConverged("the window kept growing: try -contact_window off")
 
     def direction(self, point, chord, leg):

@@ -72,6 +72,7 @@ TABLE = (
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("motion", "the dynamics of the balance in Fourier space, without PETSc", (*LOAD_PATH, "continuation")),
     Row("stepping", "methods of damping a motion, without PETSc", (*LOAD_PATH, "forms", "continuation")),
+    Row("balance", "imbalances of states at all nodes, evaluated anew", (*LOAD_PATH, "continuation")),
     Row("multigrid", "coarser grids for the full approximation scheme", (*LOAD_PATH, "continuation")),
     Row("snes", "PETSc's solver around a form", (*LOAD_PATH, "continuation")),
     Row("coldstart", "first points, by way of coarser grids where that serves", ("continuation", *LOAD_PATH)),
@@ -112,7 +113,7 @@ HOMES = {
 }
 """The only modules that may import a package, anywhere in them."""
 
-FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored",
+FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored", "balance",
                  "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
