@@ -461,3 +461,23 @@ def test_area_below_a_level_is_of_fourth_order_in_the_spacing():
         gap = radius + 0.1 * np.exp(-3.0 * (radius - 1.0) ** 2) - 0.1
         errors.append(abs(grid.whole.area_below(gap.reshape(-1), 1.0) / np.pi - 1.0))
     assert errors[0] < 2e-3 and errors[2] < 1e-5 and errors[2] < errors[0] / 100
+
+
+def test_area_of_a_few_nodes_is_that_of_the_surface_through_them():
+    """Cubic interpolation has a paraboloid exactly: what is left is the error of triangles, which two divisions cancel."""
+    grid = Grid((16, 16), (16.0, 16.0))
+    x, y = grid.coordinates()
+    errors = [abs(grid.whole.area_below(((x - 0.3) ** 2 + (y + 0.2) ** 2).reshape(-1), radius ** 2) / (np.pi * radius ** 2) - 1.0)
+              for radius in (2.3, 3.1, 4.4)]
+    assert max(errors) < 1e-4
+
+
+def test_lengths_below_a_level_are_those_of_all_intervals():
+    grid = Grid((64,), (2.0 * np.pi,))
+    x, = grid.coordinates()
+    for waves in (1, 2, 3):
+        # Over the border of the cell, too: cos(n x) < 1/2 on two thirds of the line, however many intervals.
+        assert grid.whole.area_below(np.cos(waves * x), 0.5) == pytest.approx(4.0 * np.pi / 3.0, rel=1e-3)
+    window = Window(grid, (20,), (25,))
+    assert window.area_below(window.take(np.cos(x)), 0.3) == 0.0
+    assert window.area_below(window.take(-np.cos(x)), -0.9) == pytest.approx(2.0 * np.arccos(0.9), rel=1e-5)

@@ -49,3 +49,25 @@ def test_gross_sliding_is_when_every_node_in_contact_has_passed_the_peak(scene, 
     assert len(begins) == len(told) == 1
     # A jump into sliding is told as a jump first, and as the event once more.
     assert found[told[0]][2] == found[begins[0]][2] and told[0] - begins[0] == int(found[begins[0]][1] == "jump")
+
+
+@pytest.mark.parametrize("scene, path", [
+    ({**LINE, "poisson": 0.3, "height": 8.0, "tangential_maugis": 1.7}, "normal_force=2, tangential_displacement=4"),
+    ({**PLANE, "poisson": 0.2, "tangential_maugis": 0.6}, "normal_displacement=0.4, tangential_force_x=0.1, tangential_force_y=0.2")])
+def test_displacements_of_the_top_are_those_of_the_mean_surface_and_of_the_layer(scene, path):
+    """D = mean(-u_n) + W/(A k_0n) and U = mean(u_t) + T/(A k_0t), k_0n = (1 - nu)^2/((1 - 2 nu) H), k_0t = (1 - nu)/(2 H)."""
+    poisson, height, area = scene["poisson"], scene["height"], scene["period"] ** scene.get("dimension", 1)
+    stiffness = (1 - poisson) ** 2 / ((1 - 2 * poisson) * height), (1 - poisson) / (2 * height)
+    for _, row, _, displacement, traction in rows_with_fields(scene, path=path):
+        means = displacement.reshape(len(displacement), -1).mean(axis=1)
+        forces = area * traction.reshape(len(traction), -1).mean(axis=1)
+        forces *= [-scene["normal_maugis"], *[scene.get("tangential_maugis", 1.0)] * (len(means) - 1)]
+        ends = ("_x", "_y") if len(means) == 3 else ("",)
+        names = ["normal", *(f"tangential{end}" for end in ends)]
+        for name, mean, force, stiff in zip(names, means * [-1, *[1] * len(ends)], forces, [stiffness[0], *[stiffness[1]] * len(ends)]):
+            kind, _, end = name.partition("_")
+            end = f"_{end}" if end else ""
+            assert row[f"{kind}_force{end}"] == pytest.approx(force, rel=1e-6, abs=1e-6)
+            assert row[f"{kind}_displacement{end}"] == pytest.approx(mean + force / (area * stiff), rel=1e-6, abs=1e-6)
+            told = row["approach"] if kind == "normal" else row[f"mean_tangential_displacement{end}"]
+            assert told == pytest.approx(mean, rel=1e-7, abs=1e-7)
