@@ -60,7 +60,8 @@ def _root(system, stability, leg, ends, index):
     def value(position):
         if position not in known:
             known[position] = _solved(system, leg, known, position, far)
-        values[position], known[position] = stability.critical(known[position], index)
+        if position not in values:  # found anew, an eigenvalue near zero might have another sign
+            values[position], known[position] = stability.critical(known[position], index)
         return values[position]
 
     first, last = (value(position) for position, _ in ends)

@@ -49,7 +49,8 @@ def undeformed(contact, controls, load):
         sunk = compliance / grid.size * _carried(contact, depth) if compliance else 0.0
         return approach(depth) + sunk - target
 
-    if (load[0] <= 0.0 and control == FORCE) or (control != FORCE and target <= lowest):
+    # The mean of equal gaps is not quite the gap.
+    if load[0] <= 0.0 if control == FORCE else target <= max(lowest, approach(lowest)):
         depth = lowest if control == FORCE else target
     else:
         # What the flat carries first rises with the depth and falls again towards full contact: the first root counts.

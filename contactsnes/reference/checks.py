@@ -4,6 +4,10 @@ import functools
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import xlogy
+
+ROUNDING = 64 * np.finfo(float).eps
+"""What a few operations may lose of their largest term: what misses a limit by no more is the limit."""
 
 
 def require(condition, message):
@@ -24,10 +28,33 @@ def not_negative(**values):
         require(np.greater_equal(value, 0), f"{name} {value} must not be negative")
 
 
-def find_root(function, low, high, message):
-    """Zero of `function` in [low, high]; ValueError(message) where its sign does not change."""
-    require(function(low) * function(high) <= 0, message)
-    return brentq(function, low, high, xtol=1e-15)
+def at_most(value, limit, message):
+    """ValueError(message) unless a value is at most its limit everywhere, to rounding."""
+    require(np.less_equal(value, limit + ROUNDING * np.abs(limit)), message)
+
+
+def find_root(function, low, high, message, value=0.0):
+    """Where `function` takes a value between low and high, an end where it does so to rounding if it goes
+    through the value nowhere in between. ValueError(message) where it does not take it."""
+    misses = [function(end) - value for end in (low, high)]
+    if np.sign(misses[0]) * np.sign(misses[1]) <= 0:
+        return brentq(lambda place: function(place) - value, low, high, xtol=1e-300, maxiter=2000)
+    nearest = np.argmin(np.abs(misses))
+    require(abs(misses[nearest]) <= ROUNDING * max(abs(value), abs(value + misses[nearest])),
+            message)
+    return float((low, high)[nearest])
+
+
+def jkr_root(share, message):
+    """The z >= 1 with z^4 - 4 z = share: a JKR contact is z^2 times as large as where the load on a line,
+    or the approach of a sphere, is least, at a share of -3. ValueError(message) below."""
+    at_most(-share, 3.0, message)
+    # With z = 1 + e it is e^2 (6 + 4 e + e^2), and both ends are away from the root, whatever the rounding.
+    rest = max(share + 3.0, 0.0)
+    if rest > 1e80:
+        return rest ** 0.25
+    return 1.0 + find_root(lambda e: e * e * (6.0 + 4.0 * e + e * e), 0.0,
+                           2.0 * min(np.sqrt(rest / 6.0), rest ** 0.25), message, rest)
 
 
 def minimizer(function, low, high):
@@ -41,6 +68,23 @@ def half_angle(half_width, period):
     require(np.greater_equal(half_width, 0) & np.less(half_width, period / 2),
             f"half_width {half_width} must be at least 0 and below half the period {period}")
     return np.pi * np.asarray(half_width) / period
+
+
+def half_width_of(angle, period):
+    """a of an angle pi a/L up to pi/2: below half the period, whatever the rounding."""
+    return np.minimum(period / np.pi * angle, np.nextafter(period / 2, 0))
+
+
+def log_cosine(angle):
+    """ln cos of an angle from 0 to pi/2, exact in narrow contacts and where they nearly fill the cell."""
+    return np.where(angle < 0.8, np.log1p(-np.minimum(np.sin(angle), 0.8) ** 2) / 2,
+                    np.log(np.cos(angle)))
+
+
+def times_log_sine(factor, angle):
+    """A factor times ln sin of an angle from 0 to pi/2, as exact as `log_cosine`; 0 if the factor is."""
+    return np.where(angle > 0.8, factor * np.log1p(-np.minimum(np.cos(angle), 0.8) ** 2) / 2,
+                    xlogy(factor, np.sin(angle)))
 
 
 def periodic_angle(half_width, period):

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from .checks import elementwise, find_root, minimizer, positive, require
+from .checks import ROUNDING, elementwise, find_root, minimizer, positive, require
 from .laws import peak_normal_traction
 from .line import hertz_line_approach, hertz_line_load, hertz_line_pressure
 from .zone import isolated_opening, opening_by_punches, zone_lift, zone_traction
@@ -48,7 +48,8 @@ def _stable(normal_maugis, period):
     if np.isinf(period):
         def state(log_spread):
             return _isolated_state(log_spread, normal_maugis)
-        return state, minimizer(lambda t: state(t)[0], SMALLEST, np.log(40.0)), SMALLEST
+        smallest = SMALLEST - np.log(max(peak_normal_traction(normal_maugis), 1.0))
+        return state, minimizer(lambda t: state(t)[0], smallest, np.log(40.0)), smallest
 
     def state(log_share):
         return _periodic_state(log_share, normal_maugis, period)
@@ -56,10 +57,11 @@ def _stable(normal_maugis, period):
     shares = np.concatenate([np.linspace(SMALLEST, -2.0, 60), np.log(np.linspace(np.exp(-2.0), 1.0, 60)[1:-1])])
     loads = np.array([state(share)[0] for share in shares])
     message = f"no partial contact is stable at any load for the normal_maugis {normal_maugis} and period {period}"
-    rising = np.flatnonzero(np.diff(loads) > 0)
+    # A contact that has shrunk to nothing changes the load by rounding only.
+    rising = np.flatnonzero(np.diff(loads) > ROUNDING * np.abs(loads[1:]))
     require(rising.size, message)
     ends = [minimizer(lambda t: sign * state(t)[0], shares[max(k - 1, 0)], shares[min(k + 1, np.sum(np.isfinite(loads)) - 1)])
-            for sign, k in ((1, rising[0]), (-1, rising[-1] + 1))]
+            for sign, k in ((1, np.argmin(loads[:rising[0] + 1])), (-1, rising[-1] + 1))]
     return state, *ends
 
 
@@ -84,7 +86,12 @@ def maugis_line(load, normal_maugis, period=np.inf):
     0.5 % at 3 and 0.2 % from 5 on, under a load of 25. ValueError below pull-off and, in a cell, where the contact or the zone
     jumps to the full period."""
     state, least, end = _stable(float(normal_maugis), float(period))
-    found = find_root(lambda t: state(t)[0] - load, *sorted((least, end)), f"no stable Maugis-Dugdale contact at the load {load}")
+    if np.isinf(period):
+        # So narrow a zone belongs to a larger load: s a^2 spread^3 and s^2 a spread^2 are below 3.
+        stress, size = np.log(peak_normal_traction(normal_maugis)), np.log(max(load, 1.0)) / 2
+        end = min(end, -4.0 - (stress + 2 * size) / 3, -4.0 - stress - size / 2)
+    found = find_root(lambda t: state(t)[0], end, least,
+                      f"no stable Maugis-Dugdale contact at the load {load}", load)
     return state(found)[1:]
 
 

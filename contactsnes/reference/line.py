@@ -7,9 +7,14 @@ of the law's threshold, exceeds JKR's by 0.3 % at a parameter of 10 and a load o
 """
 
 import numpy as np
-from scipy.special import spence, xlogy
+from scipy.special import spence
 
-from .checks import elementwise, find_root, half_angle, not_negative, periodic_angle, positive, reciprocal_depth, root_depth
+from .checks import (
+    elementwise, find_root, half_angle, half_width_of, jkr_root, log_cosine, not_negative, periodic_angle,
+    positive, reciprocal_depth, root_depth, times_log_sine)
+
+FULLEST = 1e15
+"""Tangent of pi a/L up to which contacts are looked at: beyond, what they leave open is rounding."""
 
 
 def hertz_line_load(half_width, period=np.inf):
@@ -18,16 +23,18 @@ def hertz_line_load(half_width, period=np.inf):
     angle = half_angle(half_width, period)
     if np.isinf(period):
         return np.pi * np.square(half_width) / 4
-    return -period**2 / (4 * np.pi) * np.log1p(-np.sin(angle) ** 2)
+    return -period**2 / (2 * np.pi) * log_cosine(angle)
 
 
 def hertz_line_half_width(load, period=np.inf):
-    """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`; conditions as there."""
+    """Half width of a cylinder at a load (float or array >= 0), the inverse of `hertz_line_load`; conditions
+    as there. Below half the period by rounding where the load leaves less of the cell open."""
     not_negative(load=load)
     positive(period=period)
     if np.isinf(period):
         return 2 * np.sqrt(load / np.pi)
-    return period / np.pi * np.arcsin(np.sqrt(-np.expm1(-4 * np.pi * load / period**2)))
+    depth = 4 * np.pi * np.asarray(load) / period**2
+    return half_width_of(np.arctan2(np.sqrt(-np.expm1(-depth)), np.exp(-depth / 2)), period)
 
 
 def hertz_line_pressure(x, half_width, period=np.inf):
@@ -43,9 +50,12 @@ def hertz_line_approach(half_width, period):
     """Approach of the mean surface, d = (L^2/4 pi^2)[ln v ln(1-v) + Li_2(v)], v = sin^2(pi a/L), exact; for a << L,
     d = (2/pi)[W ln(L/(pi a)) + pi a^2/8]. Conditions of `hertz_line_load`, and a finite period: an isolated line contact has no finite
     approach."""
-    v = np.sin(periodic_angle(half_width, period)) ** 2
+    angle = periodic_angle(half_width, period)
+    v = np.sin(angle) ** 2
     series = v * (1 + v / 4 + v**2 / 9 + v**3 / 16 + v**4 / 25)  # Li_2, where 1 - v would lose digits
-    return (period / (2 * np.pi)) ** 2 * (xlogy(np.log1p(-v), v) + np.where(v < 1e-3, series, spence(1 - v)))
+    dilogarithm = np.where(v < 1e-3, series, spence(np.cos(angle) ** 2))
+    return (period / (2 * np.pi)) ** 2 * (times_log_sine(4 * log_cosine(angle),
+                                                         angle) + dilogarithm)
 
 
 def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
@@ -56,7 +66,7 @@ def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
     angle = half_angle(half_width, period)
     not_negative(work_of_adhesion=work_of_adhesion)
     width = np.pi * np.asarray(half_width) if np.isinf(period) else period * np.tan(angle)
-    return np.sqrt(2 * width * work_of_adhesion)
+    return np.sqrt(2 * width) * np.sqrt(work_of_adhesion)
 
 
 def ligament_traction(x, half_width, force=1.0, period=np.inf):
@@ -71,7 +81,7 @@ def ligament_stiffness(half_width, period):
     """Force per displacement of the mean surface, pi/(2 ln(1/sin(pi a/L))), normal or tangential, exact for a > 0 and a finite
     period: the initial stiffness of a contact that neither opens nor slips, a stiff interface."""
     positive(half_width=half_width)
-    return -np.pi / (2 * np.log(np.sin(periodic_angle(half_width, period))))
+    return -np.pi / (2 * times_log_sine(1.0, periodic_angle(half_width, period)))
 
 
 def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
@@ -93,27 +103,33 @@ def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
     cell in the limit of a short range of adhesion (normal Maugis parameter to infinity).
     Needs a finite period."""
     force = ligament_force(half_width, period, work_of_adhesion)
-    return hertz_line_approach(half_width, period) + 2 / np.pi * xlogy(force, np.sin(half_angle(half_width, period)))
+    lift = times_log_sine(force, half_angle(half_width, period))
+    return hertz_line_approach(half_width, period) + 2 / np.pi * lift
 
 
-def load_extrema(power, value, period):
-    """Half widths of least and largest load, both roots of sin^3 t cos^power t = value, t = pi a/L."""
-    if value == 0:
-        return 0.0, period / 2 * (1 - 1e-7)
+def load_extrema(power, log_value, period):
+    """Tangents s of t = pi a/L for the least and the largest load, the roots of exp(log_value) =
+    sin^3 t cos^power t = s^3 (1 + s^2)^(-(3 + power)/2); twice the same where they are one to rounding."""
+    def logarithm(x):  # of the left side, x = ln s; below 3 x and -power x
+        return 3 * x - (3 + power) * np.logaddexp(0.0, 2 * x) / 2
 
-    def excess(t):
-        return np.sin(t) ** 3 * np.cos(t) ** power - value
-
-    peak, message = np.arctan(np.sqrt(3 / power)), f"no partial contact is stable at any load, period {period}"
-    return [period / np.pi * find_root(excess, *bracket, message) for bracket in ((0.0, peak), (peak, np.pi / 2))]
+    message = f"no partial contact is stable at any load, period {period}"
+    peak = np.log(3 / power) / 2
+    ends = min(log_value / 3 - 1, peak), max(1 - log_value / power, peak)
+    return [np.exp(min(find_root(logarithm, peak, end, message, log_value),
+                       np.log(FULLEST))) for end in ends]
 
 
 def _jkr_extrema(period, work_of_adhesion):
-    positive(period=period)
-    not_negative(work_of_adhesion=work_of_adhesion)
-    if np.isinf(period):
-        return np.cbrt(2 * work_of_adhesion / np.pi), np.inf
-    return load_extrema(1, 2 * np.pi**2 * work_of_adhesion / period**3, period)
+    """`load_extrema` of JKR contacts with the parabola."""
+    return load_extrema(1, np.log(2 * np.pi**2) + np.log(work_of_adhesion) - 3 * np.log(period),
+                        period)
+
+
+def _jkr_load(tangent, period, work_of_adhesion):
+    """`jkr_line_load` of the tangent of pi a/L, which tells apart what nearly fills the cell."""
+    hertz = (period / np.sqrt(4 * np.pi)) ** 2 * np.log1p(tangent**2)
+    return hertz - np.sqrt(2 * period * tangent) * np.sqrt(work_of_adhesion)
 
 
 @elementwise
@@ -121,19 +137,33 @@ def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
     """(half_width, load) at pull-off under a prescribed load, dW/da = 0: a = (2w/pi)^(1/3), W = -3 pi a^2/4 (Barquins 1988);
     periodic: sin^3 t cos t = 2 pi^2 w/L^3, t = pi a/L < pi/3. For a large normal Maugis parameter (from 3 on within 1 % of the
     load) and cells of L^3 > 32 pi^2 w/(3 sqrt 3), below which no partial contact is stable."""
-    half_width = _jkr_extrema(period, work_of_adhesion)[0]
-    return half_width, jkr_line_load(half_width, period, work_of_adhesion)
+    positive(period=period)
+    not_negative(work_of_adhesion=work_of_adhesion)
+    if np.isinf(period) or work_of_adhesion == 0:
+        half_width = np.cbrt(2 * work_of_adhesion / np.pi)
+        return half_width, -3 * np.pi / 4 * half_width**2
+    least = _jkr_extrema(period, work_of_adhesion)[0]
+    return half_width_of(np.arctan(least), period), _jkr_load(least, period, work_of_adhesion)
 
 
 @elementwise
 def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
     """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a periodic cell, above
     the load at which the contact jumps to the full period. For a large normal Maugis parameter."""
-    smallest, largest = _jkr_extrema(period, work_of_adhesion)
-    if np.isinf(period):  # Hertz's width plus JKR's at no load exceeds the width at this load
-        largest = hertz_line_half_width(max(load, 0.0)) + np.cbrt(32 * work_of_adhesion / np.pi)
-    return find_root(lambda a: jkr_line_load(a, period, work_of_adhesion) - load, smallest, largest,
-                     f"no stable partial JKR contact at the load {load}")
+    message = f"no stable partial JKR contact at the load {load}"
+    positive(period=period)
+    not_negative(work_of_adhesion=work_of_adhesion)
+    if work_of_adhesion == 0:
+        return float(hertz_line_half_width(load, period))
+    if np.isinf(period):
+        least = np.cbrt(2 * work_of_adhesion / np.pi)
+        unit = np.pi * least**2 / 4
+        if load > 1e80 * unit:  # adhesion is below rounding
+            return float(hertz_line_half_width(load))
+        return float(least * jkr_root(load / unit, message) ** 2)
+    tangent = find_root(lambda s: _jkr_load(s, period, work_of_adhesion),
+                        *_jkr_extrema(period, work_of_adhesion), message, load)
+    return float(half_width_of(np.arctan(tangent), period))
 
 
 @elementwise
@@ -146,7 +176,8 @@ def jkr_line_fold(period, work_of_adhesion=1.0):
         return np.log(np.sin(t)) * (release - hertz) + force * np.pi / period / np.tan(t)
 
     positive(work_of_adhesion=work_of_adhesion)
-    smallest = 1e-6 * min(period, np.cbrt(work_of_adhesion))
+    # There the slope is negative and near full contact positive, whatever the work of adhesion.
+    smallest = 1e-3 * min(period, np.cbrt(work_of_adhesion))
     a = find_root(slope, smallest, period / 2 * (1 - 1e-6), f"no fold under a prescribed approach at the period {period}")
     return a, jkr_line_approach(a, period, work_of_adhesion), jkr_line_load(a, period, work_of_adhesion)
 
@@ -156,5 +187,6 @@ def jkr_line_half_width_at_approach(approach, period, work_of_adhesion=1.0):
     """Half width of a periodic JKR cylinder that is stable at an approach of the mean surface, between the fold and
     L^2/24, where the contact fills the cell. For a large normal Maugis parameter and a finite period; w > 0."""
     smallest = jkr_line_fold(period, work_of_adhesion)[0]
-    return find_root(lambda a: jkr_line_approach(a, period, work_of_adhesion) - approach, smallest,
-                     period / 2 * (1 - 1e-7), f"no stable partial JKR contact at the approach {approach}")
+    return find_root(lambda a: jkr_line_approach(a, period, work_of_adhesion), smallest,
+                     half_width_of(np.pi / 2, period),
+                     f"no stable partial JKR contact at the approach {approach}", approach)

@@ -7,7 +7,7 @@ peak. The modified law, whose friction stays, follows these curves at best in qu
 import numpy as np
 from scipy.optimize import brentq
 
-from .checks import elementwise, find_root, minimizer, positive, require
+from .checks import at_most, elementwise, find_root, minimizer, positive, require
 from .line import hertz_line_half_width, hertz_line_load, jkr_line_half_width, jkr_line_load, jkr_line_pull_off, ligament_force
 from .sphere import hertz_sphere, hertz_sphere_radius, jkr_force, jkr_sphere_radius
 from .sphere_shear import savkoor_briggs_ratio
@@ -16,7 +16,7 @@ from .sphere_shear import savkoor_briggs_ratio
 def mixed_mode_toughness(phase_angle, mode_parameter):
     """Toughness G_c/phi_n = 1 + tan^2[(1 - m) psi], tan psi = K_II/K_I, |psi| <= pi/2, 0 <= m <= 1 (Hutchinson & Suo 1992): m = 1
     is Griffith's criterion, for m = 0 mode II does not matter. A fit to experiments, not derived from either law."""
-    require(np.less_equal(np.abs(phase_angle), np.pi / 2), f"phase_angle {phase_angle} must lie within +-pi/2")
+    at_most(np.abs(phase_angle), np.pi / 2, f"phase_angle {phase_angle} must lie within +-pi/2")
     require(np.greater_equal(mode_parameter, 0) & np.less_equal(mode_parameter, 1),
             f"mode_parameter {mode_parameter} must lie between 0 and 1")
     return 1 / np.cos((1 - np.asarray(mode_parameter)) * np.asarray(phase_angle)) ** 2
@@ -40,17 +40,18 @@ def savkoor_briggs_line_load(half_width, tangential_force, work_ratio=1.0, perio
     pi a^2/4 - sqrt(2 pi a - (phi_t/phi_n) T^2) (Savkoor & Briggs 1977, for a line). For short-range laws and no slip: the area falls too fast for most
     experiments. The criterion G_I + m G_II = phi_n is that of a `work_ratio` times m."""
     positive(work_ratio=work_ratio)
-    remaining = ligament_force(half_width, period) ** 2 - work_ratio * np.square(tangential_force)
-    require(remaining >= 0, f"tangential_force {tangential_force} exceeds the strength of the half_width {half_width}")
-    return hertz_line_load(half_width, period) - np.sqrt(remaining)
+    bond, sheared = ligament_force(half_width,
+                                   period) ** 2, work_ratio * np.square(tangential_force)
+    at_most(sheared, bond,
+            f"tangential_force {tangential_force} exceeds the strength of the half_width {half_width}")
+    return hertz_line_load(half_width, period) - np.sqrt(np.maximum(bond - sheared, 0))
 
 
 @elementwise
 def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
     """(half_width, tangential_force) of `mixed_mode_line` at the largest tangential force a load allows, 0 < m <= 1,
     beyond which the bond breaks; for m < 1 and under compression the width may then be down to Hertz's."""
-    force, smallest, largest = _line_states(load, mode_parameter, work_ratio, period)
-    return _weakest(force, smallest, largest)
+    return _weakest(*_line_states(load, mode_parameter, work_ratio, period))
 
 
 @elementwise
@@ -63,11 +64,13 @@ def _line_states(load, mode_parameter, work_ratio, period):
     """(force that holds a half width, least half width, largest one) at a load."""
     positive(work_ratio=work_ratio)
     largest = jkr_line_half_width(load, period)
-    if load >= 0:
-        smallest = max(hertz_line_half_width(load, period), 1e-9)
+    if load > -3e-4:  # nearly nothing, at a tension as well
+        smallest = max(hertz_line_half_width(max(load, 0.0), period), 1e-9)
     else:  # the unstable equilibrium without shear
-        ends = load**2 / (8 * np.pi), jkr_line_pull_off(period)[0]
-        smallest = brentq(lambda a: jkr_line_load(a, period) - load, *ends)
+        # At the lower end what tears is half the load.
+        smallest = find_root(lambda a: jkr_line_load(a, period), load**2 / (8 * np.pi),
+                             jkr_line_pull_off(period)[0],
+                             f"no partial contact at the load {load}", load)
 
     def force(a):
         bond = ligament_force(a, period)
@@ -133,6 +136,7 @@ def _sheared_share(share, mode_parameter):
 
 
 def _weakest(force, smallest, largest):
+    smallest = min(smallest, largest)  # at pull-off they are one, but for rounding
     size = max(smallest, minimizer(lambda a: -force(a), smallest, largest), key=force)
     return size, force(size)
 
@@ -142,5 +146,6 @@ def _stable_size(tangential_force, force, smallest, largest):
     weakest, strength = _weakest(force, smallest, largest)
     if force(largest) >= abs(tangential_force):  # a force within rounding of none
         return largest
-    return find_root(lambda a: force(a) - abs(tangential_force), weakest, largest,
-                     f"tangential_force {tangential_force} exceeds the strength {strength}")
+    return find_root(force, weakest, largest,
+                     f"tangential_force {tangential_force} exceeds the strength {strength}",
+                     abs(tangential_force))

@@ -4,9 +4,10 @@ Exact where the slope of the wave, 2 pi A/L in true lengths, is small.
 """
 
 import numpy as np
-from scipy.special import xlogy
 
-from .checks import elementwise, find_root, not_negative, periodic_angle, positive, require, root_depth
+from .checks import (
+    at_most, elementwise, find_root, half_width_of, not_negative, periodic_angle, positive, require, root_depth,
+    times_log_sine)
 from .line import ligament_force, ligament_traction, load_extrema
 
 
@@ -33,18 +34,34 @@ def sinusoid_approach(half_width, period, amplitude, work_of_adhesion=1.0):
     """Approach of the mean surface to the wave of `sinusoid_load`, A s^2 (1 - 2 ln s) - (2/pi) F ln(1/s) with
     s = sin(pi a/L), by the sum of flat punches; A at full contact. Conditions as there."""
     positive(amplitude=amplitude)
-    s, force = np.sin(periodic_angle(half_width, period)), ligament_force(half_width, period, work_of_adhesion)
-    return amplitude * (s**2 - xlogy(2 * s**2, s)) + 2 / np.pi * xlogy(force, s)
+    angle, force = periodic_angle(half_width, period), ligament_force(half_width, period,
+                                                                      work_of_adhesion)
+    s = np.sin(angle)
+    return amplitude * (s**2 - times_log_sine(2 * s**2, angle)) + 2 / np.pi * times_log_sine(force,
+                                                                                             angle)
 
 
 @elementwise
 def sinusoid_half_width(load, period, amplitude, work_of_adhesion=1.0):
     """Half width on the wave of `sinusoid_load` that is stable at a load, between pull-off and the jump to full
-    contact, both at sin^3 t cos^5 t = w L/(8 pi^2 A^2), t = pi a/L (Johnson 1995). Conditions as there; ValueError where nothing
-    partial is stable."""
+    contact, both at sin^3 t cos^5 t = w L/(8 pi^2 A^2), t = pi a/L (Johnson 1995); without adhesion up to
+    full contact, below half the period by rounding. Conditions as there; ValueError where nothing partial is
+    stable."""
     require(0 < period < np.inf, f"period {period} must be positive and finite")
     positive(amplitude=amplitude)
     not_negative(work_of_adhesion=work_of_adhesion)
-    extrema = load_extrema(5, work_of_adhesion * period / (8 * np.pi**2 * amplitude**2), period)
-    return find_root(lambda a: sinusoid_load(a, period, amplitude, work_of_adhesion) - load, *extrema,
-                     f"no stable partial contact with the wave at the load {load}")
+    message, full = f"no stable partial contact with the wave at the load {load}", np.pi * amplitude
+    if work_of_adhesion == 0:
+        at_most(load, full, message)
+        require(load >= 0, message)
+        share = min(load / full, 1.0)
+        return float(half_width_of(np.arctan2(np.sqrt(share), np.sqrt(1 - share)), period))
+
+    def carried(tangent):  # `sinusoid_load` of tan t, which tells apart what nearly fills the period
+        bond = np.sqrt(2 * period * tangent) * np.sqrt(work_of_adhesion)
+        return full * tangent**2 / (1 + tangent**2) - bond
+
+    logs = np.log([work_of_adhesion, period, 8 * np.pi**2, amplitude])
+    log_value = logs @ [1, 1, -1, -2]
+    tangent = find_root(carried, *load_extrema(5, log_value, period), message, load)
+    return float(half_width_of(np.arctan(tangent), period))

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
-from .checks import elementwise, not_negative, positive, require
+from .checks import ROUNDING, at_most, elementwise, not_negative, positive, require
 from .laws import TANGENTIAL_PEAK, fading_work, peak_tangential_traction
 from .line import (
     hertz_line_approach, hertz_line_half_width, hertz_line_load, hertz_line_pressure, jkr_line_half_width, ligament_force)
@@ -53,7 +53,8 @@ def front_force(half_width, stick_half_width, residual_traction, work, period=np
     zone of constant traction. G >= 0 is the work of the law in excess of tau_inf (`front_work`). Holds where the front is short
     beside s, G/tau_max^2 << s: a tangential Maugis parameter of 1 and more."""
     not_negative(residual_traction=residual_traction, work=work)
-    require(np.less_equal(stick_half_width, half_width), f"stick_half_width {stick_half_width} exceeds half_width {half_width}")
+    at_most(stick_half_width, half_width,
+            f"stick_half_width {stick_half_width} exceeds half_width {half_width}")
     zone = slip_zone_force(half_width, stick_half_width, residual_traction, period) if residual_traction else 0.0
     return zone + ligament_force(stick_half_width, period, work)
 
@@ -149,7 +150,8 @@ def cattaneo_line_stick_half_width(half_width, tangential_force, friction, perio
     cohesive law is."""
     load = hertz_line_load(half_width, period)
     positive(friction=friction)
-    require(np.greater_equal(tangential_force, 0) & np.less_equal(tangential_force, friction * load),
+    require(np.greater_equal(tangential_force, 0) & np.less_equal(tangential_force,
+                                                                  friction * load * (1 + ROUNDING)),
             f"tangential_force {tangential_force} must lie between 0 and friction times load, {friction * load}")
     return hertz_line_half_width(np.maximum(load - tangential_force / friction, 0.0), period)
 
@@ -171,4 +173,5 @@ def cattaneo_line_displacement(half_width, stick_half_width, friction, period):
 
 def _require_stick(half_width, stick_half_width, friction):
     positive(friction=friction)
-    require(np.less_equal(stick_half_width, half_width), f"stick_half_width {stick_half_width} exceeds half_width {half_width}")
+    at_most(stick_half_width, half_width,
+            f"stick_half_width {stick_half_width} exceeds half_width {half_width}")

@@ -8,7 +8,8 @@ times the normal Maugis parameter of a scene with the exponential law.
 import numpy as np
 from scipy.special import spherical_jn
 
-from .checks import elementwise, find_root, minimizer, not_negative, positive, reciprocal_depth, require, root_depth
+from .checks import (
+    at_most, elementwise, find_root, jkr_root, minimizer, not_negative, positive, reciprocal_depth, root_depth)
 from .cohesive import SMALLEST
 from .zone import zone_traction
 
@@ -38,7 +39,7 @@ def jkr_force(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0):
     adhesion of a range that is short beside the circle."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus)
     not_negative(contact_radius=contact_radius)
-    return np.sqrt(8 * np.pi * work_of_adhesion * contact_modulus * np.power(contact_radius, 3.0))
+    return np.sqrt(8 * np.pi * work_of_adhesion * contact_modulus) * np.power(contact_radius, 1.5)
 
 
 def jkr_sphere(contact_radius, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
@@ -63,17 +64,19 @@ def jkr_sphere_radius(load, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.
     there."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
-    require(np.greater_equal(load, -force / 2), f"the load {load} is below pull-off, {-force / 2}")
-    return hertz_sphere_radius(load + force + np.sqrt(np.maximum(force * (force + 2 * load), 0)), contact_modulus, radius)
+    at_most(np.negative(load), force / 2, f"the load {load} is below pull-off, {-force / 2}")
+    root = np.sqrt(force) * np.sqrt(np.maximum(force + 2 * load, 0))
+    return hertz_sphere_radius(load + force + root, contact_modulus, radius)
 
 
 @elementwise
 def jkr_sphere_radius_at_approach(approach, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
     """Contact radius of `jkr_sphere` that is stable at an approach, from that of `jkr_sphere_fold` on; conditions as there."""
     smallest, least, _ = jkr_sphere_fold(work_of_adhesion, contact_modulus, radius)
-    largest = 2 * np.sqrt(radius * max(approach, 0.0)) + 8 * smallest  # where a^2/R exceeds the approach by more than is lost
-    return find_root(lambda a: jkr_sphere(a, work_of_adhesion, contact_modulus, radius)[1] - approach, smallest, largest,
-                     f"no stable JKR contact at the approach {approach}: the least is {least}")
+    if approach > -1e80 * least:  # adhesion is below rounding
+        return float(np.sqrt(approach) * np.sqrt(radius))
+    message = f"no stable JKR contact at the approach {approach}: the least is {least}"
+    return float(smallest * jkr_root(-3 * approach / least, message) ** 2)
 
 
 def jkr_sphere_pull_off(work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
@@ -105,7 +108,7 @@ def dmt_sphere_radius(load, work_of_adhesion=1.0, contact_modulus=1.0, radius=1.
     """Contact radius of `dmt_sphere` at a load >= -2 pi w R, a^3 = 3 R (P + 2 pi w R)/(4 E*); conditions as there."""
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 2 * np.pi * work_of_adhesion * radius
-    require(np.greater_equal(load, -force), f"the load {load} is below pull-off, {-force}")
+    at_most(np.negative(load), force, f"the load {load} is below pull-off, {-force}")
     return hertz_sphere_radius(np.maximum(load + force, 0.0), contact_modulus, radius)
 
 
@@ -135,7 +138,9 @@ def _maugis_sphere_state(log_angle, maugis):
 
 
 def _maugis_sphere_least(maugis):
-    return minimizer(lambda t: _maugis_sphere_state(t, maugis)[0], SMALLEST, np.log(np.pi / 2 - 1e-9))
+    smallest = SMALLEST - np.log(max(maugis, 1.0))
+    return minimizer(lambda t: _maugis_sphere_state(t, maugis)[0], smallest,
+                     np.log(np.pi / 2 - 1e-9))
 
 
 @elementwise
@@ -155,8 +160,11 @@ def maugis_sphere(load, cohesive_stress, work_of_adhesion=1.0, contact_modulus=1
     For the exponential law s = phi_n/(e delta_n). Any Maugis parameter; ValueError below pull-off."""
     maugis, force, length, depth = _maugis_sphere_units(cohesive_stress, work_of_adhesion, contact_modulus, radius)
     least = _maugis_sphere_least(maugis)
-    log_angle = find_root(lambda t: _maugis_sphere_state(t, maugis)[0] - load / force, SMALLEST, least,
-                          f"no stable Maugis-Dugdale contact at the load {load}")
+    # So narrow a zone belongs to a larger load: lambda a^2 angle^3 and lambda^2 a angle^2 are below 2.
+    size = np.log(max(load / force, 1.0)) / 3
+    narrow = min(SMALLEST, -4.0 - (np.log(maugis) + 2 * size) / 3, -4.0 - np.log(maugis) - size / 2)
+    log_angle = find_root(lambda t: _maugis_sphere_state(t, maugis)[0], narrow, least,
+                          f"no stable Maugis-Dugdale contact at the load {load}", load / force)
     _, a, c, approach = _maugis_sphere_state(log_angle, maugis)
     return a * length, c * length, approach * depth
 

@@ -8,7 +8,7 @@ forces and tractions are those of Dugdale's collinear cracks (Tada, Paris & Irwi
 
 import numpy as np
 
-from .checks import half_angle, periodic_angle, positive, require, root_depth
+from .checks import at_most, half_angle, not_negative, periodic_angle, positive, root_depth
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 _NODES, _WEIGHTS = (1 + _NODES) / 2, _WEIGHTS / 2
@@ -16,8 +16,8 @@ _NODES, _WEIGHTS = (1 + _NODES) / 2, _WEIGHTS / 2
 
 def _require_order(inner, outer, period):
     half_angle(outer, period)
-    require(np.greater_equal(inner, 0) & np.less_equal(inner, outer),
-            f"the inner edge {inner} of the zone must lie between 0 and its outer edge {outer}")
+    not_negative(inner=inner)
+    at_most(inner, outer, f"the inner edge {inner} of the zone must lie between 0 and its outer edge {outer}")
 
 
 def zone_angle(inner, outer, period):
@@ -67,7 +67,7 @@ def zone_opening(inner, outer, stress, period=np.inf):
     _require_order(inner, outer, period)
     positive(inner=inner)
     if np.isinf(period):
-        return isolated_opening(np.arccosh(np.divide(outer, inner)), inner, stress)
+        return isolated_opening(np.arccosh(np.maximum(np.divide(outer, inner), 1.0)), inner, stress)
     angle = zone_angle(inner, outer, period)
     return 4 * stress * period / np.pi**2 * opening_by_punches(np.ones_like, angle, half_angle(outer, period))
 
