@@ -13,7 +13,6 @@ import contextlib
 import io
 import math
 import os
-import re
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +20,8 @@ from typing import NamedTuple
 
 import h5py
 import numpy as np
+
+from . import resuming
 
 FORMAT = "contactsnes 1"
 UNITS = {
@@ -55,7 +56,7 @@ class Archive:
     ----------
     path : path of the file, in an existing folder
     scene : mapping of numbers and strings (None is left out): what must be the same when the run is resumed
-    options : str, the whole options database; its ``-load_`` options, too, must be the same when resumed
+    options : str, the whole options database; start and legs that are done, too, must be the same when resumed
     versions : mapping of a program's name to its version
     columns : mapping of a column's name to its `Column`
     fields : {'none', 'last', 'all'}, the points whose displacement and traction are kept
@@ -69,7 +70,8 @@ class Archive:
     Attributes
     ----------
     points : int, points that are safely in the file
-    complete : bool, whether the path was followed to its regular end (`finish`)
+    complete : bool, whether the path was followed to its regular end (`finish`), and has no more to offer
+    runs : list of `resuming.Run`, those before this one
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None, components=1,
@@ -79,7 +81,8 @@ class Archive:
         if fields != "none" and not coordinates:
             raise ArchiveError(f"Fields ({fields}) need coordinates.")
         self.path = Path(path).resolve()  # a rename would replace a symbolic link instead of its file
-        self.points, self.complete = 0, False
+        self.points, self.complete, self.runs = 0, False, []
+        self._first = 0  # point of this run
         self._warnings = "\n".join(warnings)
         self._options, self._versions = options, "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
@@ -116,20 +119,16 @@ class Archive:
         Raises
         ------
         ArchiveError
-            If the file is no archive, or one of another scene, load path, grid, or set of columns or fields.
+            If the file is no archive, or one of another scene or grid, other legs that are done, or other columns or fields.
         """
         if not Path(path).exists():
             return cls.create(path, **content)
         archive = cls(path, **content)
         _check_folder(archive.path)
         with _open_archive(archive.path) as file:
-            points, complete = int(file.attrs["points"]), bool(file.attrs["complete"])
-            if points:
-                archive._compare(file)
-        if not points:
-            return cls.create(path, overwrite=True, **content)
-        archive.points, archive.complete = points, complete
-        return archive
+            if file.attrs["points"]:
+                archive._take_over(file)
+        return archive if archive.points else cls.create(path, overwrite=True, **content)
 
     def append(self, row, state, displacement=None, traction=None, mode=None):
         """Add a point; when this returns, it survives a kill of the program.
@@ -165,19 +164,27 @@ class Archive:
             raise ArchiveError(f"{self.path} cannot be resumed: the state of its last point is lost.")
         return states
 
-    def _compare(self, file):
-        """Raise if the file belongs to another run than this archive describes."""
-        here = {**self._scene, **_load_options(self._options), "archive_fields": self._fields}
-        there = {**file["scene"].attrs, **_load_options(file.attrs["options"]), "archive_fields": file.attrs["fields"]}
-        here["leading modes"], there["leading modes"] = "mode" in self._arrays, "mode" in file.get("fields", ())
-        for name in {**here, **there}:
-            old, new = there.get(name, "not given"), here.get(name, "not given")
-            if not np.array_equal(old, new):
-                raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} here; name another "
-                                   "-archive_file, or replace this one with -archive_overwrite.")
-        if set(file["branch"]) != set(self._columns) or tuple(file.attrs["shape"]) != self._shape:
-            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not those of this run; "
-                               "name another -archive_file.")
+    def _take_over(self, file):
+        """Go on from the points of a file; raise if they belong to another run than this archive describes."""
+        self.points, self.runs = int(file.attrs["points"]), resuming.runs(file)
+        self._first = self.points
+        last = [{}, *map(_unpack, self._kept(file).values())][-1]
+        there = {**file["scene"].attrs, "archive_fields": file.attrs["fields"]}
+        here = {**self._scene, "archive_fields": self._fields}
+        done = int(file["branch/leg"][self.points - 1]) - (last.get("position") != 1.0)
+        for name, old, new in resuming.differences(there, file.attrs["options"], here, self._options, done):
+            raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} here; name another "
+                               "-archive_file, or replace this one with -archive_overwrite.")
+        columns = sorted(set(file["branch"]) ^ set(self._columns))
+        if columns or tuple(file.attrs["shape"]) != self._shape:
+            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not those of this run "
+                               f"({', '.join(columns) or self._shape}); name another -archive_file.")
+        more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
+        self.complete = bool(file.attrs["complete"]) and not more
+        told = file.attrs.get("warnings", "").splitlines()
+        self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines() if line not in told)])
+        if "mode" in file.get("fields", ()) and "mode" not in self._arrays:
+            self._arrays = (*self._arrays, "mode")
 
     def _numbers(self, row):
         """The row with enumerations as numbers."""
@@ -250,6 +257,9 @@ class Archive:
                            "versions": self._versions, "warnings": self._warnings, "fields": self._fields,
                            "shape": self._shape})
         file.create_group("scene").attrs.update(self._scene)
+        runs = [*(run for run in self.runs if run.first < self._first), resuming.Run(self._first, self._options, self._versions)]
+        for name, values in zip(resuming.Run._fields, zip(*runs)):
+            file[f"runs/{name}"] = values
         branch = file.create_group("branch")
         for name, (unit, kind, names) in self._columns.items():
             # One chunk for all rows there is room for: a new row allocates nothing.
@@ -290,7 +300,7 @@ class Archive:
         for name in self._arrays:
             if self._fields == "all":
                 new["fields"][name].resize(self.points, axis=0)
-            for point in range(len(new["fields"][name])):
+            for point in range(len(new["fields"][name]) if name in old["fields"] else 0):
                 new["fields"][name][point] = old["fields"][name][point]
         if self._fields == "last":
             new["fields"].attrs.modify("point", old["fields"].attrs["point"])
@@ -340,7 +350,8 @@ class Record(Mapping):
     points : int
     complete : bool
     scene, versions : dict
-    options : str
+    options : str, of the newest run
+    runs : list of `resuming.Run`: which options made which points
     warnings : list of str
     units : dict, of columns, coordinates (``x``, ``y``), ``initial_gap``, ``displacement`` and ``traction``
     names : dict, names of the values of each enumeration
@@ -355,7 +366,7 @@ class Record(Mapping):
         self.complete = bool(attributes["complete"])
         self.scene, self.options = dict(file["scene"].attrs), attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
-        self.warnings = attributes.get("warnings", "").splitlines()
+        self.runs, self.warnings = resuming.runs(file), attributes.get("warnings", "").splitlines()
         branch, fields = file["branch"], file.get("fields", {})
         self.units = {name: dataset.attrs["unit"] for name, dataset in [*branch.items(), *fields.items()]}
         self.names = {name: tuple(branch[name].attrs["names"]) for name in branch if "names" in branch[name].attrs}
@@ -441,12 +452,6 @@ def _check_folder(path):
         raise ArchiveError(f"The folder of the archive {path} does not exist: create it or name another -archive_file.")
     if not os.access(path.parent, os.W_OK):
         raise ArchiveError(f"The folder of the archive {path} cannot be written: name another -archive_file.")
-
-
-def _load_options(options):
-    """The -load_ options of an options database, one after the other or one a line: name -> value."""
-    found = re.findall(r"(?:^|\s)-(load_\w+)\s+(.*?)(?=\s+-[a-zA-Z]|\s*$(?![\r\n]))", options, re.DOTALL)
-    return {name: " ".join(value.strip('"').split()) for name, value in found}
 
 
 def _pack(point, state):

@@ -13,7 +13,7 @@ import sys
 import traceback
 from functools import partial
 
-from . import __version__, observables, scene as scenes, summary
+from . import __version__, observables, resuming, scene as scenes, summary
 from .archive import Archive, ArchiveError, Column
 from .grid_choice import reason
 from .methods import CompareOptions
@@ -142,7 +142,7 @@ class Run:
     def _open_archive(self):
         """The archive to append to, created or resumed; the branch gets the history it goes on from."""
         scene, output = self.settings.scene, self.settings.output
-        content = {"scene": scenes.attributes(scene), "options": database_text(), "versions": versions(),
+        content = {"scene": self.branch.attributes(), "options": database_text(), "versions": versions(),
                    "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
                    "fields": output.fields, "components": scene.components, "warnings": self.warnings}
         if output.fields != "none":
@@ -163,6 +163,8 @@ class Run:
         self._say_what_is_solved()
         if self.known:
             self.progress.log(f"going on after point {self.known} of {self.archive.path}")
+            for change in resuming.changes(self.archive.runs[-1].options, database_text()):
+                self.progress.log(f"from point {self.known + 1} on {change}")
         status, reason = self._points()
         for name in unused_options(solver_options()):
             _complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import arcs, continuation, energies, failures, observables, scene as scenes
+from . import arcs, continuation, energies, failures, observables, resuming, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights
@@ -40,11 +40,11 @@ class Branch:
     steps : Steps, optional; as they are typed, too
     form : Form, optional
     log : function (sentence), optional; called with what a user should know
-    history : points of an interrupted run to go on from, oldest first
+    history : points of an earlier run along this path to go on from, oldest first; its last leg may end farther ahead
 
     Raises
     ------
-    InputError : at once, where load and scene do not fit
+    InputError : at once, where load and scene do not fit, or the history does not lie on the path
     NotConverged, NoEquilibrium : while iterating, after all points before the failure
     """
 
@@ -54,11 +54,12 @@ class Branch:
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
+        self._heights = heights(scene)
         if scene.isolated:
             check_form(form)
             self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
         else:
-            self.contact = Contact(scene, heights(scene))
+            self.contact = Contact(scene, self._heights)
             check_edge(self.contact)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, solver_type())
@@ -67,10 +68,29 @@ class Branch:
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
         self._resting = FORCE if scene.isolated else DISPLACEMENT
-        self.history = history
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
+        self.history = history
         self._log, self._ways, self._diluted = log, {}, False
+
+    @property
+    def history(self):
+        """Points of an earlier run to go on from, oldest first, with their places on this path; InputError for others."""
+        return self._history
+
+    @history.setter
+    def history(self, points):
+        """Take the points of an earlier run."""
+        self._history = resuming.on_path(points, self.scene.initial(self.load), self.legs, self._controls)
+
+    def attributes(self):
+        """Name -> value of what decides the states besides the load: the scene's, and what is made of it and its files."""
+        found = scenes.attributes(self.scene)
+        if self.scene.isolated:
+            found["box_points"] = self.contact.grid.shape
+        if self._heights is not None:
+            found["heights_sha256"] = resuming.checksum(self._heights)
+        return found
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points) for number in range(1, len(self.legs) + 1)]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from contactsnes import archive as module
+from contactsnes import resuming
 from contactsnes.archive import Archive, ArchiveError, Column, read
 
 COLUMNS = {
@@ -191,14 +192,14 @@ def test_finish_after_resuming_changes_nothing_else(tmp_path):
     [
         (dict(scene={**content()["scene"], "normal_maugis": 5.0}), "normal_maugis is 10.0 there and 5.0 here"),
         (dict(scene={**content()["scene"], "height": 2.0}), "height is not given there and 2.0 here"),
-        (dict(options="-load_path normal_force=3"), "load_path is normal_force=25; tangential_displacement=400 there"),
-        (dict(options=content()["options"] + " -load_stop pull_off"), "load_stop is not given there and pull_off here"),
-        (dict(columns={"leg": Column("", "i8")}), "columns or its grid"),
+        (dict(options="-load_path normal_force=3"), "leg 1 of load_path, .*, is normal_force=25 there and normal_force=3 here"),
+        (dict(options=content()["options"] + " -load_start normal_force=1"), "load_start is not given there and normal_force=1 here"),
+        (dict(columns={"leg": Column("", "i8")}), r"columns or its grid .*contact_area, event, normal_force\)"),
         (dict(fields="all", coordinates=(X,)), "archive_fields is none there and all here"),
     ],
 )
 def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
-    append(Archive.create(tmp_path / "run.h5", **content()), 2)
+    append(Archive.create(tmp_path / "run.h5", **content()), 3)
     before = (tmp_path / "run.h5").read_bytes()
     with pytest.raises(ArchiveError, match=message):
         Archive.resume(tmp_path / "run.h5", **content(**changed))
@@ -211,11 +212,53 @@ def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
         '-snes_atol 1e-9 -load_path "normal_force=25;  tangential_displacement=400" -pc_type core',
         "-load_path normal_force=25; tangential_displacement=400",
         "-load_path normal_force=1\n-load_path\tnormal_force=25; tangential_displacement=400\n",
+        "-load_path normal_force=2.5e1;normal_force=-1 -load_stop pull_off",
     ],
 )
 def test_method_and_spelling_of_options_do_not_hinder_resuming(tmp_path, options):
-    append(Archive.create(tmp_path / "run.h5", **content()), 2)
-    assert Archive.resume(tmp_path / "run.h5", **content(options=options)).points == 2
+    append(Archive.create(tmp_path / "run.h5", **content()), 3)
+    assert Archive.resume(tmp_path / "run.h5", **content(options=options)).points == 3
+
+
+def test_which_options_made_which_points(tmp_path):
+    """Readable by h5py alone; a run without points counts for nothing, and points written anew keep their run."""
+    path, texts = tmp_path / "run.h5", [f"{content()['options']}\n-snes_atol 1e-{number}" for number in (8, 9, 10, 11)]
+    append(Archive.create(path, **content(options=texts[0], warnings=["coarse"])), 3)
+    append(Archive.resume(path, **content(options=texts[1], versions={"petsc": "3.26"}, warnings=["steep"])), 80)
+    Archive.resume(path, **content(options=texts[2])).finish()
+    with h5py.File(path) as file:
+        assert file["runs/first"][:].tolist() == [0, 3, 83] and file["runs/options"].asstr()[:].tolist() == texts[:3]
+        assert file["runs/versions"].asstr()[1] == "petsc 3.26" and file.attrs["options"] == texts[2]
+        assert file.attrs["warnings"].splitlines() == ["coarse", "steep"]
+    again = f"{texts[3]} -load_path 'normal_force=25; tangential_displacement=400; normal_force=1'"
+    append(Archive.resume(path, **content(options=again)), 1)
+    assert [run.first for run in read(path).runs] == [0, 3, 83] and read(path).runs[-1].options == again
+    with h5py.File(path, "r+") as file:
+        del file["runs"]
+    assert [tuple(run)[:2] for run in read(path).runs] == [(0, again)]
+    append(Archive.resume(path, **content(options=again)), 1)
+    assert [run.first for run in read(path).runs] == [0, 84]
+
+
+@pytest.mark.parametrize("event, before, now, more", [
+    ("none", "-load_path a=1", "-load_path a=1 -snes_atol 1", False), ("none", "-load_path a=1", "-load_path a=1;a=2", True),
+    ("fold", "-continuation_at_fold stop", "-continuation_at_fold stop -load_path a=1;a=2", False),
+    ("fold", "-continuation_at_fold stop", "-continuation_at_fold trace", True),
+    ("pull_off", "-load_stop gross_sliding,pull_off", "-load_stop gross_sliding", True),
+    ("pull_off", "-load_stop pull_off", "-load_stop pull_off,gross_sliding", False),
+    ("pull_off", "", "-load_stop pull_off -load_path a=1", False)])
+def test_what_a_complete_path_has_more_to_offer(event, before, now, more):
+    assert resuming.has_more(before, now, event) is more
+
+
+def test_modes_may_be_kept_from_some_point_on(tmp_path):
+    path = tmp_path / "run.h5"
+    append(Archive.create(path, **fields_content("all")), 2)
+    append(Archive.resume(path, **fields_content("all", modes=True)), 1)
+    mode = np.ones((2, X.size))
+    Archive.resume(path, **fields_content("all")).append(*point(3), mode)
+    assert np.isnan(read(path).field("mode", 2)).all() and np.array_equal(read(path).field("mode", 3), mode)
+    check(path, "all")
 
 
 # Bad input
@@ -406,19 +449,23 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         assert set(stored) == {0, 1}  # the one array is gone while it is overwritten
 
 
-def run_until_killed(path, fields):
+def run_until_killed(path, fields, told=lambda: None):
     archive = Archive.resume(path, **fields_content(fields))
     while True:
         append(archive, 1)
+        told()
 
 
 @pytest.mark.parametrize("fields", ["last", "all"])
 def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields):
-    random, path, points = np.random.default_rng(7), tmp_path / "run.h5", []
-    for _ in range(15):
-        run = multiprocessing.get_context("fork").Process(target=run_until_killed, args=(path, fields))
+    random, path, points, context = np.random.default_rng(7), tmp_path / "run.h5", [], multiprocessing.get_context("fork")
+    for number in range(15):
+        begun = context.Event()
+        run = context.Process(target=run_until_killed, args=(path, fields, begun.set))
         run.start()
-        time.sleep(random.uniform(0.02, 0.12))
+        if number % 3:  # the others may be killed before their first point
+            assert begun.wait(60.0)
+        time.sleep(random.uniform(0.0, 0.08))
         os.kill(run.pid, signal.SIGKILL)
         run.join()
         if path.exists():
