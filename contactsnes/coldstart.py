@@ -1,4 +1,7 @@
-"""First points: from the start without overlap, by way of softer laws on coarser grids where that leads to the same state.
+"""First points by Newton's method, where the gap is convex: from the start without overlap.
+
+By way of softer laws on coarser grids where that leads to the same state. Where the gap is not
+convex, motion decides (`jumps.settle`).
 
 A sharp law is reached from far away in many Newton iterations, a soft one in few; softened to what a coarse grid resolves, it
 costs next to nothing there, and each level's solution is the next one's guess. Where a body that touches the flat has one
@@ -36,10 +39,9 @@ def first_point(system, controls, load):
     system : Corrector
     controls, load : of the normal component
     """
+    start = beginning(system.contact, controls, load)
     if system.contact.isolated and load[0] == 0.0:
-        # Without a force an isolated body stays where it starts, outside the law's range.
-        return system.solve(states.apart(system.contact), controls, load)
-    start = states.undeformed(system.contact, controls, load)
+        return system.solve(start, controls, load)
     try:
         guess = through_grids(system, start, controls, load)
         if guess is not None:
@@ -47,6 +49,14 @@ def first_point(system, controls, load):
     except NotConverged as error:
         system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
     return on_grid(system, controls, load, start)
+
+
+def beginning(contact, controls, load):
+    """The undeformed body from which a first point is reached; components as controls."""
+    if contact.isolated and load[0] == 0.0:
+        # Without a force an isolated body stays where it starts, outside the law's range.
+        return states.with_components(states.apart(contact), len(controls))
+    return states.undeformed(contact, controls, load)
 
 
 def on_grid(system, controls, load, start=None):
@@ -81,8 +91,8 @@ def _at_load(system, state, controls, load):
 def levels(contact, start):
     """The contact and coarser ones through which its first point may be reached, the finest first; none but itself if none.
 
-    One equilibrium is there for a cylinder or a sphere that is pressed until it overlaps the flat, where its edge hardly
-    sticks between nodes.
+    One equilibrium is there for a convex body that is pressed until it overlaps the flat, where its
+    edge hardly sticks between nodes.
     """
     found, directions = [contact], len(contact.grid.shape)
     if not contact.convex or max(resolution(contact.scene, False)) > PINNING:

@@ -66,7 +66,7 @@ class Contact:
 
     @cached_property
     def convex(self):
-        """Whether the initial gap is, so that the gap only grows away from a window around the contact."""
+        """Whether the initial gap is: it only grows away from a window around the contact, and a cold solve may be trusted."""
         return is_convex(self.initial_gap)
 
     @cached_property

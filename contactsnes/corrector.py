@@ -107,15 +107,34 @@ class Corrector:
 
     # Solving.
     def start(self, controls, load):
-        """The first point: a cold solve at given loads; where that fails, the body is relaxed dynamically."""
-        try:
-            if self.settings.form == "displacement" and max(resolution(self.contact.scene, sheared=False)) > PINNING:
-                raise NotConverged("edges stick between nodes of so coarse a grid, Newton may find an unstable branch")
-            return self.cold(controls, load)
-        except NotConverged as error:
-            self.log(f"no cold solve ({error}): relaxing the body dynamically")
-        undeformed = states.undeformed(self.contact, controls, load)
+        """The first point: the equilibrium that the undeformed body reaches under given loads.
+
+        A cold solve finds it where the gap is convex; elsewhere, and where that fails, motion decides.
+        """
+        why = self._ambiguous()
+        if why is None:
+            try:
+                return self.cold(controls, load)
+            except NotConverged as error:
+                why = f"no cold solve ({error})"
+        self.log(f"{why}: the first point is where motion from the undeformed body leads")
+        undeformed = coldstart.beginning(self.contact, controls, load)
         return self.settle(undeformed, controls, load, f"at {self.told(controls, load)} from the undeformed body")
+
+    def _ambiguous(self):
+        """Why a cold solve may end elsewhere than the undeformed body, in words; None if not."""
+        relaxed = self.settings.form == "force"
+        if relaxed and solver_type() == "python":
+            if not self.contact.convex:
+                self.log("the gap is not convex: inertial motion leads to the first point, and where "
+                         "several equilibria exist it may be another one than overdamped motion reaches")
+            return None
+        if not self.contact.convex:
+            return "the gap is not convex, so that several equilibria may exist"
+        if not relaxed and max(resolution(self.contact.scene, sheared=False)) > PINNING:
+            return ("edges stick between nodes of so coarse a grid, where Newton's method may find an "
+                    "unstable branch")
+        return None
 
     def cold(self, controls, load):
         """The point at given loads that the body reaches from the start without overlap, without friction first."""

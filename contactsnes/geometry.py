@@ -99,9 +99,13 @@ def is_convex(gap):
     """Whether a gap on a grid is convex within the cell, to rounding, and not the same everywhere: a body with one summit.
 
     Its second differences are those of a convex function: along each direction not negative, with a Hessian's determinant that
-    is not, either. Across the border of the cell, where a body meets its neighbour, nothing is asked.
+    is not, either. Half a cell away from the summit, where a body meets its neighbour, nothing is asked.
     """
     rounding = 8.0 * np.finfo(float).eps * np.max(np.abs(gap))
+    axes, summit = tuple(range(gap.ndim)), np.unravel_index(np.argmin(gap), gap.shape)
+    centred = np.roll(gap, [n // 2 - place for n, place in zip(gap.shape, summit)], axes)
+    # A summit between two nodes has the border half a spacing beside the array's end.
+    gap = centred[(slice(1, -1),) * gap.ndim]
     bends = [np.diff(gap, 2, axis) for axis in range(gap.ndim)]
     if np.ptp(gap) <= rounding or min(bend.min() for bend in bends) < -rounding:
         return False

@@ -17,6 +17,19 @@ BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
 
 
+RESTS = (1e-6, 1e-8, 1e-10)
+"""Speeds at which a motion is handed over to Newton's method, the next if that leads elsewhere.
+
+Ranges a relaxation time.
+"""
+
+BASIN = 0.02
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
+
+Ranges of the law.
+"""
+
+
 def kicked(contact, fold, beyond, part):
     """The state beside a fold from which the motion of a jump begins.
 
@@ -66,7 +79,8 @@ def settle(system, state, controls, load, where, origin=None):
         except Leaving:
             raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
         except (Unsettled, NotConverged) as error:
-            system.log(f"the overdamped motion {where} cannot be followed ({error}): following damped motion on the whole cell")
+            system.log(f"the overdamped motion {where} cannot be followed ({error}): following motion "
+                       "with inertia on the whole cell, which may lead to another equilibrium")
     return fallen(system, state, controls, load, where)
 
 
@@ -79,13 +93,23 @@ def flowed(system, state, controls, load, origin, options):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     contact, state = system.contact, system._fitted(state)
     flow = Flow(contact, system.symmetry, controls, load, state, system.totals, options)
-    flow.follow()
-    point = polished(system, flow.state(), controls, load)
+    point = handover(system, flow, controls, load)
     if origin is None or states.missed(contact, origin, state) > BESIDE:
         return point
     flow.works[0] += straight(contact, origin, state)
     works = contact.grid.node_area * flow.works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
+
+
+def handover(system, flow, controls, load):
+    """The converged point where a motion comes to rest, followed on until Newton confirms it."""
+    for rest in RESTS:
+        flow.follow(rest)
+        try:
+            return polished(system, flow.state(), controls, load)
+        except NotConverged as error:
+            reason = error
+    raise reason
 
 
 def straight(contact, first, last):
@@ -102,7 +126,7 @@ def polished(system, rest, controls, load):
     point = system.solve(rest, controls, load, COLD)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if max(states.missed(system.contact, rest, point.state), 0.1 * far) < 0.1:
+    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 

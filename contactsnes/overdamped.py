@@ -20,7 +20,7 @@ from .settings import Options, option
 from .viscous import Equations
 
 RESTING = 1e-6
-"""Speed where the law acts, ranges a relaxation time, below which a motion that slows down has come to rest."""
+"""Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
 TURNING = 0.25
 """Part of a step by which it may miss its prediction: next to an unstable state a long implicit step would lead back to it."""
 STILL = 1e-4
@@ -91,6 +91,7 @@ class Flow:
         elastic = equations.traction(unknown) if elastic is None else equations.folded(elastic)
         unknown[equations.form.count:] += equations.response(elastic)
         self.history, self.rate = [Moment(time, unknown, elastic)], equations.rate(unknown)
+        self._next = min(1.0, 0.5 * self.options.tolerance / max(self._size(self.rate), RESTING))
 
     def state(self):
         """Where the motion is now."""
@@ -99,11 +100,13 @@ class Flow:
         means[equations.moving] = now.unknown[equations.form.count:] - equations.response(now.elastic)
         return states.State(equations.window, equations.unfolded(equations.displacement(now.unknown).copy()), means)
 
-    def follow(self):
-        """Follow the motion to rest. Raises Leaving where it has no end, Unsettled where it cannot be followed."""
-        options, last = self.options, np.inf
-        speed = self._size(self.rate)
-        step = min(1.0, 0.5 * options.tolerance / max(speed, RESTING))
+    def follow(self, rest=RESTING):
+        """Follow the motion until it slows down below a speed ``rest`` where the law acts.
+
+        Raises Leaving where it has no end, Unsettled where it cannot be followed.
+        """
+        options, last, speed, step = self.options, np.inf, self._size(self.rate), self._next
+        self._exactness = min(1e-4 * options.tolerance, rest)
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
             if not error <= 1.5:
@@ -115,12 +118,14 @@ class Flow:
             change = moment.unknown - self.history[-1].unknown
             self.history = [*self.history[-2:], moment]
             last, speed = speed, self._size(change) / step
-            if speed < RESTING and (speed <= last or speed < 1e-3 * RESTING):
+            covered = self._covered()
+            if covered and speed < rest and (speed <= last or speed < 1e-3 * rest):
+                self._next = step
                 return
             if self.equations.leaving(moment.unknown, change[self.equations.form.count:] / step):
                 raise Leaving
             step *= min(2.0, 0.9 * max(error, 1e-3) ** (-1.0 / 3.0))
-            if not self._covered():
+            if not covered:
                 self._widen()
                 step *= 0.3
         raise Unsettled(f"it has not come to rest after {self.steps} steps")
@@ -142,7 +147,7 @@ class Flow:
         for weight, moment in zip(weights, history[-2:]):
             known, elastic = known + weight * moment.unknown, elastic + weight * moment.elastic
         before = equations.spent()
-        unknown, solved = equations.newton(guess, shift, known, 1e-4 * tolerance)
+        unknown, solved = equations.newton(guess, shift, known, self._exactness)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]

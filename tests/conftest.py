@@ -28,3 +28,27 @@ def kept_options():
     before = database()
     yield
     install(before)
+
+
+@pytest.fixture(scope="session")
+def self_affine():
+    """A function that makes self-affine periodic heights, the same waves on every grid."""
+    import numpy as np
+
+    def heights(points, period, longest, shortest, slope, seed, hurst=0.8, dimension=1):
+        most = int(np.ceil(period / shortest))
+        numbers = np.array(np.meshgrid(*[np.arange(-most, most + 1)] * dimension, indexing="ij"))
+        wavenumber = np.linalg.norm(numbers, axis=0) / period
+        kept = (wavenumber > 0) & (wavenumber * longest >= 1) & (wavenumber * shortest <= 1)
+        amplitude = kept * np.where(kept, wavenumber, 1.0) ** -(hurst + dimension / 2)
+        phases = np.random.default_rng(seed).random(wavenumber.shape)
+        waves = amplitude * np.exp(2j * np.pi * phases)
+        spectrum = np.zeros((points,) * dimension, complex)
+        spectrum[tuple(numbers % points)] = waves
+        whole = [np.fft.fftfreq(points, 1 / points)] * dimension
+        spectra = [spectrum] + [spectrum * 2j * np.pi / period * frequency
+                                for frequency in np.meshgrid(*whole, indexing="ij")]
+        field, *slopes = (np.fft.ifftn(each).real for each in spectra)
+        return field * slope / np.sqrt(np.mean(np.sum(np.square(slopes), axis=0)))
+
+    return heights

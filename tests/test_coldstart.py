@@ -8,7 +8,7 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import coldstart, states  # noqa: E402
+from contactsnes import coldstart, jumps, states  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.fourier import Grid, Window  # noqa: E402
@@ -66,6 +66,7 @@ def test_all_that_is_spent_is_counted():
 @pytest.mark.parametrize("scene, value", [
     (PAPER, -2.0),                                                   # off the flat: two states may exist
     ({"geometry": "sinusoid", "points": 2048, "normal_maugis": 4.0}, 5.0),  # full contact is another state
+    ({"geometry": "flat", "points": 2048, "normal_maugis": 4.0}, 1.0),      # no edge
     ({"points": 1024}, 10.0),                                        # edges stick between nodes
     (PAPER, 0.0)])
 def test_grids_are_left_alone_where_they_may_lead_elsewhere(scene, value):
@@ -126,3 +127,104 @@ def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
     # In units of length: gaps over maugis, tractions times maugis; kappa leaves both only approximately as they are.
     np.testing.assert_allclose(ratio * tractions[1][overlap], tractions[0][overlap], rtol=0.35)
     np.testing.assert_allclose(mine[open_], gap[open_] * ratio, rtol=0.2)
+
+
+# Gaps that are not convex
+
+LINE = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": float("inf"),
+        "tangential": "off", "geometry": "file", "geometry_file": "heights.npy"}
+PLANE = {**LINE, "dimension": 2, "points": 64, "period": 8.0}
+SAID = "where motion from the undeformed body leads"
+
+
+def on_heights(heights, scene, control=DISPLACEMENT, value=0.0, log=lambda sentence: None, **form):
+    """First point of one component of a body with heights."""
+    system = Corrector(Contact(Scene(**scene), heights), Form(**form), log)
+    return system, system.start((control,), np.array([value]))
+
+
+@pytest.mark.parametrize("seed, control, value", (
+    (0, DISPLACEMENT, 0.0), (1, DISPLACEMENT, 0.0), (2, DISPLACEMENT, -1.0), (1, FORCE, 1.0)))
+def test_a_rough_line_starts_where_motion_leads(seed, control, value, self_affine, options):
+    """Whatever node the line begins with, and with another motion."""
+    heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, seed), []
+    system, point = on_heights(heights, LINE, control, value, said.append)
+    assert not system.contact.convex and any(SAID in sentence for sentence in said)
+    _, moved = on_heights(np.roll(heights, 101), LINE, control, value)
+    here, there = (system.contact.extended(found.state)[0] for found in (point, moved))
+    np.testing.assert_allclose(np.roll(here, 101), there, atol=1e-6)
+    np.testing.assert_allclose(moved.forces, point.forces, rtol=1e-7)
+    options(jump_motion_type="inertial")
+    _, inertial = on_heights(heights, LINE, control, value)
+    for name in ("forces", "displacements"):
+        np.testing.assert_allclose(getattr(inertial, name), getattr(point, name), rtol=1e-7, atol=1e-7)
+
+
+def test_a_cold_solve_on_a_rough_line_ends_elsewhere(self_affine):
+    """There is another equilibrium with half as much again of adhesion: the test above has a meaning."""
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    cold = system.cold((DISPLACEMENT,), np.array([0.0]))
+    assert cold.forces[0] < 1.3 * point.forces[0] < 0.0
+
+
+def test_rounding_does_not_decide_on_a_rough_plane(self_affine, monkeypatch):
+    heights = self_affine(64, 8.0, 4.0, 1.0, 1.0, 3, dimension=2)
+    _, point = on_heights(heights, PLANE)
+    undeformed, noise = states.undeformed, np.random.default_rng(5)
+
+    def disturbed(*arguments):
+        state = undeformed(*arguments)
+        around = state.displacement + 1e-13 * noise.standard_normal(state.displacement.shape)
+        return states.State(state.window, around, state.means)
+
+    monkeypatch.setattr(states, "undeformed", disturbed)
+    _, other = on_heights(np.roll(heights, (20, 31), (0, 1)), PLANE)
+    np.testing.assert_allclose(other.forces, point.forces, rtol=1e-7)
+
+
+def test_a_parabola_from_a_file_is_convex_and_a_dented_one_is_not():
+    contact = Contact(Scene(**{**LINE, "geometry": "cylinder"}))
+    heights = np.roll(-contact.initial_gap, 40) / contact.ranges[0]
+    said = []
+    system, point = on_heights(heights, LINE, value=3.0, log=said.append)
+    assert system.contact.convex and not said
+    shape = made({**LINE, "geometry": "cylinder"}).start((DISPLACEMENT,), np.array([3.0]))
+    np.testing.assert_allclose(point.forces, shape.forces, rtol=1e-7)
+    heights[30] += 0.1
+    assert not Contact(Scene(**LINE), heights).convex
+
+
+def test_relaxation_that_is_asked_for_says_that_it_is_not_the_reference(self_affine, options):
+    heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), []
+    options(snes_type="python", snes_python_type="contactsnes.relaxation.Fire", snes_max_it=100000)
+    _, point = on_heights(heights, LINE, log=said.append, form="force")
+    assert any("inertial motion" in sentence and "another one" in sentence for sentence in said)
+
+
+# A motion is handed over to Newton's method where that leads to the same state, at every node
+
+def test_a_solution_that_differs_at_a_few_nodes_is_not_taken(self_affine):
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    aside = point.state.displacement.copy()
+    aside[0, np.argmin(states.normal_gap(system.contact, point.state))] += 0.05
+    rest = states.State(point.state.window, aside, point.state.means)
+    assert states.missed(system.contact, rest, point.state) < 0.01
+    with pytest.raises(NotConverged, match="not where the motion led"):
+        jumps.polished(system, rest, point.controls, point.load)
+
+
+def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeypatch):
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    polished, speeds = jumps.polished, []
+
+    def doubtful(system, rest, controls, load):
+        aside = point.state.displacement - states.onto(rest, point.state.window)
+        speeds.append(np.abs(aside).max())
+        if len(speeds) < 3:
+            raise NotConverged("not yet")
+        return polished(system, rest, controls, load)
+
+    monkeypatch.setattr(jumps, "polished", doubtful)
+    again = system.start((DISPLACEMENT,), np.array([0.0]))
+    assert len(speeds) == 3 and speeds[2] < speeds[0] and speeds[2] < 1e-6
+    np.testing.assert_allclose(again.forces, point.forces, rtol=1e-7)

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes.geometry import SHAPES, initial_gap, read_heights
+from contactsnes.geometry import SHAPES, initial_gap, is_convex, read_heights
 
 PERIOD = (12.0, 10.0)
 
@@ -134,3 +134,31 @@ def test_not_such_a_file(tmp_path, name):
 def test_not_real_numbers(tmp_path, heights):
     with pytest.raises(ValueError, match="instead of real numbers"):
         read_heights(write(tmp_path / "a.npy", heights), (4,))
+
+
+# Convexity, on the gap itself
+
+FINE = coordinates((64,), (12.0,)), coordinates((48, 40), PERIOD)
+CONVEX = {"parabola": lambda x, y: x ** 2 / 2, "bowl": lambda x, y: (x ** 2 + y ** 2) / 2,
+          "tall": lambda x, y: x ** 4, "between nodes": lambda x, y: (x - 0.09) ** 2,
+          "wedge": lambda x, y: np.abs(x) + y ** 2,
+          "far away": lambda x, y: 1e6 + x ** 2}
+UNEVEN = {"wave": lambda x, y: 1 - np.cos(2 * np.pi * x / 12.0),
+          "two apices": lambda x, y: np.abs(np.abs(x) - 2) ** 2,
+          "flat": lambda x, y: 0 * x,
+          "waves on a parabola": lambda x, y: x ** 2 / 2 + 0.03 * np.cos(8 * x),
+          "saddle": lambda x, y: x ** 2 - 2.0 * x * y + 0.8 * y ** 2}
+
+
+@pytest.mark.parametrize("name", [*CONVEX, *UNEVEN])
+@pytest.mark.parametrize("directions, shift", ((1, 0), (1, 23), (2, 0), (2, (-11, 17))))
+def test_convexity_is_a_property_of_the_gap_wherever_its_apex_lies(name, directions, shift):
+    x, y = FINE[1] if directions == 2 else (FINE[0][0], 0.0)
+    shape = np.broadcast_shapes(np.shape(x), np.shape(y))
+    gap = np.broadcast_to({**CONVEX, **UNEVEN}[name](x, y), shape)
+    expected = name in CONVEX or (name == "saddle" and directions == 1)
+    assert is_convex(np.roll(gap, shift, tuple(range(directions)))) == expected
+    if expected:
+        dented = gap.copy()
+        dented[tuple(n // 4 for n in gap.shape)] -= 10.0
+        assert not is_convex(dented)
