@@ -190,8 +190,7 @@ class ForceForm:
         self.initial_gap = contact.initial_gap.reshape(-1)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.factor = contact.load_factor(self.components)
-        self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"), self.components,
-                                       measure=True)
+        self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"), self.components)
         self.compliance = Convolution(self.window, contact.operator(self.components), self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))

@@ -17,21 +17,20 @@ from .levels import area_below, crossings
 class Transform:
     """A planned pair of real transforms of ``count`` arrays of one shape, on aligned memory.
 
+    Plans are estimated, not measured: what was fastest on a busy machine would decide the last bits of all results.
+
     Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read ``real`` again: it is overwritten, its
     padding too, and ``spectrum`` does not survive.
     """
 
-    def __init__(self, grid, shape, count, measure=False):
+    def __init__(self, grid, shape, count):
         axes = tuple(range(1, 1 + len(shape)))
         self.shape, self.gain = shape, math.prod(shape)
         self.real = pyfftw.zeros_aligned((count, *shape))
         self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)
-        plan = {"axes": axes, "threads": 1, "flags": ("FFTW_MEASURE" if measure else "FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
-        if measure:
-            plan["planning_timelimit"] = 1.0
+        plan = {"axes": axes, "threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
-        self.real[...] = 0.0
         self._counter = grid.counter
         self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
 
@@ -293,12 +292,11 @@ class Convolution:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
-    measure : plan the transforms by measurement, for operators that are applied thousands of times
     """
 
-    def __init__(self, window, operator, count, measure=False):
+    def __init__(self, window, operator, count):
         self.window, self.count = window, count
-        self.transform = Transform(window.grid, window.circle(), count, measure)
+        self.transform = Transform(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}

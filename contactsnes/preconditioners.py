@@ -73,13 +73,14 @@ class CoreBlock:
         core, plan = field.reshape(self.boxes)[self.core], self.transform
         inner = plan.real[self.inside]
         np.multiply(self.root, core, out=inner)
+        # Other blocks, with cores of other extents, use the same circle.
+        clear_padding(plan.real, inner.shape[1:])
         plan.forward()
         plan.spectrum *= self.symbol
         plan.backward()
         inner *= self.root
         core *= self.outside
         core += inner
-        clear_padding(plan.real, inner.shape[1:])
 
 
 class CoupledBlock:
@@ -208,7 +209,7 @@ class ZonedStiffness:
 
     def __init__(self, form, options=CoreOptions()):
         self.form, self.grid = form, form.grid
-        self.transform = Transform(form.grid, form.grid.shape, 1, measure=True)
+        self.transform = Transform(form.grid, form.grid.shape, 1)
         self.rigid = [i for i in range(form.components) if i not in form.forced and form.rigid_compliance[i] == 0.0]
         self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
         self._work = np.empty(form.grid.size)

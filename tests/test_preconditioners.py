@@ -287,12 +287,15 @@ def test_preconditioners_are_linear_and_leave_their_argument(number):
 
 
 def test_forms_share_circles_without_harm():
-    """Buffers of the core's circle are shared: two preconditioners applied in turn do as each alone."""
-    contact = contact_of()
-    forms = [pressed(contact, (DISPLACEMENT,), half=half)[0] for half in (2.5, 2.45)]
+    """Buffers of the core's circle are shared: a core that has shrunk does as one alone, at once and in turns."""
+    contact, controls = contact_of(512), (DISPLACEMENT, DISPLACEMENT)
+    forms = [pressed(contact, controls, half=half)[0] for half in (2.6, 2.4)]
     zones = [CoreZone(form) for form in forms]
+    assert len({id(zone.blocks[0].transform) for zone in zones}) == 1
+    assert len({str(zone.blocks[0].inside) for zone in zones}) > 1
     vectors = [np.random.default_rng(k).normal(size=form.size) for k, form in enumerate(forms)]
-    alone = [zone.apply(vector, np.empty_like(vector)) for zone, vector in zip(zones, vectors)]
+    alone = [CoreZone(pressed(contact_of(512), controls, half=half)[0]).apply(vector, np.empty_like(vector))
+             for half, vector in zip((2.6, 2.4), vectors)]
     for _ in range(2):
         for zone, vector, expected in zip(zones, vectors, alone):
             np.testing.assert_array_equal(zone.apply(vector, np.empty_like(vector)), expected)

@@ -14,7 +14,7 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import coldstart, states  # noqa: E402
+from contactsnes import states  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
@@ -323,13 +323,11 @@ def law_and_body(contact, point):
 
 @pytest.mark.parametrize("points, period, maugis", [(128, 30.0, 12.0), (256, 60.0, 12.0)])
 def test_starts_on_a_grid_that_pins_are_stable(points, period, maugis):
-    """Newton's own solutions have a node halfway between in and out of contact now and then, where an eigenvalue is negative."""
-    controls, newton, started = (DISPLACEMENT,), [], []
+    """Newton's own solutions, if it finds any, have a node halfway between in and out of contact at about every other load, where
+    an eigenvalue is negative: at which ones hangs on rounding."""
     for approach in np.linspace(0.0, 3.0, 10):
         made, load = corrector(points=points, period=period, normal_maugis=maugis), np.array([approach])
-        newton.append(law_and_body(made.contact, coldstart.on_grid(made, controls, load))[0])
-        started.append(law_and_body(made.contact, made.start(controls, load))[0])
-    assert min(newton) < 0.0 < min(started)
+        assert law_and_body(made.contact, made.start((DISPLACEMENT,), load))[0] > 1e-4
 
 
 def test_a_body_far_apart_is_at_rest_at_once():
