@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .continuation import Walk, events_between, fold_kind, grown
-from .event_points import locate
+from .continuation import Walk, fold_kind, grown
+from .event_points import events_between, locate
 from .folds import Turn
 from .limit_points import LimitPoint
 from .points import NoEquilibrium, NotConverged, lagrange_weights
@@ -65,6 +65,8 @@ class ArcWalk(Walk):
             try:
                 point = self._ahead(self.length, self.predictor if failures < 1 else "secant")
                 fold, point = self._met(point)
+                if fold is None and last.event != "fold":
+                    point, _ = self._examined(self._marked(point))
             except NotConverged as error:
                 failures, self.length = failures + 1, (1.0 if failures == 0 and self.predictor == "edge" else 0.25) * self.length
                 self.system.log(f"a step along the branch from {self._place(here)} failed ({error}): trying another one")
@@ -267,7 +269,7 @@ class ArcWalk(Walk):
         if "fold" in (self.history[-1][1].event, point.event):
             yield self._accept(point)
         else:
-            yield from self._arrive(point)
+            yield from self._arrive(*self._examined(point))
 
     def _marked(self, point):
         """A point with the steps to try next."""

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 from scipy.optimize import brentq
 
 from .points import NotConverged, lagrange_weights
@@ -12,11 +13,44 @@ KICKS = (1.0, -1.0, 5.0, -5.0)
 """How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
 
 
+def examined(system, certify, leg, last, point):
+    """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of another branch.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    certify : function (Point) -> Point, which need not say anything of stability
+    last : (position, Point) of the leg, before the point
+    """
+    point = point if point.stable >= 0 else certify(point)
+    if np.isnan(point.softest):
+        point = replace(point, softest=last[1].softest)
+    if last[1].stable < 0 <= point.stable:
+        last = last[0], certify(last[1])
+    if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
+        _doubt(system, leg, last, point)
+    return point, between(system, certify, leg, last, (point.position, point))
+
+
+def _doubt(system, leg, last, point):
+    """Say where a branch loses its stability that is not certified; NotConverged where a point is another branch's."""
+    def place(position):
+        return system.told(leg.controls, leg.load(position))
+
+    before, after = system.examiner(last[1]), system.examiner(point)
+    if min(before.unstable_modes, after.unstable_modes) > 0:
+        system.log(f"the branch is not stable at {place(last[0])}: a bifurcation was passed before, which -continuation_stability finds")
+    for critical in between(system, system.examiner, leg, (last[0], before), (point.position, after)):
+        system.log(f"a bifurcation at {place(critical.position)} is passed, and points beyond are not stable: "
+                   "-continuation_stability certifies them, -continuation_at_bifurcation follow goes on beside")
+
+
 def between(system, stability, leg, before, after):
     """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
 
     None where it is not known. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
-    which is solved for in between.
+    which is solved for in between. NotConverged where that fails: the number of a branch's modes changes at its folds and
+    bifurcations only, so that the neighbours lie on two branches. One that jumps through zero, at a corner of the law, is told of.
 
     Parameters
     ----------
@@ -33,12 +67,15 @@ def between(system, stability, leg, before, after):
         # A path that goes on from an archive: one of the modes that change is that of its last point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
     for index in range(fewer, more):
+        sentence = (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} between "
+                    f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
+                    "but no bifurcation was located there")
         try:
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            system.log(f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} between "
-                       f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
-                       f"but no bifurcation was located there: {error}")
+            raise NotConverged(f"{sentence}: {error}") from None
+        if point is None:
+            system.log(f"{sentence}: an eigenvalue jumps through zero")
             continue
         # Both of a complex pair cross at one place.
         if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
@@ -53,7 +90,7 @@ def _precision(leg, position):
 
 
 def _root(system, stability, leg, ends, index):
-    """The point where an eigenvalue vanishes; NotConverged where it does not, or where a solve leaves the branch."""
+    """The point where an eigenvalue vanishes, None where it jumps; NotConverged where a solve fails or leaves the branch."""
     known, values = dict(ends), {}
     far = system.missed(ends[0][1].state, ends[1][1].state)
 
@@ -71,7 +108,7 @@ def _root(system, stability, leg, ends, index):
     place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
     value(place)
     if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
-        raise NotConverged(f"an eigenvalue jumps to {values[place]:.2g}")
+        return None
     return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation", stable=0,
                    unstable_modes=index)
 

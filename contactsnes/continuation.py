@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import bifurcations
+from .event_points import further_events, with_events
 from .folds import Turn
 from .points import NoFold, NotConverged, lagrange_weights
 
@@ -82,6 +83,7 @@ class Walk:
             target = 1.0 if step == left else position + step
             try:
                 point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge" else self.predictor)
+                point, critical = self._examined(point)
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the next one is {step:.3g} of the leg")
@@ -104,17 +106,19 @@ class Walk:
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
-            yield from self._arrive(replace(point, step=step))
+            yield from self._arrive(replace(point, step=step), critical)
             if self.stopped:
                 return
             step = self.history[-1][1].step
 
-    def _arrive(self, point):
+    def _examined(self, point):
+        """A point with its certificate, and what bifurcates on the way to it; NotConverged for one of another branch."""
+        return bifurcations.examined(self.system, self.certify, self.leg, self.history[-1], point)
+
+    def _arrive(self, point, found):
         """Yield what bifurcates on the way to a point, then the point, or the stable one beside it that is to be followed."""
-        last, point = self.history[-1], self.certify(point)
-        if last[1].stable < 0 <= point.stable:
-            last = last[0], self.certify(last[1])
-        for critical in bifurcations.between(self.system, self.certify, self.leg, last, (point.position, point)):
+        last = self.history[-1]
+        for critical in found:
             if critical.position != last[0]:
                 yield replace(critical, origin=self.leg.start, spent=self.system.account(),
                               step=abs(point.position - critical.position))
@@ -205,10 +209,13 @@ class Walk:
             # A body off the flat under a force has no branch to follow: it carries none, to rounding.
             fold = replace(last, leg=self.leg.number, position=place, step=self.leg.initial, fold_precision=np.finfo(float).eps)
             passed, starts = None, [lambda: lowered]
+        try:
+            found = self._examined(passed if fold is None else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
+        except NotConverged as second:
+            raise NoFold(f"{error}; arc length led to another branch: {second}") from None
+        yield from self._arrive(*found)
         if fold is None:
-            yield self._accept(passed)
             return
-        yield from self._arrive(replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
         if not self.stopped and self.history[-1][1].event == "fold":
             yield from self._leave(self.history[-1][1], starts)
 
@@ -253,35 +260,6 @@ def fold_kind(leg, heading=1.0):
     if leg.moving > 0:
         return "sliding"
     return "jump_in" if heading * leg.direction[0] > 0.0 else "pull_off"
-
-
-def events_between(previous, point):
-    """Names of the events that a point has besides its own: first gross sliding, first loss of contact."""
-    if previous is None:
-        return []
-    found = []
-    if point.sliding and not previous.sliding:
-        found.append("gross_sliding")
-    if previous.in_contact and not point.in_contact:
-        found.append("pull_off")
-    return found
-
-
-def with_events(previous, point):
-    """The point, then a copy for every further event at the same load; a point without an event takes the first."""
-    names = events_between(previous, point)
-    if point.event == "none" and names:
-        point = replace(point, event=names[0])
-    yield point
-    yield from further_events(previous, point)
-
-
-def further_events(previous, point):
-    """Copies of a point, at no cost, for the events that it has besides the one that it carries."""
-    names = events_between(previous, point)
-    for name in names[names.index(point.event) + 1 if point.event in names else 0:]:
-        yield replace(point, event=name, fold_kind="", fold_precision=0.0, tangents=(),
-                      spent={key: 0 * value for key, value in point.spent.items()})
 
 
 def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point,

@@ -166,7 +166,7 @@ class Corrector:
                 continue
             unknown, state, imbalance = self._balanced(form, unknown, state)
             if imbalance is not None:
-                return self._point(form, state, imbalance, iterations)
+                return replace(self._point(form, state, imbalance, iterations), softest=form.ritz.smallest)
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 

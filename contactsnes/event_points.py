@@ -1,4 +1,6 @@
-"""The points of a branch at which events happen, by bracketed roots of what tells of them."""
+"""Events between two points of a branch, and the points at which they happen, by bracketed roots of what tells of them."""
+
+from dataclasses import replace
 
 from .limit_points import FOLD_TOLERANCE
 from .points import NotConverged
@@ -45,3 +47,32 @@ def locate(system, leg, event, before, after):
             right = (end, last, 0.5 * margin) if kept == "right" else right
             left, kept = found, "right"
     return right[1]
+
+
+def events_between(previous, point):
+    """Names of the events that a point has besides its own: first gross sliding, first loss of contact."""
+    if previous is None:
+        return []
+    found = []
+    if point.sliding and not previous.sliding:
+        found.append("gross_sliding")
+    if previous.in_contact and not point.in_contact:
+        found.append("pull_off")
+    return found
+
+
+def with_events(previous, point):
+    """The point, then a copy for every further event at the same load; a point without an event takes the first."""
+    names = events_between(previous, point)
+    if point.event == "none" and names:
+        point = replace(point, event=names[0])
+    yield point
+    yield from further_events(previous, point)
+
+
+def further_events(previous, point):
+    """Copies of a point, at no cost, for the events that it has besides the one that it carries."""
+    names = events_between(previous, point)
+    for name in names[names.index(point.event) + 1 if point.event in names else 0:]:
+        yield replace(point, event=name, fold_kind="", fold_precision=0.0, tangents=(),
+                      spent={key: 0 * value for key, value in point.spent.items()})

@@ -98,6 +98,8 @@ class Turn:
         ahead = length / way
         guess = system.extrapolate([first, last], [-ahead, 1.0 + ahead])
         point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before), self.leg)
+        if point.softest < 0.0 <= last.softest:
+            raise NotConverged("a mode lost its stability in an arc-length step, perhaps on another branch")
         aside = system.missed(guess, point.state)
         if (aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state)) \
                 or system.strayed(guess, last.state, point.state) > 0.0:

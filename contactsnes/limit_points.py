@@ -118,16 +118,17 @@ class LimitPoint:
         end = min(self.left.place, self.right.place, key=lambda known: abs(known - place))
         return end + part * (place - end)
 
-    def _narrow(self, place, closest=1e-3):
-        """Replace an end of the bracket by the point at a place in it, no closer to an end than a part of its width."""
+    def _narrow(self, place, closest=1e-3, tight=False):
+        """Replace an end of the bracket by the station at a place in it, no closer to an end than a part of its width."""
         width = self.right.place - self.left.place
-        found = self._station(min(max(place, self.left.place + closest * width), self.right.place - closest * width))
+        found = self._station(min(max(place, self.left.place + closest * width), self.right.place - closest * width), tight)
         if found.slope * self.sign > 0.0:
             self.left = found
         else:
             self.right = found
+        return found
 
-    def _station(self, place):
+    def _station(self, place, tight):
         """The station at a place of the bracket; NotConverged for one of another branch."""
         left, right = self.left, self.right
         width = right.place - left.place
@@ -136,9 +137,11 @@ class LimitPoint:
         ends = [left.point, left.direction, right.direction, right.point]
         guess = self.system.extrapolate(ends, weights)
         position = float(weights @ [left.point.position, left.slope, right.slope, right.point.position])
-        point = self.system.solve_arc(self.chord, place, guess, position, self.leg)
+        point = self.system.solve_arc(self.chord, place, guess, position, self.leg, tight=tight)
         if self.system.missed(guess, point.state) > max(0.1, 0.5 * self.system.missed(left.point.state, right.point.state)):
             raise NotConverged("the search for the fold strayed from the branch")
+        if not tight and point.softest < 0.0 <= min(left.point.softest, right.point.softest):
+            raise NotConverged("the search for the fold came upon a branch with another mode that is unstable")
         return Station(place, point, self.system.direction(point, self.chord, self.leg))
 
     def _is_corner(self, first, last):
@@ -148,13 +151,14 @@ class LimitPoint:
         return part < 0.01 and change > CORNER * part
 
     def _polished(self):
-        """The flattest station, two steps on: to where the load is known to a tolerance, all else is known to its root only."""
+        """The flattest station, two steps on: where the load is known to a tolerance, all else is known to its root only."""
+        found = []
         try:
             for _ in range(2):
-                self._narrow(self._smooth(), closest=0.0)
+                found.append(self._narrow(self._smooth(), closest=0.0, tight=True))
         except NotConverged:
             pass
-        return min(self.left, self.right, key=lambda station: abs(station.slope))
+        return min(found or (self.left, self.right), key=lambda station: abs(station.slope))
 
     def _fold(self, corner):
         """The fold with the direction there or, at a corner, with both of its sides, of unit length."""

@@ -67,6 +67,8 @@ class Point:
         the directions on its two sides
     fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that are no folds
     resolved : 0 where edges of contact or slip stick between nodes, so that a fold may be the grid's own, else 1
+    softest : smallest real part among the Ritz values of the solve's last linear systems, a by-product: below zero where a mode is
+        unstable; nan where they tell nothing
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.stability``)
     """
@@ -101,6 +103,7 @@ class Point:
     tangents: tuple = ()
     fold_precision: float = 0.0
     resolved: int = 1
+    softest: float = np.nan
     stable: int = -1
     unstable_modes: int = -1
     leading_eigenvalue: complex = complex(np.nan, np.nan)

@@ -22,7 +22,7 @@ from .tracing import Tracer
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "largest_residual", "event", "fold_kind", "elastic_energy", "interfacial_energy",
         "smooth_steps", "jump_work", "viscous_work", *energies.WORKS, "stable", "unstable_modes",
-        "leading_eigenvalue", "resolved", "fold_precision")
+        "leading_eigenvalue", "resolved", "fold_precision", "softest")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from it."""
 
 DILUTED = 100.0
@@ -67,6 +67,7 @@ class Branch:
         arcs.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
+        self.corrector.examiner = Stability(self.corrector, SIGN, told=True)
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)

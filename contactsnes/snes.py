@@ -28,6 +28,10 @@ class NewtonOptions(Options):
     stiffness: float = option(0.2, "kappa, above the law's steepest softening 0.135", "phi_n/delta_n^2", above=SOFTENING)
 
 
+TELLING = 3
+"""Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
+
+
 class Jacobian:
     """PETSc's Mat context: the exact Jacobian of a form, matrix-free."""
 
@@ -90,6 +94,30 @@ def equip(snes, form):
     ksp.getPC().setPythonType("contactsnes.preconditioners.ZonePC")
 
 
+class Ritz:
+    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last two linear solves that tell.
+
+    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body that rests, so that a negative
+    one belongs to an unstable mode of J (Sylvester's law of inertia, where J is symmetric). They cost no product.
+    """
+
+    def __init__(self):
+        self.found = []
+
+    def __call__(self, snes, iteration, norm):
+        if iteration == 0:
+            self.found = []
+            return
+        values = snes.getKSP().computeEigenvalues()
+        if len(values) >= TELLING:
+            self.found.append(float(values.real.min()))
+
+    @property
+    def smallest(self):
+        """That number, nan where no solve told anything."""
+        return min(self.found[-2:], default=np.nan)
+
+
 def solver_type():
     """Type of SNES that the user asks for."""
     return PETSc.Options().getString("snes_type", "newtonls")
@@ -130,6 +158,10 @@ def create_snes(form, prefix="", tolerance=None):
     if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
+    form.ritz = Ritz()
+    if newton:
+        ksp.setComputeEigenvalues(True)
+        snes.setMonitor(form.ritz)
     regularised = read(NewtonOptions, prefix)
     for solver, its_form in ((snes, form), *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
         if regularised.gap and solver.getType() == "newtonls":

@@ -180,13 +180,14 @@ class Stability:
     ----------
     system : Corrector that makes the points, whose contact, log and totals are used
     kind : 'sign' or 'eigenvalue'
+    told : whether what a certificate means has been said, or need not be
     """
 
-    def __init__(self, system, kind):
+    def __init__(self, system, kind, told=False):
         self.system, self.contact, self.kind = system, system.contact, kind
         self.options = read(CoreOptions, system.prefix)
         self._operator = self._last = None
-        self._silent = False
+        self._silent = told
 
     def __call__(self, point):
         """The point with ``stable``, ``unstable_modes`` and, if asked for, ``leading_eigenvalue`` and ``mode``."""

@@ -16,6 +16,8 @@ from .snes import create_snes, solver_type
 
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
+TIGHT = 1e-11
+"""Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the residual a hundredfold."""
 FAR = 8.0
 """Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
 
@@ -23,20 +25,29 @@ FAR = 8.0
 class Tracer(Corrector):
     """A corrector that knows the branch's direction, too, and goes along it by arc length.
 
-    A ``chord``, a pair of states, measures how far a state has gone (``states.chord``).
+    A ``chord``, a pair of states, measures how far a state has gone (``states.chord``). The ``examiner`` (`stability.Stability`),
+    if it is given one, counts unstable modes where nobody asked for certificates, but a solve met one (``Point.softest``).
     """
 
-    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
+    examiner = None
+
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
         """The point at a place of a chord, near a guess and its position in the leg; NotConverged otherwise.
 
         ``border``: what the place counts in the equation that holds it, and a unit of the position, from the given one on.
+        ``tight``: to a residual below which a fold's load hardly depends on it.
         By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
         """
         share, rate = border
         length = share * length + rate * position
         for _ in range(6):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
+            tolerance = snes.getTolerances()[1]
+            if tight:
+                snes.setTolerances(atol=min(TIGHT, tolerance))
+                snes.getKSP().setTolerances(atol=0.5 * TIGHT * form.linear_tolerance)
             unknown, iterations = self._newton(arc, start, WARM, snes)
+            snes.setTolerances(atol=tolerance)
             arc.set_position(unknown[-1])
             state = self._state(form, unknown[:-1])
             if not states.covers(self.contact, state):
@@ -46,7 +57,7 @@ class Tracer(Corrector):
             if imbalance is not None:
                 arc.set_position(unknown[-1])
                 point = self._point(form, state, imbalance, iterations)
-                return replace(point, leg=leg.number, position=float(unknown[-1]))
+                return replace(point, leg=leg.number, position=float(unknown[-1]), softest=arc.ritz.smallest)
             guess, position = state, unknown[-1]
         raise NotConverged("the window kept growing: try -contact_window off")
 

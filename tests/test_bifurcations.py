@@ -12,6 +12,8 @@ petsc4py.init([])
 from test_continuation import Problem, System, assert_solutions, events, followed, path, pitchfork  # noqa: E402
 from test_stability import Cell  # noqa: E402
 
+from contactsnes.arcs import ArcWalk  # noqa: E402
+from contactsnes.continuation import Walk  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.modes import NEUTRAL  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
@@ -44,6 +46,26 @@ class Dense:
         return point.state + point.mode
 
 
+class Seeing(System):
+    """A system whose solves tell their softest mode: the smallest eigenvalue of J, or with the load as an unknown that of its matrix
+    over the one with the identity in the place of J, as a Krylov method with a preconditioner sees it."""
+
+    def __init__(self, problem):
+        super().__init__(problem)
+        self.examiner = Dense(self)
+
+    def solve(self, guess, controls, load):
+        point = super().solve(guess, controls, load)
+        return replace(point, softest=np.linalg.eigvals(self.problem.jacobian(point.state, load[-1])).real.min())
+
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
+        point = super().solve_arc(chord, length, guess, position, leg, border)
+        matrix = self._bordered(np.append(point.state, point.position), border[0] * self._row(chord), leg, border[1])
+        plain = matrix.copy()
+        plain[:-1, :-1] = np.eye(len(point.state))
+        return replace(point, softest=np.linalg.eigvals(np.linalg.solve(plain, matrix)).real.min())
+
+
 def walked(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
     """Points along a path of a problem, with stability."""
     system = System(problem)
@@ -55,6 +77,16 @@ def walked(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
 def crossing_subcritical():
     """(u - load, v (1/2 - load - v^2 + v^4)): at 1/2 the branch v = 0 loses its stability, and v jumps to 1."""
     return Problem(lambda x, load: np.array([x[0] - load, x[1] * (0.5 - load - x[1] ** 2 + x[1] ** 4)]),
+                   lambda x, load: np.diag([1.0, 0.5 - load - 3 * x[1] ** 2 + 5 * x[1] ** 4]),
+                   lambda x, load: np.array([-1.0, -x[1]]))
+
+
+def broken(bias):
+    """The same, v drawn to positive values: its stable branch ends in a fold, beside the rest of v = 0, which is not stable.
+
+    There load = 1/2 - v^2 + v^4 - bias/v.
+    """
+    return Problem(lambda x, load: np.array([x[0] - load, x[1] * (0.5 - load - x[1] ** 2 + x[1] ** 4) - bias]),
                    lambda x, load: np.diag([1.0, 0.5 - load - 3 * x[1] ** 2 + 5 * x[1] ** 4]),
                    lambda x, load: np.array([-1.0, -x[1]]))
 
@@ -86,6 +118,30 @@ def test_a_pitchfork_is_passed_and_its_place_stored():
         if point is not critical:
             assert (point.stable, point.unstable_modes) == ((1, 0) if point.load[-1] < 0.5 else (0, 1))
     assert [point.load[-1] for point in points] == sorted(point.load[-1] for point in points)
+
+
+@pytest.mark.parametrize("bias", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("certified", [True, False])
+@pytest.mark.parametrize("walker", [Walk, ArcWalk])
+def test_a_broken_bifurcation_is_a_fold(bias, certified, walker):
+    """Steps that are much longer than the way between the two branches; without certificates solves see where they are."""
+    place = brentq(lambda v: -2 * v + 4 * v ** 3 + bias / v ** 2, 1e-6, 0.5)
+    system = System(broken(bias)) if certified else Seeing(broken(bias))
+    settings = {"certify": Dense(system)} if certified else {}
+    points, error = followed(path(system, (0.0, 1.0), (0.0, 2 * bias), walker=walker, **settings))
+    assert_solutions(system, points)
+    assert error is None and events(points) == ["fold", "jump"]
+    fold, jump = (next(point for point in points if point.event == name) for name in ("fold", "jump"))
+    assert fold.load[0] == pytest.approx(0.5 - place ** 2 + place ** 4 - bias / place, rel=1e-8) and jump.state[1] > 0.9
+    assert all(point.state[1] <= place * 1.01 for point in points[:[point.event for point in points].index("fold")])
+
+
+def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of():
+    system = Seeing(pitchfork())
+    points, error = followed(path(system, (0.0, 1.0), (0.0, 0.0)))
+    assert error is None and events(points) == [] and points[-1].position == 1.0
+    told = [sentence for sentence in system.sentences if "points beyond are not stable" in sentence]
+    assert len(told) == 1 and "normal_displacement 0.5 is passed" in told[0]
 
 
 def test_a_path_may_stop_there():
@@ -162,11 +218,12 @@ def spots(tmp_path_factory):
     places = (np.arange(points) - points // 2) * period / points
     heights = -1.5 * (1.0 - np.cos(4.0 * np.pi * places / period))
     file = tmp_path_factory.mktemp("spots") / "two.npy"
-    np.save(file, heights)
 
-    def make(path, log=lambda sentence: None, start="normal_displacement=-1.2", **steps):
+    def make(path, log=lambda sentence: None, start="normal_displacement=-1.2", bias=0.0, **steps):
+        # The spot in the middle is higher by twice the bias.
+        np.save(file, heights + bias * np.cos(2.0 * np.pi * places / period))
         scene = Scene(points=points, period=period, normal_maugis=2.0, geometry="file", geometry_file=str(file))
-        return Branch(scene, Load(start=start, path=path), Steps(stability="eigenvalue", **steps), Form(), log=log)
+        return Branch(scene, Load(start=start, path=path), Steps(**{"stability": "eigenvalue", **steps}), Form(), log=log)
 
     return make
 
@@ -203,6 +260,26 @@ def test_the_other_spot_is_followed(spots):
     assert error is None and jump.event == "jump" and jump.load == points[place].load and halves_differ(jump) > 1.0
     assert all(point.stable == 1 for point in points[place + 1:]) and points[-1].position == 1.0
     assert jump.forces[0] > points[place].forces[0] and jump.dissipated_work > points[place].dissipated_work
+
+
+@pytest.mark.parametrize("stability, kind", [("off", "natural"), ("sign", "natural"), ("off", "arclength")])
+def test_of_two_spots_that_are_nearly_equal_the_lower_one_lets_go(spots, stability, kind):
+    """Where the fold lies before the bifurcation of equal spots goes as the difference to the power of 2/3."""
+    ahead = []
+    for bias in (1e-5, 1e-4):
+        made = spots("normal_displacement=-1.75", bias=bias, stability=stability, type=kind)
+        points, error = followed(made)
+        assert error is None and events(points) == ["fold", "jump"]
+        fold, jump = (next(point for point in points if point.event == name) for name in ("fold", "jump"))
+        ahead.append(fold.load[0] + 1.598706377)
+        gap = made.contact.extended(jump.state)[0] + made.contact.initial_gap
+        assert gap[0] > 4.0 > 0.3 > gap[gap.size // 2]
+        near = points[[point.event for point in points].index("fold") - 1]
+        assert near.stable == (1 if stability == "sign" else -1)
+        for point in (near, jump, points[-1]):
+            assert Cell(made.contact, point).eigenvalues()[0].real > 0.0
+        assert abs(Cell(made.contact, fold).eigenvalues()[0].real) < 1e-4
+    assert ahead[1] / ahead[0] == pytest.approx(10.0 ** (2.0 / 3.0), rel=0.05)
 
 
 def test_a_flat_layer_parts_in_waves():

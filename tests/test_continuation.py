@@ -97,6 +97,8 @@ class System:
     solves, and the points extrapolated from.
     """
 
+    examiner = None
+
     def __init__(self, problem, most=16, fails=lambda load: False, arc_fails=lambda load: False, iterations=None):
         self.problem, self.most, self.fails, self.arc_fails, self.iterations = problem, most, fails, arc_fails, iterations
         self.guesses, self.used, self.attempts, self.sentences = [], [], [], []
@@ -167,7 +169,7 @@ class System:
         return np.block([[self.problem.jacobian(x[:-1], load), rate * self.problem.load_derivative(x[:-1], load)[:, None]],
                          [row[None], np.full((1, 1), slope)]])
 
-    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
         (share, rate), row = border, border[0] * self._row(chord)
         unknown, count = self._newton(
             lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]),
@@ -587,8 +589,8 @@ def test_the_precision_of_a_fold_is_told_with_it():
 def test_a_fold_that_steps_are_too_long_for_is_located_by_shorter_ones(limit):
     """A solver that finds only what its guess hardly misses, as Newton's method where a fold is sharp."""
     class Short(System):
-        def solve_arc(self, chord, length, guess, *rest):
-            point = super().solve_arc(chord, length, guess, *rest)
+        def solve_arc(self, chord, length, guess, *rest, **settings):
+            point = super().solve_arc(chord, length, guess, *rest, **settings)
             if self.missed(guess, point.state) > limit * 0.05:
                 raise NotConverged("the guess is too far away")
             return point
