@@ -6,6 +6,12 @@ import numpy as np
 
 from .forms import DisplacementForm
 from .laws import CUTOFF
+from .mirrored import EvenForm
+from .spots import convolution
+from .symmetry import asymmetry
+
+ROUNDING = 8.0 * np.finfo(float).eps
+"""Largest difference of mirror images in tractions that are even, relative to the largest of them."""
 
 
 class Imbalance(NamedTuple):
@@ -15,8 +21,45 @@ class Imbalance(NamedTuple):
     largest: float
 
 
+class Response:
+    """Product of a circulant operator of the cell with fields on a window, at all of its nodes: as `spots.convolution`.
+
+    Fields that are even to rounding, which is asked of each, take half of the transforms, or a quarter, where the operator leaves
+    the components apart.
+
+    Parameters
+    ----------
+    window : the nodes that carry fields
+    operator : Operator on the cell
+    count : number of components
+    half : EvenConvolution with the same operator on half of the window, or None
+    """
+
+    def __init__(self, window, operator, count, half):
+        self._given, self._whole = (window, operator, count), None
+        self._half = half if all(i == j for i, j in operator.blocks) else None
+
+    def apply(self, values, out):
+        """out (components, nodes) = operator times values (components, nodes), perhaps the same array."""
+        if self._half is not None and asymmetry(self._given[0], values) <= ROUNDING * np.max(np.abs(values)):
+            folded = self._half.window.fold(values)
+            out[...] = self._half.window.unfold(self._half.apply(folded, folded))
+            return out
+        if self._whole is None:
+            self._whole = convolution(*self._given)
+        return self._whole.apply(values, out)
+
+
+class FullForm(DisplacementForm):
+    """The displacement form at all nodes of a window, whose response is a `Response`."""
+
+    def __init__(self, contact, window, controls, half):
+        self.convolution_class = lambda *given: Response(*given, half)
+        super().__init__(contact, window, controls)
+
+
 class Balance:
-    """Imbalances of states of a contact, each from its displacements and means alone: no mirror images, no method's own residual.
+    """Imbalances of states of a contact, from their displacements and means alone: tractions and residuals of all nodes.
 
     Parameters
     ----------
@@ -26,12 +69,9 @@ class Balance:
     def __init__(self, contact):
         self.contact, self._form = contact, None
 
-    def __call__(self, state, controls, load, form=None):
-        """The Imbalance of a state under controlled values, ranges of the law.
-
-        A ``form`` of the solver's serves if it is the displacement form at all nodes of the state's window; else one is kept.
-        """
-        form = form if self._serves(form, state, controls) else self._kept(state, controls)
+    def __call__(self, state, controls, load, solver):
+        """The Imbalance of a state under controlled values, ranges of the law, that a form of the ``solver`` led to."""
+        form = self._form_on(state.window, tuple(controls), solver)
         form.set_load(load)
         unknown = form.pack(state.displacement, state.means[form.forced])
         residual = form.residual(unknown, np.empty(form.size))
@@ -39,13 +79,11 @@ class Balance:
         field = np.abs(form.displacement(residual))
         return Imbalance(form.grid.norm(residual), float(form.grid.maximum(field, where=acts, initial=0.0)))
 
-    def _kept(self, state, controls):
-        """The displacement form on the state's window."""
-        if not self._serves(self._form, state, controls):
-            self._form = DisplacementForm(self.contact, state.window, controls)
+    def _form_on(self, window, controls, solver):
+        """The displacement form at all nodes of a window: the solver's, if it has that, or one that is kept."""
+        for form in (solver, self._form):
+            if isinstance(form, DisplacementForm) and form.window == window and form.controls == controls:
+                return form
+        half = solver.half.convolution if isinstance(solver, EvenForm) and solver.window == window else None
+        self._form = FullForm(self.contact, window, controls, half)
         return self._form
-
-    @staticmethod
-    def _serves(form, state, controls):
-        """Whether a form is the displacement form of all nodes of a state's window."""
-        return type(form) is DisplacementForm and form.window == state.window and form.controls == tuple(controls)

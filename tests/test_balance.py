@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps, run
-from contactsnes.balance import Balance
+from contactsnes.balance import Balance, Response
 from contactsnes.corrector import Corrector
+from contactsnes.fourier import Window
 from contactsnes.mirrored import EvenForm, Symmetry
 from contactsnes.settings import InputError
-from contactsnes.spots import Spots
-from contactsnes.symmetry import UNEVEN, lone
+from contactsnes.spots import Spots, convolution
 from contactsnes.states import State
+from contactsnes.symmetry import UNEVEN, EvenConvolution, EvenWindow, lone
 from contactsnes.tracing import Tracer
 
 OFF = Form(symmetry="off")
@@ -295,6 +296,24 @@ def test_a_body_that_couples_ends_symmetry_on_an_arc_too(monkeypatch):
     assert np.abs(point.state.displacement[1]).max() > 1e-3
 
 
+@pytest.mark.parametrize("name", ["line", "coupled", "plane"])
+def test_responses_are_those_of_all_nodes(name):
+    """Of even fields by halves, where the body leaves components apart, of any others by whole transforms: to rounding the same."""
+    scene = CASES[name][0]
+    contact, count = Contact(scene), 1 if scene.dimension == 2 else 2
+    window = Window(contact.grid, [n // 2 - 5 for n in scene.shape], [11] * scene.dimension)
+    half = EvenConvolution(EvenWindow(window), contact.operator(count), count)
+    response = Response(window, contact.operator(count), count, half)
+    whole, field = convolution(window, contact.operator(count), count), np.random.default_rng(2).normal(size=(count, window.size))
+    even = half.window.unfold(half.window.fold(field))
+    for values, by_halves in ((even, name != "coupled"), (field, False), (even + 1e-12 * field, False)):
+        before = contact.grid.transforms
+        found = response.apply(values, np.empty_like(values))
+        by_whole = response._whole is not None
+        assert by_halves != by_whole and contact.grid.transforms > before
+        np.testing.assert_allclose(found, whole.apply(values, np.empty_like(values)), atol=1e-12)
+
+
 def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
     """A residual of all nodes that lies a hair above the tolerance, where that of half of them does not."""
     scene, load = CASES["line"]
@@ -329,7 +348,7 @@ def test_states_on_one_side_are_not_even():
     x = (np.arange(64) - 32) * scene.spacings[0]
     contact, said = Contact(scene, -4.0 * (np.abs(x) - 5.0) ** 2), []
     symmetry = Symmetry(contact, Form(), "newtonls", said.append)
-    window = contact.grid.whole.__class__(contact.grid, (32,), (31,))
+    window = Window(contact.grid, (32,), (31,))
     assert np.flatnonzero(lone(window)).tolist() == list(range(1, 31))
     symmetry.checked(State(window, np.zeros((1, 31)), np.zeros(1)))
     assert said == ["the state is not even about the apex: going on without symmetry"]
