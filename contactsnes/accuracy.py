@@ -19,7 +19,7 @@ from . import states
 from .coldstart import refined
 from .contact import Contact, FORCE
 from .corrector import Corrector
-from .fourier import Transform
+from .fourier import Grid, Transform
 from .grids import resampled
 from .cohesive import PINNING, resolution
 from .grid_choice import next_grid
@@ -184,11 +184,11 @@ def finer_contact(contact, ratio):
     """The contact on a grid with ``ratio`` times the nodes in each direction; heights from a file follow their waves."""
     points = tuple(ratio * n for n in contact.grid.shape)
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
+    if contact.isolated:
+        return IsolatedContact(scene, law=contact.law)
     if scene.geometry != "file":
-        return IsolatedContact(scene) if contact.isolated else Contact(scene)
-    finer = Contact(scene, np.zeros(points))
-    finer.initial_gap = np.ascontiguousarray(resampled(contact.grid, finer.grid, contact.initial_gap[None])[0])
-    return finer
+        return Contact(scene, law=contact.law)
+    return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods), contact.initial_gap[None])[0], law=contact.law)
 
 
 class Watch:

@@ -26,13 +26,16 @@ CERTAIN = 30.0
 
 
 class Contact:
-    """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable but for caches of symbols.
+    """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much is made of each part.
 
     Parameters
     ----------
     scene : Scene
     heights : array over the grid for the geometry ``file``, or in place of another's, u_n,r
     counter : the grid that counts transforms, in units of its own, if not this contact's
+    gap : array over the grid in place of the scene's initial gap, delta_n
+    law : Law in place of the scene's
+    grid : Grid to share in place of one of its own
 
     Attributes
     ----------
@@ -42,27 +45,46 @@ class Contact:
     initial_gap : array over the cell, delta_n
     datum : 0 where the displacement of the body as a whole is defined, nan where it is not
     isolated : whether means are to be told as displacements of the far surface
-    widest : the largest window, on whose nodes fields are known
+
+    Raises
+    ------
+    InputError : for heights that do not fit the grid
+    AttributeError : where an attribute is to be changed
     """
 
     datum, isolated = 0.0, False
 
-    def __init__(self, scene, heights=None, counter=None):
+    def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None):
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
-        self.grid = Grid(scene.shape, scene.periods, counter)
+        self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
-        if scene.law == "modified":
-            self.law = LAWS[scene.law](scene.residual_friction, scene.residual_adhesion)
-        else:
-            self.law = LAWS[scene.law]()
-        gap = initial_gap(self.scene.geometry, self.grid.coordinates(), self.grid.periods,
-                          amplitude=scene.amplitude, heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
-        self.initial_gap = self.ranges[0] * np.ascontiguousarray(gap)
+        residual = (scene.residual_friction, scene.residual_adhesion) if scene.law == "modified" else ()
+        self.law = LAWS[scene.law](*residual) if law is None else law
+        if gap is None:
+            gap = self.ranges[0] * initial_gap(self.scene.geometry, self.grid.coordinates(), self.grid.periods, amplitude=scene.amplitude,
+                                               heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
+        self.initial_gap = np.array(gap, dtype=float, order="C")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
         self._operators = {}
         self.circle = lru_cache(maxsize=12)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.widest = self.grid.whole
+        for array in (self.ranges, self.initial_gap):
+            array.flags.writeable = False
+        self._sealed = True
+
+    def __setattr__(self, name, value):
+        if "_sealed" in self.__dict__:
+            raise AttributeError(f"a contact is immutable, its {name} cannot be set: make another one, Contact(scene, ...), which "
+                                 "takes heights, a gap or a law in place of the scene's")
+        super().__setattr__(name, value)
+
+    def __delattr__(self, name):
+        raise AttributeError(f"a contact is immutable, its {name} cannot be deleted")
+
+    @property
+    def widest(self):
+        """The largest window, on whose nodes fields are known."""
+        return self.grid.whole
 
     @cached_property
     def convex(self):
@@ -126,15 +148,11 @@ class Contact:
                            tangential_maugis=min(scene.tangential_maugis, sharpest),
                            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
                            range_normal=None, range_tangential=None)
-        coarse = self._coarser(softened)
-        coarse.scene = softened
-        coarse.initial_gap = coarse.ranges[0] / self.ranges[0] * np.ascontiguousarray(self.initial_gap[kept])
-        return coarse
+        return self._coarser(softened, softened.ranges[0] / self.ranges[0] * self.initial_gap[kept])
 
-    def _coarser(self, scene):
-        """The contact of a scene on every other node."""
-        kept = (slice(None, None, 2),) * len(self.grid.shape)
-        return Contact(scene, -self.initial_gap[kept], self.grid.counter)
+    def _coarser(self, scene, gap):
+        """The contact of a scene on every other node, with its gap there."""
+        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law)
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""

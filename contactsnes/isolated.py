@@ -6,6 +6,7 @@ Nothing is periodic, but what needs a cell, as damped motion does, finds a perio
 
 import math
 from dataclasses import replace
+from functools import cached_property
 from types import SimpleNamespace
 
 import numpy as np
@@ -62,24 +63,30 @@ class IsolatedContact(Contact):
     cell : Scene of the periodic cell on its nodes (`lay_out`)
     counter : the grid that counts transforms, if not this contact's: one transform is that of the window's nodes. A contact on a
         coarser grid has it, whose states are guesses
+    gap, law : in place of the scene's, as of `Contact`
     """
 
-    def __init__(self, cell, counter=None):
+    isolated = True
+
+    def __init__(self, cell, counter=None, gap=None, law=None):
+        self._guesses, self._rigid = counter is not None, np.zeros(cell.components)
         own = SimpleNamespace(size=math.prod(n // 2 for n in cell.shape), transforms=0.0)
-        super().__init__(cell, counter=own if counter is None else counter)
-        defined = cell.dimension == 2 or np.isfinite(cell.height)
-        self.datum = 0.0 if defined else np.nan
-        self.isolated = True
-        self._periodic = Contact(cell, counter=self.grid.counter)
-        self._periodic.grid = self.grid
-        self.widest = Window(self.grid, [n // 4 for n in self.grid.shape], [n // 2 for n in self.grid.shape])
-        self._rigid = np.zeros(cell.components)
-        self._guesses = counter is not None
+        super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law)
 
     @property
+    def datum(self):
+        """0 where the displacement of the body as a whole is defined; nan for a half-plane, which has none under a force."""
+        return 0.0 if self.scene.dimension == 2 or np.isfinite(self.scene.height) else np.nan
+
+    @cached_property
     def periodic(self):
         """The contact on the same nodes in a cell, with neighbours."""
-        return self._periodic
+        return Contact(self.scene, gap=self.initial_gap, law=self.law, grid=self.grid)
+
+    @cached_property
+    def widest(self):
+        """The largest window, on whose nodes fields are known: half of the circle of lags in each direction."""
+        return Window(self.grid, [n // 4 for n in self.grid.shape], [n // 2 for n in self.grid.shape])
 
     def operator(self, components, kind="compliance"):
         """Operator of the unbounded body's compliance among components; InputError for the stiffness."""
@@ -115,6 +122,6 @@ class IsolatedContact(Contact):
             self.grid.counter.size = window.size
         return window
 
-    def _coarser(self, scene):
-        """The contact of a scene on every other node."""
-        return IsolatedContact(scene, self.grid.counter)
+    def _coarser(self, scene, gap):
+        """The contact of a scene on every other node, with its gap there."""
+        return IsolatedContact(scene, self.grid.counter, gap, self.law)

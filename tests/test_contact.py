@@ -16,11 +16,13 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes.accuracy import finer_contact
 from contactsnes.contact import DISPLACEMENT, FORCE
 from contactsnes.arclength import ArcLength
 from contactsnes.forms import DisplacementForm, ForceForm
 from contactsnes.fourier import Window
-from contactsnes.laws import CUTOFF, SLIP
+from contactsnes.isolated import IsolatedContact, lay_out
+from contactsnes.laws import CUTOFF, Modified, SLIP
 from contactsnes.preconditioners import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0}, "thin": {"height": 2.0},
@@ -560,3 +562,41 @@ def test_product_allocates_less_than_a_vector(kind, count, body):
     tracemalloc.stop()
     # numpy's casting buffer of 8192 complex numbers is not counted.
     assert peak - before - 8192 * 16 < 8 * count * math.prod(box.circle())
+
+
+# What cannot be changed
+
+
+@pytest.mark.parametrize("made", ["cell", "coarse", "alone", "neighbours"])
+def test_a_contact_is_immutable(made):
+    alone = IsolatedContact(lay_out(Scene(period=math.inf, spacing=0.3, normal_maugis=1.0), 1.0))
+    contact = {"cell": contact_of(2), "coarse": contact_of(1).coarse(0.5), "alone": alone, "neighbours": alone.periodic}[made]
+    for name in ("law", "initial_gap", "body", "grid", "scene", "ranges", "widest", "datum", "isolated", "anything"):
+        with pytest.raises(AttributeError, match=f"immutable, its {name} cannot be set"):
+            setattr(contact, name, None)
+    with pytest.raises(AttributeError, match="its law cannot be deleted"):
+        del contact.law
+    for array in (contact.initial_gap, contact.ranges):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_a_law_in_place_of_the_scenes_is_that_of_all_that_is_made():
+    """Of coarser and finer grids, too, and of the neighbours of an isolated contact."""
+    law, scene = Modified(0.3, 0.2), Scene(points=128, period=20.0, normal_maugis=2.0, residual_friction=0.9)
+    alone = lay_out(Scene(period=math.inf, spacing=0.3, normal_maugis=1.0), 1.0)
+    for contact in (Contact(scene, law=law), IsolatedContact(alone, law=law)):
+        for other in (contact, contact.coarse(0.5), finer_contact(contact, 2), contact.periodic):
+            assert other.law is law
+
+
+def test_a_gap_in_place_of_the_scenes():
+    contact = contact_of(1)
+    given = np.array(contact.initial_gap)
+    other = Contact(contact.scene, gap=given)
+    given[0] = np.nan
+    np.testing.assert_array_equal(other.initial_gap, contact.initial_gap)
+    rough = Contact(contact.scene, np.cos(2 * np.pi * np.arange(64) / 64) + 0.1 * np.sin(6 * np.pi * np.arange(64) / 64))
+    finer, coarse = finer_contact(rough, 2), rough.coarse(0.1)
+    np.testing.assert_allclose(finer.initial_gap[::2], rough.initial_gap, atol=1e-12)
+    np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0], rough.initial_gap[::2] / rough.ranges[0], atol=1e-12)

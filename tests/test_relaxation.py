@@ -39,9 +39,9 @@ class Spring(Law):
         return traction
 
 
-def create_form(controls, load, **changes):
+def create_form(controls, load, own=None, **changes):
     """A force form of a small line contact."""
-    form = ForceForm(Contact(Scene(**{**SMALL, **changes})), controls)
+    form = ForceForm(Contact(Scene(**{**SMALL, **changes}), law=own), controls)
     form.set_load(load)
     return form
 
@@ -108,8 +108,7 @@ def spring_motion(stiffness, tangent=2.0):
 
     K = |q|/2 for the half-space in scaled units, over lambda^2 in ranges of the law; m = K + tangent.
     """
-    form = create_form([D], [1.0])
-    form.contact.law = Spring(stiffness)
+    form = create_form([D], [1.0], Spring(stiffness))
     # overlap everywhere; the mean, which cannot move, bears it
     form.initial_gap = form.initial_gap - 1e4
     motion = Motion(form, tangent=tangent)
