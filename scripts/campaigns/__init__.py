@@ -1,0 +1,1 @@
+"""What `scripts/campaign` is made of."""

@@ -1,0 +1,122 @@
+"""The parts of a campaign: what is drawn, run and judged, row by row into a table that is never lost."""
+
+import concurrent.futures
+import csv
+import queue
+import shutil
+import threading
+import time
+
+from . import judge, planted, scenes
+
+COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found", "command")
+
+KEPT = (*judge.FORBIDDEN, "some", "time")
+"""Outcomes whose archives are kept."""
+
+
+class Table:
+    """Rows of a part in a CSV file, each written as soon as it is known.
+
+    Parameters
+    ----------
+    path : of the file
+    resume : whether rows that are there already stay
+    """
+
+    def __init__(self, path, resume):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.path, self.lock, self.known = path, threading.Lock(), set()
+        if resume and path.is_file():
+            with open(path, newline="", encoding="utf-8") as file:
+                self.known = {int(row["number"]) for row in csv.DictReader(file)}
+        else:
+            self._put([COLUMNS], "w")
+
+    def _put(self, rows, mode="a"):
+        with open(self.path, mode, newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows(rows)
+
+    def add(self, row):
+        """Write a row (name -> value)."""
+        with self.lock:
+            self._put([[row.get(name, "") for name in COLUMNS]])
+
+
+def run(asked, end, name, count, judged):
+    """Judge numbers 0 to ``count`` of a part, until the time is over.
+
+    Parameters
+    ----------
+    asked : options of the command line
+    end : time.monotonic() at which no further one is begun, or None
+    name : of the part and its table
+    count : how many
+    judged : function (number, worker, folder) -> (`judge.Verdict`, command line)
+    """
+    numbers = asked.scene if asked.scene is not None else range(count)
+    table = Table(asked.results / f"campaign-{name}.csv", asked.resume or asked.scene is not None)
+    numbers = [number for number in numbers if asked.scene is not None or number not in table.known]
+    workers, begin, done = queue.SimpleQueue(), time.monotonic(), []
+    for _ in range(asked.jobs):
+        workers.put(judge.Worker())
+
+    def one(number):
+        if end is not None and time.monotonic() > end:
+            return
+        worker, folder = workers.get(), asked.results / "campaign" / f"{name}-{asked.seed}-{number}"
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            verdict, command = judged(number, worker, folder)
+        except Exception as error:  # a defect of the campaign, or an archive that breaks its reader: a row like the others
+            verdict, command = judge.Verdict(), ""
+            verdict.add("silent", "campaign", f"{type(error).__name__}: {error}")
+        finally:
+            workers.put(worker)
+        row = {"part": name, "number": number, "seed": asked.seed, "outcome": verdict.outcome, "points": verdict.points,
+               "runs": verdict.runs, "left_out": verdict.left_out, "seconds": f"{verdict.seconds:.2f}", "command": command,
+               "found": " | ".join(f"{kind}: {variant}: {text}" for kind, variant, text in verdict.found)}
+        table.add(row)
+        done.append(verdict)
+        if verdict.outcome not in KEPT:
+            shutil.rmtree(folder, ignore_errors=True)
+        print(f"{name} {number:5d} {verdict.outcome:10} {verdict.runs:3d} runs {verdict.points:5d} points {verdict.seconds:6.1f} s  "
+              f"{row['found'][:200]}", flush=True)
+
+    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        list(pool.map(one, numbers))
+    while not workers.empty():
+        workers.get().close()
+    if numbers:
+        print(f"{name}: {len(done)} of {len(numbers)} in {(time.monotonic() - begin) / 60:.1f} min", flush=True)
+
+
+def scene_part(asked, end):
+    """Random scenes and their variants."""
+    def judged(number, worker, folder):
+        scene = scenes.create(asked.seed, number)
+        verdict = judge.judged(scene, worker, folder, asked.seconds, asked.budget)
+        return verdict, judge.command(["run", *scene.words(folder)])
+
+    run(asked, end, "scenes", asked.scenes, judged)
+
+
+def planted_part(asked, end):
+    """Tests of the program switched off in turn: the outcome is that of seeing it, and of seeing nothing where nothing is."""
+    def judged(number, worker, folder):
+        name = list(planted.FAULTS)[number]
+        scene, fault = planted.scene(name), planted.FAULTS[name]
+        sound = judge.judged(scene, worker, folder, asked.seconds, only=fault.variants)
+        verdict = judge.judged(scene, worker, folder, asked.seconds, only=fault.variants, fault=name, planted_in=("scene",))
+        seen = verdict.outcome == "silent" and sound.outcome == "agreed"
+        result = judge.Verdict([], sound.points, sound.seconds + verdict.seconds, sound.runs + verdict.runs)
+        for kind, variant, text in [*sound.found, *verdict.found] if not seen else ():
+            result.add("silent", f"{name}, {variant}", f"{kind}: {text}")
+        if not seen:
+            result.add("silent", name, "not seen")
+        return result, name + (f": {verdict.found[0][2]}" if seen else "")
+
+    run(asked, end, "planted", len(planted.FAULTS), judged)
+
+
+PARTS = {"scenes": scene_part, "planted": planted_part}

@@ -1,0 +1,111 @@
+"""Runs the program many times without starting Python and PETSc anew: one process, which forks itself for every run.
+
+Reads jobs from its standard input, one JSON object a line: words (the command line behind ``contactsnes``), output (stem of the
+files of what the run prints), seconds (limit), fault (a name of `planted`, or none). Answers each with a line: status (negative:
+killed by that signal), seconds. Started by `scripts/campaign` with whatever Python it is told.
+"""
+
+import json
+import os
+import resource
+import signal
+import sys
+import time
+from pathlib import Path
+
+WALL = 5.0
+"""Seconds by the clock for each of CPU time, at most."""
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
+
+
+def start():
+    """PETSc, and all of the package that runs use."""
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    import petsc4py
+
+    petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler"])
+    from contactsnes import accuracy, bifurcations, cli, overdamped, run, session  # noqa: F401  imported once, before all forks
+
+    session.solver_options()
+
+
+def child(job):
+    """The run, in the forked process: its exit status."""
+    for number, end in ((1, "out"), (2, "err")):
+        descriptor = os.open(f"{job['output']}.{end}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(descriptor, number)
+        os.close(descriptor)
+    from contactsnes import cli
+    from contactsnes.options import install, is_option, petsc_arguments
+    from contactsnes.settings import InputError
+
+    if job.get("fault"):
+        from campaigns import planted
+
+        planted.plant(job["fault"])
+    words = job["words"]
+    try:
+        entries, name = {"options_left": "no"}, ""
+        for word in petsc_arguments(words[1:])[1:] if words[0] == "run" else []:
+            if is_option(word):
+                name = word[1:]
+                entries[name] = ""
+            elif name:
+                entries[name] = word
+        install(entries)
+    except InputError:
+        pass  # the command says so itself
+    return cli.main(words)
+
+
+def run(job):
+    """Fork, wait for the limit of CPU time, and on a busy machine a few times as long; exit status and CPU seconds."""
+    begin, process = time.monotonic(), os.fork()
+    if process == 0:
+        status = 70
+        try:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            limit = int(job["seconds"]) + 1
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+            status = child(job)
+            sys.stdout.flush()
+            sys.stderr.flush()
+        except BaseException:
+            import traceback
+
+            traceback.print_exc()
+            sys.stderr.flush()
+        finally:
+            os._exit(status)
+    return wait(process, begin, job["seconds"])
+
+
+def wait(process, begin, seconds):
+    """Exit status and CPU seconds of a child, which is killed when its time is over (then -SIGKILL)."""
+    pause = 0.002
+    while True:
+        done, status, usage = os.wait4(process, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime
+        if time.monotonic() - begin > WALL * seconds + 5.0:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            return -signal.SIGKILL, time.monotonic() - begin
+        time.sleep(pause)
+        pause = min(0.05, 1.3 * pause)
+
+
+def main():
+    """Serve until the input ends."""
+    answers = os.fdopen(os.dup(1), "w")
+    start()
+    print("ready", file=answers, flush=True)
+    for line in sys.stdin:
+        status, seconds = run(json.loads(line))
+        print(json.dumps({"status": status, "seconds": seconds}), file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main()
