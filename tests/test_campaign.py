@@ -43,7 +43,7 @@ def test_the_laws_have_their_peaks_and_works_of_separation():
     a, b = np.linspace(0.0, 40.0, 40001), np.linspace(0.0, 8.0, 40001)
     apart = physics.tractions("modified", a, np.zeros((1, a.size)))[0]
     assert apart.max() == pytest.approx(math.exp(-1), rel=1e-6)
-    assert np.trapz(apart, a) if hasattr(np, "trapz") else np.trapezoid(apart, a) == pytest.approx(1.0, rel=1e-6)
+    assert 0.001 * np.sum(apart) == pytest.approx(1.0, rel=1e-6)
     sheared = physics.tractions("modified", np.zeros(b.size), b[None], 0.5)[1]
     assert sheared.max() == pytest.approx(physics.PEAK, rel=1e-6) and sheared[-1] == pytest.approx(0.5 * physics.PEAK, rel=1e-6)
     assert np.allclose(np.gradient(physics.potential(a), a)[1:-1], apart[1:-1], atol=1e-6)
@@ -55,7 +55,7 @@ def test_the_laws_have_their_peaks_and_works_of_separation():
 def run(worker, folder, options, **changes):
     """(archive, Run) of a scene."""
     archive = folder / "run.h5"
-    scene = scenes.Scene(0, 0, {"scene_points": 64, "scene_period": 15, "scene_normal_maugis": 2, "scene_height": 50, **options}, (1.0, 1.0))
+    scene = scenes.Scene(0, 0, {"scene_points": 64, "scene_period": 15, "scene_normal_maugis": 2, "scene_height": 50, **options}, given=False)
     done = worker.run(["run", *scene.words(folder, archive_file=archive, archive_fields="all", **changes)], folder / "run", 30)
     return archive, done
 
@@ -67,7 +67,7 @@ def test_nothing_is_wrong_with_a_sound_path(worker, tmp_path):
 
 @pytest.mark.parametrize("column, change, kind", [
     ("normal_force", 1e-5, "normal_force"), ("contact_area", 0.1, "contact_area"), ("elastic_energy", 1e-3, "elastic_energy"),
-    ("normal_displacement", 1e-6, "controlled value"), ("residual_norm", 1.0, "not converged"), ("fields/displacement", 1e-3, "traction"),
+    ("normal_displacement", 1e-6, "normal_displacement"), ("residual_norm", 1.0, "not converged"), ("fields/displacement", 1e-3, "traction"),
     ("fields/traction", 1e-3, "traction")])
 def test_what_is_changed_in_an_archive_is_seen(worker, tmp_path, column, change, kind):
     import h5py
@@ -98,9 +98,9 @@ def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
 # A sample
 
 
-@pytest.mark.parametrize("number", [3, 20, 26, 27])
+@pytest.mark.parametrize("number", [3, 26])
 def test_a_scene_and_its_variants_tell_the_same(worker, tmp_path, number):
-    verdict = judge.judged(scenes.create(1, number), worker, tmp_path)
+    verdict = judge.judged(scenes.create(1, number), worker, tmp_path, budget=1.0)
     assert verdict.outcome not in judge.FORBIDDEN, verdict.found
 
 
