@@ -170,8 +170,14 @@ class Walk:
 
     def _strayed(self, guess, target, point):
         """Whether some node ended where no prediction has it, however the solve began: part of the contact has jumped."""
-        last = self.history[-1][1]
-        return all(self.system.strayed(foretold, last.state, point.state) > 0.0 for foretold in self._foretold(guess, target))
+        here, last = self.history[-1]
+        for foretold in self._foretold(guess, target):
+            if self.system.strayed(foretold, last.state, point.state) <= 0.0:
+                if not self.system.doubtful(foretold, last.state, point.state):
+                    return False
+                back = self.system.along_tangent(point, self.leg, target, here - target)
+                return self.system.detached(foretold, last.state, point.state, back)
+        return True
 
     def _foretold(self, guess, target):
         """Predictions of the state at a place, the cheapest first: the guess, if it is one, and those by fewer or more points."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from . import coldstart, jumps, states
+from . import acceptance, coldstart, jumps, states
 from .balance import Balance, Imbalance
 from .cohesive import PINNING, resolution
 from .coldstart import COLD
@@ -92,9 +92,20 @@ class Corrector:
         return states.missed(self.contact, states.with_components(guess, len(state.displacement)), state, largest)
 
     def strayed(self, guess, last, state):
-        """By how much a node ends farther from its guess than a smooth branch through ``last`` leaves open (``states.strayed``)."""
-        guess, last = (states.with_components(start, len(state.displacement)) for start in (guess, last))
-        return states.strayed(self.contact, guess, last, state)
+        """By how much a node ends farther from its prediction than a smooth branch leaves open (``acceptance.strayed``)."""
+        return acceptance.strayed(self.contact, *self._alike(guess, last, state))
+
+    def doubtful(self, guess, last, state):
+        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``)."""
+        return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
+
+    def detached(self, guess, last, state, back):
+        """Whether the tangent at a state hardly leads back to the last one (``acceptance.detached``)."""
+        return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
+
+    def _alike(self, *found):
+        """States with the components of the last of them."""
+        return [states.with_components(state, len(found[-1].displacement)) for state in found]
 
     def lowered(self, point):
         """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""

@@ -10,14 +10,11 @@ from scipy.optimize import brentq
 
 from .contact import APPROACH, CERTAIN, FORCE
 from .fourier import Convolution
-from .laws import CUTOFF, SLIP
+from .laws import CUTOFF
 from .spots import reaching
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
-
-STRAYS, SHARE, LONG = 0.35, 0.15, 10.0
-"""How far a node may end from its prediction: in ranges of the law, and the share of its way that adds to it, up to that of a long one."""
 
 
 @dataclass(frozen=True)
@@ -205,41 +202,14 @@ def missed(contact, guess, found, largest=False):
 
     Root mean square, or the largest: the one that a spot makes which is small beside the rest.
     """
-    change, near = _way(contact, guess, found, max(guess.window, found.window, key=lambda window: window.size))
+    change, near = way(contact, guess, found, max(guess.window, found.window, key=lambda window: window.size))
     np.multiply(change, near, out=change)
     if largest:
         return float(contact.grid.maximum(np.abs(change), initial=0.0))
     return float(np.sqrt(contact.grid.inner(change, change) / max(len(change) * contact.grid.count(near), 1)))
 
 
-def strayed(contact, guess, last, found):
-    """By how much the node that lies farthest from a guess does so more than a step of a smooth branch leaves open, ranges.
-
-    Negative where all nodes are where the guess has them. Over the nodes where the law acts: a spot that jumps among many moves
-    a few of them only, and a body that slides moves all of them, so that neither a mean nor the whole way tells of a jump.
-    """
-    window = max(guess.window, found.window, key=lambda window: window.size)
-    aside, near = _way(contact, guess, found, window)
-    begin, end = onto(last, window), onto(found, window)
-    excess = np.abs(aside) - STRAYS - SHARE * np.minimum(np.abs(end - begin), LONG)
-    touching = np.maximum(begin[0], end[0]) + window.take(contact.initial_gap) < contact.scene.contact_threshold
-    if contact.grid.count(touching & _through_sticking(begin[1:], end[1:])):
-        return np.inf
-    return float(contact.grid.maximum(excess * near - STRAYS * ~near, initial=-STRAYS))
-
-
-def _through_sticking(begin, end):
-    """Nodes that slide at the begin and the end of a straight way of their slip (components, nodes), but stick in between.
-
-    A whole contact that slides back ends where it is predicted, on the other side of all that friction does to it.
-    """
-    way = end - begin
-    part = np.clip(-np.sum(begin * way, axis=0) / np.maximum(np.sum(way * way, axis=0), 1e-300), 0.0, 1.0)
-    begins, ends, least = (np.linalg.norm(slip, axis=0) for slip in (begin, end, begin + part * way))
-    return (begins > SLIP) & (ends > SLIP) & (least < SLIP)
-
-
-def _way(contact, first, last, window):
+def way(contact, first, last, window):
     """Displacements from one state to another on a window, and the nodes where the law acts on either (gap below 10)."""
     begin, end = onto(first, window), onto(last, window)
     return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
@@ -251,7 +221,7 @@ def chord(contact, first, last, window):
     The product of the row with displacements from ``first`` is how far they lead along the way, root mean square over the nodes
     where the law acts on either end (over all, where it acts on none): a number that depends on neither grid nor window.
     """
-    change, near = _way(contact, first, last, window)
+    change, near = way(contact, first, last, window)
     if near.any():
         np.multiply(change, near, out=change)
     count = len(change) * (contact.grid.count(near) or window.size)

@@ -54,6 +54,7 @@ TABLE = (
     Row("following", "predictions that follow the edges of contact", LOAD_PATH),
     Row("reference", "analytic solutions, on their own", ("scene", "fourier", "forms", "states", *PHYSICS[:-1])),
     Row("energies", "energies of a point and works along a path", LOAD_PATH),
+    Row("acceptance", "what tells a neighbour of a point from a state beyond a jump", LOAD_PATH),
     Row("observables", "numbers of a converged point"),
     Row("points", "points of a branch, legs, and what goes wrong", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("isolated", "a contact that is the only one, on a box of nodes", LOAD_PATH),

@@ -130,6 +130,9 @@ class System:
     def strayed(self, guess, last, state):
         return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last), 10.0)))
 
+    def doubtful(self, *_):
+        return False
+
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, Scene, Steps
+from contactsnes.acceptance import detached, doubtful, strayed
 from contactsnes.contact import Contact
 from contactsnes.scene import Form
-from contactsnes.states import State, strayed
+from contactsnes.states import State
 
 HALF_SPACE = {"points": 512, "period": 30.0, "height": inf, "normal_maugis": 2.0}
 LAYER = {"points": 1024, "period": 40.0, "normal_maugis": 3.0}
@@ -105,3 +106,15 @@ def test_a_long_way_excuses_no_jump(contact):
     assert strayed(contact, beyond, last, beyond) > 0.0
     far = uniform(contact, 8.0, slip=10.0)
     assert strayed(contact, far, uniform(contact, 8.0, slip=-10.0), far) < 0.0
+
+
+def test_energy_released_on_the_way_tells_of_a_jump(contact):
+    """From one side of a softening law to the other the body lets go of energy; where the law stiffens it does not."""
+    guess = uniform(contact, 0.6)
+    apart, near, pressed = (uniform(contact, gap) for gap in (3.0, 0.0, -1.0))
+    assert doubtful(contact, guess, apart, near)
+    assert not doubtful(contact, near, apart, near)
+    assert not doubtful(contact, uniform(contact, -0.6), near, pressed)
+    # The branch behind a jump leads back by what the load moves it only.
+    assert detached(contact, guess, apart, near, uniform(contact, 0.2))
+    assert not detached(contact, guess, apart, near, uniform(contact, 2.8))
