@@ -5,6 +5,9 @@ import math
 from .load import names
 from .settings import InputError, as_text
 
+LEFT_OUT = 1e-4
+"""Slip that an incompressible layer gives a sphere, ranges of the law, below which it is left out of normal loading."""
+
 
 def check_scene(scene):
     """InputError unless a scene with an infinite period is a cylinder or sphere on a grid of given spacing, and only such one."""
@@ -29,6 +32,19 @@ def check_scene(scene):
 def strains(scene):
     """Whether a layer of Poisson ratio 1/2 moves the interface sideways: strains are force/H, in a plane force x length/H^2."""
     return scene.height < {1: math.inf, 2: 1000.0}[scene.dimension]
+
+
+def slides(scene, load):
+    """Whether a thick layer of Poisson ratio 1/2 moves the interface of a sphere sideways by more than is left out.
+
+    At a distance r from a force W that is r W/(2 pi H^2) times the integral of k^3/(cosh^2 k + k^2) over k, 1.087; at the edge
+    of contact at most. What a slip of b ranges changes is b^2 of the whole.
+    """
+    if not scene.isolated or scene.dimension == 1:
+        return False
+    force = largest_force(scene, load)
+    slip = 1.087 / (2 * math.pi) * force * (0.75 * force) ** (1 / 3) / (scene.height ** 2 * math.sqrt(scene.work_ratio))
+    return scene.tangential_maugis * slip > LEFT_OUT
 
 
 def check_load(scene, load):

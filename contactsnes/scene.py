@@ -291,7 +291,7 @@ def tangential_legs(scene, load):
     With -scene_tangential auto: everywhere if the body couples the components, else from the first leg on that names a
     tangential quantity.
     """
-    everywhere = scene.tangential == "on" or scene.coupled
+    everywhere = scene.tangential == "on" or scene.coupled or alone.slides(scene, load)
     sheared = _sheared(scene, load)
     return tuple(scene.tangential != "off" and (everywhere or any(sheared[:leg + 1])) for leg in range(len(sheared)))
 

@@ -11,6 +11,7 @@ from contactsnes.balance import Balance, Response
 from contactsnes.corrector import Corrector
 from contactsnes.fourier import Window
 from contactsnes.mirrored import EvenForm, Symmetry
+from contactsnes.scene import tangential_legs
 from contactsnes.settings import InputError
 from contactsnes.spots import Spots, convolution
 from contactsnes.states import State
@@ -233,6 +234,25 @@ def test_an_isolated_layer_moves_sideways(height, alone):
         even[np.abs(between)] @ pull + sine @ shear, other[np.abs(between)] @ shear - sine @ pull]
     off = state.displacement - found
     assert np.ptp(off, axis=1).max() < 5e-8 and h * -traction[0].sum() == pytest.approx(5.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("scene, force, wanted", [
+    ({"height": 2000.0}, 50, False), ({"height": 2000.0}, 500, True), ({"height": math.inf}, 5000, False),
+    ({"height": 2000.0, "tangential_maugis": 20.0}, 50, True), ({"height": 500.0}, 1, True)])
+def test_a_sphere_on_a_tall_layer_slides_under_a_large_force(scene, force, wanted):
+    """What is left out is less than 1e-4 ranges of slip: measured 2.3e-5 for a force of 50 on a height of 1000."""
+    scene = Scene(dimension=2, geometry="sphere", period=math.inf, normal_maugis=1.0, **scene)
+    assert tangential_legs(scene, Load(path=f"normal_force={force}")) == (wanted, wanted)
+
+
+@pytest.mark.slow
+def test_slip_of_a_sphere_on_a_tall_layer():
+    """The estimate that decides is an upper one, and not far from what a solve finds."""
+    scene = Scene(dimension=2, geometry="sphere", period=math.inf, normal_maugis=1.0, height=1000.0, spacing=0.4, tangential="on")
+    branch = Branch(scene, Load(start="normal_force=50", path="normal_force=50"))
+    *_, point = branch
+    estimate = 1.087 / (2.0 * math.pi) * 50.0 * (0.75 * 50.0) ** (1.0 / 3.0) / 1000.0 ** 2
+    assert 0.5 * estimate < branch.observe(point)["maximum_tangential_gap"] < estimate
 
 
 # Heights as a user brings them
