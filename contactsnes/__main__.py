@@ -1,7 +1,20 @@
 """``python -m contactsnes`` is the command ``contactsnes``."""
 
+import os
+import signal
 import sys
 
-from .cli import main
 
-sys.exit(main())
+def main():
+    """Run the command; a signal before it has begun, or after its end, ends the program at once and without a word."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number and signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, lambda number, frame: os._exit(128 + number))
+    from .cli import main as command
+
+    sys.exit(command())
+
+
+if __name__ == "__main__":
+    main()

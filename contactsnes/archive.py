@@ -22,6 +22,7 @@ import h5py
 import numpy as np
 
 from . import resuming
+from .devices import Lenient, reason
 
 FORMAT = "contactsnes 1"
 UNITS = {
@@ -39,6 +40,10 @@ _PATIENCE = 1.0  # seconds to wait for another program that is just reading or w
 
 class ArchiveError(ValueError):
     """An archive that cannot be written, read or continued; the message is one sentence for the user."""
+
+
+class WriteError(ArchiveError):
+    """An archive that its disk does not take."""
 
 
 class Column(NamedTuple):
@@ -80,7 +85,7 @@ class Archive:
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
         if fields != "none" and not coordinates:
             raise ArchiveError(f"Fields ({fields}) need coordinates.")
-        self.path = Path(path).resolve()  # a rename would replace a symbolic link instead of its file
+        self.path = _resolved(path)
         self.points, self.complete, self.runs = 0, False, []
         self._first = 0  # point of this run
         self._warnings = "\n".join(warnings)
@@ -105,6 +110,8 @@ class Archive:
         archive = cls(path, **content)
         _check_folder(archive.path)
         if archive.path.exists():
+            if not archive.path.is_file():
+                raise ArchiveError(f"{path} is no file, but a folder or a device: name another -archive_file.")
             if not overwrite:
                 raise ArchiveError(f"{path} exists: -archive_resume goes on from it, -archive_overwrite replaces it, "
                                    "another -archive_file leaves it alone.")
@@ -121,9 +128,9 @@ class Archive:
         ArchiveError
             If the file is no archive, or one of another scene or grid, other legs that are done, or other columns or fields.
         """
-        if not Path(path).exists():
-            return cls.create(path, **content)
         archive = cls(path, **content)
+        if not archive.path.is_file():
+            return cls.create(path, **content)
         _check_folder(archive.path)
         with _open_archive(archive.path) as file:
             if file.attrs["points"]:
@@ -215,7 +222,7 @@ class Archive:
             else:
                 self._write_anew(write, slot)
         except (OSError, RuntimeError) as error:
-            raise ArchiveError(f"{self.path} cannot be written: {error}.") from error
+            raise WriteError(f"{self.path} cannot be written: {reason(error)}.") from error
 
     def _reserve(self, chunk):
         """Lengthen the file by what the next point needs: a full disk must show before HDF5 counts on the space."""
@@ -228,7 +235,7 @@ class Archive:
         """Copy the archive beside itself, with room for twice its points; let `write` act on it; put it in place."""
         partial = self.path.with_name(self.path.name + ".partial")
         try:
-            with h5py.File(partial, "w", libver="earliest") as new:
+            with Lenient(partial) as device, h5py.File(device, "w", libver="earliest") as new:
                 with _open_archive(self.path) if self.points else contextlib.nullcontext() as old:
                     if old:
                         self._check_alone(old)
@@ -239,11 +246,13 @@ class Archive:
                     if old:
                         self._copy(old, new, states)
                 write(new)
+            device.check()
             with open(partial, "rb+") as file:
                 os.fsync(file.fileno())
             os.replace(partial, self.path)
         finally:
-            partial.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                partial.unlink()
         self._room, self._slot = chunk * _CHUNKS, slot
 
     def _check_alone(self, file):
@@ -431,7 +440,7 @@ def _open(path, mode):
 
 def _open_archive(path):
     """Open an archive for reading; raise if there is none."""
-    if not Path(path).is_file():
+    if not _resolved(path).is_file():
         raise ArchiveError(f"{path}: there is no such file.")
     try:
         file = _open(path, "r")
@@ -439,11 +448,21 @@ def _open_archive(path):
         if "unable to lock" in str(error):
             raise ArchiveError(f"{path} cannot be locked: another program is writing it, or its file system knows no "
                                "locks (then set the environment's HDF5_USE_FILE_LOCKING=FALSE).") from error
-        raise ArchiveError(f"{path} cannot be read as an HDF5 file: {error}.") from error
+        raise ArchiveError(f"{path} cannot be read as an HDF5 file: {reason(error)}.") from error
     if file.attrs.get("format") != FORMAT:
         file.close()
         raise ArchiveError(f"{path} is an HDF5 file, but no archive of this program (attribute format = {FORMAT!r}).")
     return file
+
+
+def _resolved(path):
+    """The file behind a path, since a rename would replace a symbolic link instead of it; ArchiveError for what names none."""
+    try:
+        resolved = Path(path).resolve()
+        resolved.exists()
+    except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, letters that no file system knows
+        raise ArchiveError(f"-archive_file is '{path}', which cannot be the name of a file: {reason(error)}.") from None
+    return resolved
 
 
 def _check_folder(path):

@@ -1,27 +1,29 @@
 """The commands run, plot, info and compare, their words and exit statuses. The only module that prints; it decides nothing physical.
 
-Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed or no equilibrium exists, 2 bad input,
-128 + the signal's number for an interrupted run.
+Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed, no equilibrium exists, or what was
+computed or told cannot be written, 2 bad input, 128 + the signal's number for an interrupted command.
 """
 
 import argparse
 import dataclasses
 import gc
 import os
+import re
 import signal
 import sys
 import traceback
 from functools import partial
 
 from . import __version__, observables, resuming, scene as scenes, summary
-from .archive import Archive, ArchiveError, Column
+from .archive import Archive, ArchiveError, Column, WriteError
 from .grid_choice import reason
 from .methods import CompareOptions
 from .points import new_points, NoEquilibrium, NotConverged, TooCoarse, unfinished_fold
 from .options import database, database_text, help_text, read, unused_options
 from .progress import Progress
-from .session import create_branch, create_watch, solver_options, start_comparison, start_petsc, versions
+from .session import begin_petsc, create_branch, create_watch, solver_options, start_comparison, start_petsc, versions
 from .settings import InputError, nearest
+from .streams import Interrupts, standard_streams
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -44,32 +46,51 @@ BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
-    command, arguments = (words[0], words[1:]) if words else ("", [])
-    if command in ("-h", "-help", "--help", "help"):
-        print(HELP)
-        return 0
-    if command == "--version":
-        print(f"contactsnes {__version__}")
-        return 0
-    if command not in COMMANDS:
-        return _no_command(command)
+    with standard_streams(), Interrupts() as interrupts:
+        status = _ended(words, interrupts)
+        sys.stdout.flush()
+        if sys.stdout.left:
+            return 128 + signal.SIGPIPE
+        if sys.stdout.failure:
+            _complain("warning", f"standard output cannot be written ({sys.stdout.failure}): what should stand there is lost")
+        return status
+
+
+def _ended(words, interrupts):
+    """Run a command to its end, whatever that is; return the exit status."""
     try:
-        return COMMANDS[command](arguments)
+        return _begun(words, interrupts)
     except (InputError, ArchiveError) as error:
         _complain("error", error)
+        return 1 if isinstance(error, WriteError) else 2
     except MemoryError as error:
         _complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
     except KeyboardInterrupt as interrupt:
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads on: not even the last flush
-        return 128 + signal.SIGPIPE
     except Exception:  # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
         traceback.print_exc()
         return 1
     finally:
         gc.collect()  # PETSc objects with Python contexts must not outlive PETSc
     return 2
+
+
+def _begun(words, interrupts):
+    """The exit status of a command, or of a word that is none."""
+    command, arguments = (words[0], words[1:]) if words else ("", [])
+    if command in ("-h", "-help", "--help", "help"):
+        return _told(HELP)
+    if command == "--version":
+        return _told(f"contactsnes {__version__}")
+    if command not in COMMANDS:
+        return _no_command(command)
+    return run(arguments, interrupts) if command == "run" else COMMANDS[command](arguments)
+
+
+def _told(*lines):
+    """Print what a command is for: exit status 1 where that cannot be written."""
+    print(*lines, sep="\n", end="\n" if lines else "", flush=True)
+    return int(bool(sys.stdout.failure))
 
 
 def _no_command(command):
@@ -84,26 +105,22 @@ def _no_command(command):
 
 
 def _complain(kind, text):
+    """A sentence on standard error: one line, whatever names it holds."""
     sys.stdout.flush()
-    print(f"contactsnes: {kind}: {text}", file=sys.stderr, flush=True)
+    line = re.sub(r"[\x00-\x1f\x7f]", lambda match: ascii(match.group())[1:-1], str(text))
+    print(f"contactsnes: {kind}: {line}", file=sys.stderr, flush=True)
 
 
 # run
 
 
-def run(arguments):
+def run(arguments, interrupts):
     """``contactsnes run``: follow the load path, show and keep its points."""
     if _asks_for_help(arguments):
         return _help_on_options()
-    task = Run(start_petsc(arguments))
-    # A shell's background job ignores SIGINT, and is to go on doing so.
-    signals = [number for number in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, task.interrupt) for number in signals}
-    try:
-        return task.follow()
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    task = Run(start_petsc(arguments), interrupts)
+    status = task.follow()
+    return status if task.archive else status or _told()
 
 
 def _asks_for_help(arguments):
@@ -111,15 +128,15 @@ def _asks_for_help(arguments):
 
 
 def _help_on_options(more=()):
-    print(help_text((*solver_options(), *more)))
-    return 0
+    begin_petsc([])
+    return _told(help_text((*solver_options(), *more)))
 
 
 class Run:
     """One run: branch, archive and progress, and what to say when it is over."""
 
-    def __init__(self, settings):
-        self.settings, self.signal = settings, 0
+    def __init__(self, settings, interrupts):
+        self.settings, self.interrupts = settings, interrupts
         self._set_up()
 
     def _set_up(self, missed=()):
@@ -168,32 +185,27 @@ class Run:
         status, reason = self._points()
         for name in unused_options(solver_options()):
             _complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
-        if status == 0 and self.archive:
-            self.archive.finish()
         if status == 2 and self.archive and not self.archive.points:
-            self.archive.path.unlink()  # an empty one would only be in the way of the next try
+            self.archive.path.unlink(missing_ok=True)  # an empty one would only be in the way of the next try
         if self.progress.points:
             print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()), sep="\n", flush=True)
         if self.archive and self.archive.points:
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
-            _complain("error", reason + self._way_on())
+            _complain("error", reason.rstrip(".") + self._way_on())
         return status
-
-    def interrupt(self, number, frame):
-        """Handler of signals: end the run with the points it has."""
-        self.signal = number
-        # Raised in a finaliser, it is printed and ignored; the run then ends with the next point.
-        sys.unraisablehook = lambda unraisable: None
-        raise KeyboardInterrupt(number)
 
     def _points(self):
         """Take all points; exit status and, if it is not 0, the reason in words."""
         try:
             for point in new_points(self.branch, self.waiting):
                 self._accept(point)
-                if self.signal:  # PETSc may swallow what is raised in some of its callbacks
-                    raise KeyboardInterrupt(self.signal)
+                if sys.stdout.left:
+                    return 128 + signal.SIGPIPE, "nobody reads standard output any more" if self.archive else ""
+                if self.interrupts.number:  # PETSc may swallow what is raised in some of its callbacks
+                    raise KeyboardInterrupt(self.interrupts.number)
+            if self.archive:
+                self.archive.finish()
         except TooCoarse as found:
             coarse = found.with_traceback(None)  # a traceback would hold PETSc objects
         except (Exception, KeyboardInterrupt) as error:
@@ -219,10 +231,15 @@ class Run:
         if isinstance(error, PETSc.Error) and error.__cause__ is not None:
             error = error.__cause__  # newer petsc4py wraps what our callbacks raise
         early = self.progress.points == 0
-        if isinstance(error, (NotConverged, NoEquilibrium)):
+        if isinstance(error, (NotConverged, NoEquilibrium, ArchiveError)):
             return 1, str(error)
+        if isinstance(error, MemoryError):
+            return 2 if early else 1, f"there is not enough memory ({error}): take fewer points of the grid"
+        if isinstance(error, ArithmeticError):
+            return 2 if early else 1, f"numbers of the scene or the load are too large or too small to compute with ({error})"
         if isinstance(error, KeyboardInterrupt):
-            return 128 + self.signal, f"interrupted by {signal.Signals(self.signal).name}"
+            number = self.interrupts.number or signal.SIGINT
+            return 128 + number, f"interrupted by {signal.Signals(number).name}"
         if isinstance(error, PETSc.Error):
             sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
             return 2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error {error.ierr})"
@@ -286,7 +303,7 @@ def info(arguments):
             print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
     for sentence in summary.resolution_warnings(settings):
         _complain("warning", sentence)
-    return 0
+    return _told()
 
 
 # compare
@@ -297,6 +314,7 @@ def compare(arguments):
     if _asks_for_help(arguments):
         return _help_on_options((CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
+    os.environ.pop("MPLBACKEND", None)  # files are written: no backend has a say, and an unknown one would end the import
     from . import comparison_figure, comparison_table
 
     about = {"scene": str(comparison.branch.scene), "options": database_text(), "versions": str(versions())}
@@ -328,6 +346,7 @@ def plot(arguments):
         asked = parser.parse_args(arguments)
     except SystemExit as stop:
         return stop.code
+    os.environ.pop("MPLBACKEND", None)  # as in a comparison
     from . import plots
 
     for path in asked.archives:

@@ -6,6 +6,7 @@ PETSc is imported inside functions only: its database is filled when `petsc4py.i
 
 import ctypes
 import dataclasses
+import os
 import re
 import shutil
 import tempfile
@@ -67,22 +68,51 @@ def split_arguments(arguments):
     return files, options
 
 
-def read_file(path):
+def read_file(path, above=()):
     """The arguments that a file of options stands for: a list of names, each with its value if it has one.
 
     PETSc's syntax: an option and its value a line, # comments, values with blanks in quotes, -prefix_push and
-    -prefix_pop. InputError names file and line. The prefix has to be popped by the end, so that it does not leak.
+    -prefix_pop; the lines of another file that is named by -options_file stand in its place. InputError names file and line.
+    The prefix has to be popped by the end, so that it does not leak.
+
+    Parameters
+    ----------
+    path : path of the file
+    above : paths of the files that name this one
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        if "\0" in text or not Path(path).is_file():
+            raise ValueError
+        key = os.path.realpath(path)
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
         raise InputError(f"the options file '{path}' cannot be read ({reason}): give a file of lines '-option value'") from None
-    arguments = [argument for number, line in enumerate(lines, start=1)
+    if key in map(os.path.realpath, above):
+        raise InputError(f"the options file '{path}' includes itself by -options_file ({' -> '.join(map(str, (*above, path)))}): "
+                         "take out one of these lines")
+    arguments = [argument for number, line in enumerate(text.splitlines(), start=1)
                  for argument in _read_line(line, f"{path}, line {number}")]
     if arguments.count("-prefix_push") != arguments.count("-prefix_pop"):
         raise InputError(f"the options file '{path}' has unequal numbers of -prefix_push and -prefix_pop: close each push")
-    return arguments
+    return _with_files(arguments, (*above, path))
+
+
+def _with_files(arguments, above=()):
+    """Arguments with those of the files that -options_file names in their place; YAML is PETSc's to read."""
+    found, words = [], iter(arguments)
+    for word in words:
+        if word.lower() != "-options_file":
+            found.append(word)
+            continue
+        path = next(words, "")
+        if not path or is_option(path):
+            raise InputError("-options_file has no value: name a file of lines '-option value'")
+        yaml = path.endswith((".yml", ".yaml", ":yaml"))
+        if yaml and not Path(path.removesuffix(":yaml")).is_file():
+            raise InputError(f"the options file '{path}' cannot be read (there is no such file): check its name")
+        found += [word, path] if yaml else read_file(path, above)
+    return found
 
 
 def _read_line(line, where):
@@ -101,10 +131,24 @@ def _read_line(line, where):
 def petsc_arguments(arguments):
     """The argument vector for `petsc4py.init`: the files' options from left to right, then those of the command line.
 
-    PETSc lets the later of two values win.
+    PETSc lets the later of two values win. InputError, too, for what its database, which has lines, cannot hold.
     """
     files, options = split_arguments(arguments)
-    return ["contactsnes", *(argument for path in files for argument in read_file(path)), *options]
+    found = ["contactsnes", *(argument for path in files for argument in read_file(path)), *_with_files(options)]
+    depth = 0
+    for name, value in zip(found, found[1:]):
+        depth += (value.lower() == "-prefix_push") - (value.lower() == "-prefix_pop")
+        if depth < 0:
+            raise InputError("-prefix_pop has no -prefix_push before it: leave it out")
+        if not value.isprintable() and re.search(r"[\x00-\x08\n-\x1f\x7f]", value):
+            raise InputError(f"{name} is '{value}': a line break or another control character cannot stand in a value; write it in one "
+                             "line")
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise InputError(f"{name} is '{value}': that is no text in this environment's encoding; take other letters, or set "
+                             "LC_ALL=C.UTF-8") from None
+    return found
 
 
 def database():

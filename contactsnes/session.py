@@ -3,7 +3,6 @@
 import importlib
 import os
 import platform
-import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -49,19 +48,51 @@ def solver_options():
             overdamped.MotionOptions)
 
 
-def start_petsc(arguments):
-    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"), ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),
+            ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"), ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
+"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are, and which it is."""
+
+
+def begin_petsc(words):
+    """Initialise PETSc in the only process, with an argument list; InputError for more processes, or options that it refuses."""
     import petsc4py
 
-    name, *words = petsc_arguments(arguments)
+    for size, rank in LAUNCHED:
+        _refuse_several(_count(size), _count(rank))
     # One process needs no daemon of Open MPI, which takes a good part of a second to start.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     try:
-        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread.
-        petsc4py.init([name, "-options_left", "no", *words])
+        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread. Signals are,
+        # too: PETSc's handlers would abort.
+        petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
     except RuntimeError as error:
         raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python has it; PETSc's handler would abort
+    world = sys.modules["petsc4py.PETSc"].COMM_WORLD
+    _refuse_several(world.getSize(), world.getRank())
+
+
+def _count(name):
+    """The number in a variable of the environment, 0 where there is none."""
+    text = os.environ.get(name, "")
+    return int(text) if text.isascii() and text.isdigit() else 0
+
+
+def _refuse_several(size, rank):
+    """InputError in the first of several processes; the others end without a word."""
+    if size > 1 and rank:
+        sys.exit(0)  # a launcher that sees another status would end the first one before it has spoken
+    if size > 1:
+        raise InputError(f"started as {size} processes, but a scene is solved by one: start contactsnes without mpirun or srun, or "
+                         "with -n 1")
+
+
+def start_petsc(arguments):
+    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+    try:
+        os.getcwd()
+    except OSError as error:
+        raise InputError(f"the working folder cannot be used ({error.strerror}): change into one that exists") from None
+    begin_petsc(petsc_arguments(arguments)[1:])
     check_names(solver_options())
     check_values(solver_options())
     check_classes()

@@ -142,12 +142,6 @@ def test_run_without_load_path(tmp_path):
     refused(call("run", *SMALL, folder=tmp_path), "-load_path is empty")
 
 
-def test_missing_file_of_petsc(tmp_path):
-    done = call("run", *PRESSED, "-options_file", "absent", folder=tmp_path)
-    assert done.returncode == 2 and "Traceback" not in done.stderr
-    assert done.stderr.splitlines()[-1].startswith("contactsnes: error: PETSc does not start")
-
-
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory):
     """Folder with the archive run.h5 of a path that was followed to its end, and the process that made it."""

@@ -1,0 +1,178 @@
+"""What can go wrong around a run: outputs, signals, launchers, files and disks. One sentence each, and nothing is lost."""
+
+import io
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from contactsnes import archive, cli, devices, options, session, streams
+from contactsnes.settings import InputError
+
+ROOT = Path(__file__).resolve().parents[1]
+ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMI", "SLURM"))} | {
+    "PYTHONPATH": str(ROOT), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+COMMAND = f"{sys.executable} -m contactsnes"
+STILL = "-scene_points 128 -scene_period 20 -scene_normal_maugis 1 -load_start normal_displacement=-5 -load_path normal_displacement=hold"
+"""One cheap point."""
+
+
+def shell(line, folder, **environment):
+    """A finished shell command, in which CONTACTSNES stands for the program and STILL for one cheap point."""
+    line = line.replace("CONTACTSNES", COMMAND).replace("STILL", STILL)
+    return subprocess.run(["bash", "-c", line], cwd=folder, env=ENVIRONMENT | environment, capture_output=True, text=True, timeout=120,
+                          check=False)
+
+
+def one_sentence(done, status, *words):
+    """Assert a status, and one sentence on standard error with some words."""
+    assert done.returncode == status, done.stdout + done.stderr
+    assert done.stderr.startswith("contactsnes: ") and len(done.stderr.splitlines()) == 1, done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+# Standard output
+
+
+def test_readers_that_leave_early(tmp_path):
+    for line in ("run -help", "run STILL -snes_monitor -archive_file run.h5"):
+        done = shell(f"CONTACTSNES {line} | head -1; exit ${{PIPESTATUS[0]}}", tmp_path)
+        # What fits into the pipe before its reader leaves is written without harm.
+        assert done.returncode in (0, 128 + signal.SIGPIPE), (line, done.stderr)
+        assert len(done.stderr.splitlines()) == done.stderr.count("nobody reads"), done.stderr
+
+
+def test_closed_and_full_outputs_lose_no_points(tmp_path):
+    for number, (target, status) in enumerate(((">&-", 0), ("<&- > /dev/full", 0), ("<&- >&- 2>&-", 0))):
+        done = shell(f"CONTACTSNES run STILL -archive_file {number}.h5 {target}", tmp_path)
+        assert done.returncode == status and "Traceback" not in done.stderr
+        assert ("standard output cannot be written" in done.stderr) == ("2>" not in target)
+        assert archive.read(tmp_path / f"{number}.h5").complete
+    one_sentence(shell("CONTACTSNES --help > /dev/full", tmp_path), 1, "No space left")
+
+
+def test_letters_that_a_stream_lacks_are_written_in_others():
+    device = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    stream = streams.Stream(device)
+    stream.write("3 µm")
+    stream.flush()
+    assert device.buffer.getvalue() == b"3 \\xb5m"
+
+
+def test_an_unknown_backend_does_not_matter(tmp_path):
+    assert shell("CONTACTSNES plot absent.h5", tmp_path, MPLBACKEND="junk").stderr.endswith("absent.h5: there is no such file.\n")
+
+
+# Several processes
+
+
+@pytest.mark.parametrize("size, rank", session.LAUNCHED)
+def test_several_processes_are_refused(monkeypatch, capsys, size, rank):
+    monkeypatch.setenv(size, "2")
+    monkeypatch.setenv(rank, "0")
+    assert cli.main(["run", *STILL.split()]) == 2
+    shown = capsys.readouterr().err
+    assert "2 processes" in shown and len(shown.splitlines()) == 1
+    monkeypatch.setenv(rank, "1")
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["run", *STILL.split()])
+    assert stop.value.code == 0 and not capsys.readouterr().err
+
+
+def test_one_process_of_a_launcher_runs(tmp_path):
+    variables = {name: "1" for name, _ in session.LAUNCHED if not name.startswith("PMI")}
+    assert shell("CONTACTSNES run STILL", tmp_path, **variables, SLURM_NTASKS="8", SLURM_PROCID="0").returncode == 0
+
+
+@pytest.mark.skipif(subprocess.run(["which", "mpirun"], capture_output=True, check=False).returncode != 0, reason="no mpirun here")
+def test_mpirun(tmp_path):
+    done = shell("mpirun --oversubscribe -n 2 CONTACTSNES run STILL -archive_file run.h5", tmp_path)
+    assert done.returncode == 2 and done.stderr.count("contactsnes: error: started as 2 processes") == 1
+    assert not list(tmp_path.iterdir())
+
+
+# Signals
+
+
+def test_signals_before_and_after_a_run_end_it_with_their_numbers(tmp_path):
+    for number, wait in ((signal.SIGHUP, 0.15), (signal.SIGINT, 0.3), (signal.SIGTERM, 0.45), (signal.SIGHUP, 0.7)):
+        process = subprocess.Popen([*COMMAND.split(), "run", *STILL.split(), "-load_path", "normal_displacement=40",
+                                    "-scene_points", "8192", "-archive_file", f"{wait}.h5"], cwd=tmp_path, env=ENVIRONMENT, text=True,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        time.sleep(wait)
+        process.send_signal(number)
+        shown = process.communicate(timeout=60)[1]
+        # Python itself takes some time to start, in which a signal has its default action.
+        assert process.returncode == 128 + number or (process.returncode == -number and wait < 0.5), shown
+        assert "Traceback" not in shown or process.returncode < 0, shown
+        if (tmp_path / f"{wait}.h5").exists():
+            archive.read(tmp_path / f"{wait}.h5")
+
+
+# Files of options, names and folders
+
+
+def test_a_file_that_includes_itself_is_refused(tmp_path):
+    first, second = tmp_path / "first.opts", tmp_path / "second.opts"
+    first.write_text(f"-a 1\n-options_file {second}\n-c 3\n")
+    second.write_text("\ufeff-b 2\r\n", encoding="utf-8")
+    assert options.petsc_arguments([str(first)])[1:] == ["-a", "1", "-b", "2", "-c", "3"]
+    assert options.petsc_arguments(["-x", "-options_file", str(second), "-y"])[1:] == ["-x", "-b", "2", "-y"]
+    second.write_text(f"-Options_File {first}")
+    for arguments in ([str(first)], ["-options_file", str(second)]):
+        with pytest.raises(InputError, match="includes itself"):
+            options.petsc_arguments(arguments)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["-options_file", "absent"], "absent"), (["-options_file"], "no value"), (["-options_file", "absent.yaml"], "absent.yaml"),
+    (["-archive_file", "a\nb.h5"], "line break"), (["-archive_file", "\udcfc.h5"], "encoding"), (["-prefix_pop"], "-prefix_push")])
+def test_arguments_that_petsc_cannot_take(arguments, words):
+    with pytest.raises(InputError, match=words):
+        options.petsc_arguments(arguments)
+
+
+def test_names_that_no_file_can_have(tmp_path):
+    loop, fifo = tmp_path / "loop.h5", tmp_path / "fifo.h5"
+    loop.symlink_to(loop)
+    os.mkfifo(fifo)
+    for path in (loop, fifo, tmp_path, Path(os.devnull), tmp_path / ("a" * 300), Path("a\0b")):
+        with pytest.raises(archive.ArchiveError):
+            archive.read(path)
+        for make in (archive.Archive.create, archive.Archive.resume):
+            with pytest.raises(archive.ArchiveError):
+                make(path, scene={}, options="", versions={}, columns={}, **({"overwrite": True} if make == archive.Archive.create else {}))
+
+
+def test_a_folder_that_is_gone(tmp_path):
+    done = shell("mkdir gone; cd gone; rmdir ../gone; CONTACTSNES run STILL", tmp_path)
+    one_sentence(done, 2, "working folder")
+
+
+# Disks
+
+
+def test_a_full_disk_ends_a_run_with_its_points(tmp_path):
+    path = "-load_path normal_displacement=-4.5 -continuation_largest_step 0.05 -archive_fields all -archive_file run.h5"
+    done = shell(f"ulimit -f 120; CONTACTSNES run STILL {path} > /dev/null", tmp_path)
+    one_sentence(done, 1, "cannot be written: File too large", "-archive_resume goes on")
+    points = archive.read(tmp_path / "run.h5").points
+    assert points and f"{points} points are in" in done.stderr and os.listdir(tmp_path) == ["run.h5"]
+    assert shell(f"CONTACTSNES run STILL {path} -archive_resume", tmp_path).returncode == 0
+    assert archive.read(tmp_path / "run.h5").complete
+
+
+def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
+    with devices.Lenient(tmp_path / "x.h5") as device:
+        device.write(b"kept")
+        os.dup2(os.open(os.devnull, os.O_RDONLY), device.fileno())
+        assert device.write(b"lost") == 4 and device.write(b"lost, too") == 9
+        with pytest.raises(OSError):
+            device.check()
