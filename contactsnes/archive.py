@@ -222,7 +222,7 @@ class Archive:
             else:
                 self._write_anew(write, slot)
         except (OSError, RuntimeError) as error:
-            raise WriteError(f"{self.path} cannot be written: {reason(error)}.") from error
+            raise WriteError(f"{self.path} cannot be written ({reason(error)}): make room, or name another -archive_file.") from error
 
     def _reserve(self, chunk):
         """Lengthen the file by what the next point needs: a full disk must show before HDF5 counts on the space."""
