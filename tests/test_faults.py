@@ -105,7 +105,7 @@ def test_signals_before_and_after_a_run_end_it_with_their_numbers(tmp_path):
         process = subprocess.Popen([*COMMAND.split(), "run", *STILL.split(), "-load_path", "normal_displacement=40",
                                     "-scene_points", "8192", "-archive_file", f"{wait}.h5"], cwd=tmp_path, env=ENVIRONMENT, text=True,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+                                   preexec_fn=lambda: [signal.signal(number, signal.SIG_DFL) for number in streams.SIGNALS])
         time.sleep(wait)
         process.send_signal(number)
         shown = process.communicate(timeout=60)[1]
