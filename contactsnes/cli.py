@@ -43,6 +43,9 @@ BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
 """PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown type, no factorisation."""
 
 
+UNCOMPUTABLE = "numbers of the scene or the load are too large or too small to compute with"
+
+
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
@@ -65,6 +68,8 @@ def _ended(words, interrupts):
         return 1 if isinstance(error, WriteError) else 2
     except MemoryError as error:
         _complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
+    except ArithmeticError as error:
+        _complain("error", f"{UNCOMPUTABLE} ({error}): see what contactsnes info tells of it with more usual values")
     except KeyboardInterrupt as interrupt:
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     except Exception:  # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
@@ -236,7 +241,7 @@ class Run:
         if isinstance(error, MemoryError):
             return 2 if early else 1, f"there is not enough memory ({error}): take fewer points of the grid"
         if isinstance(error, ArithmeticError):
-            return 2 if early else 1, f"numbers of the scene or the load are too large or too small to compute with ({error})"
+            return 2 if early else 1, f"{UNCOMPUTABLE} ({error})"
         if isinstance(error, KeyboardInterrupt):
             number = self.interrupts.number or signal.SIGINT
             return 128 + number, f"interrupted by {signal.Signals(number).name}"

@@ -3,11 +3,13 @@
 What is predicted here is only where to begin: estimates of the errors at every point (``accuracy``) tell what was reached.
 """
 
+import contextlib
 import math
 import os
 import resource
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 from . import states
 from .alone import largest_force
@@ -15,7 +17,7 @@ from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import Contact
 from .geometry import read_heights
 from .isolated import lay_out
-from .rough import surface
+from .rough import FINE, surface
 from .scene import tangential_legs
 from .settings import as_text, InputError
 
@@ -33,6 +35,9 @@ FINEST = 1e-9
 
 USABLE = 0.8
 """Part of the machine's memory that a run may take."""
+
+MOST_UNKNOWNS = 2 ** 31 - 1
+"""Unknowns that PETSc's whole numbers of 32 bits can count."""
 
 
 def chosen(scene, load):
@@ -150,6 +155,12 @@ def _nice(points):
     return next(n * power for n in (4, 5, 6, 8) if n * power >= points)
 
 
+def _nice_below(points):
+    """The largest number that is not above ``points`` and 4, 5 or 6 times a power of 2."""
+    power = 2 ** max(2, math.floor(math.log2(points)) - 2)
+    return max([n * power for n in (4, 5, 6) if n * power <= points], default=0)
+
+
 def memory_of_solve(unknowns, whole):
     """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over the cell."""
     return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
@@ -176,10 +187,79 @@ def window_part(scene, load):
 
 
 def memory():
-    """Bytes that a run may take on this machine."""
+    """Bytes that a run may take on this machine: what is free now, within the limits of the process and its control group."""
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return USABLE * (total if limit == resource.RLIM_INFINITY else min(total, limit))
+    limits = [total, *_group_limits(), *([] if limit == resource.RLIM_INFINITY else [limit])]
+    try:
+        fields = dict(line.split(":") for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
+        limits.append(1024 * int(fields["MemAvailable"].split()[0]))
+    except (OSError, ValueError, KeyError):
+        pass  # no Linux
+    return USABLE * min(limits)
+
+
+def _group_limits():
+    """Limits on memory of the control group of this process and of those above it, as far as there are any."""
+    limits = []
+    try:
+        groups = [line.split(":", 2)[1:] for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines()]
+    except OSError:
+        return limits
+    for controllers, place in groups:
+        root, name = ("/sys/fs/cgroup", "memory.max") if not controllers else ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+        if controllers in ("", "memory"):
+            folder = Path(root + place)
+            for above in (folder, *folder.parents):
+                with contextlib.suppress(OSError, ValueError):  # no such file, or the word max
+                    limits.append(int((above / name).read_text(encoding="ascii")))
+    return limits
+
+
+def refuse_too_large(scene, load, form):
+    """InputError, with what would fit, unless memory holds the solves of a scene on its grid, and PETSc can count the unknowns.
+
+    To be called before anything of the grid's size is made.
+    """
+    cell = _cell(scene, load)
+    nodes = (cell.components if any(tangential_legs(scene, load)) else 1) * math.prod(cell.shape)
+    waves = math.prod(FINE[cell.dimension] * period / scene.rough_shortest for period in cell.periods) if cell.roughness else 0
+    room, whole = memory(), form.form == "force" or form.window == "off"
+    needed, unknowns = memory_of_solve(nodes, nodes) + 60 * waves, nodes
+    if needed > room and not whole:
+        unknowns = nodes * _least_part(cell, load)
+        needed = memory_of_solve(unknowns, nodes) + 60 * waves
+    share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
+    if share < 1.0:
+        raise InputError(_too_many(scene, cell, needed, room, unknowns, share ** (1 / cell.dimension)))
+
+
+def _least_part(cell, load):
+    """`window_part`; 0 for a surface that is known on its own grid only."""
+    if cell.geometry == "file":
+        return 0.0
+    try:
+        return window_part(cell, load)
+    except (ArithmeticError, ValueError):
+        return 0.0
+
+
+def _too_many(scene, cell, needed, room, unknowns, share):
+    """One sentence on a grid that memory or PETSc does not hold, and one that they do, with a share of its points a direction."""
+    why = f"takes about {needed / 1e9:.3g} GB of memory, of which {room / 1e9:.3g} GB are to be had here"
+    if needed <= room:
+        why = f"has about {unknowns:.3g} unknowns, and PETSc counts {MOST_UNKNOWNS} of them"
+    what = f"the grid of {' x '.join(f'{n:.8g}' for n in cell.shape)} nodes {why}"
+    if scene.geometry == "file":
+        return f"{scene.option_name('geometry_file')} is '{scene.geometry_file}': {what}; take fewer heights"
+    if scene.isolated:
+        fitting = tuple(float(f"{1.1 * spacing / share:.2g}") for spacing in scene.spacings)
+        given = "not set" if scene.spacing is None else f"'{as_text(scene.as_typed('spacing'))}'"
+        return (f"{scene.option_name('spacing')} is {given}: {what}; {as_text(scene.told(max(fitting), 'beta'))} would fit, or a smaller "
+                "load")
+    points = tuple(max(16, _nice_below(n * share)) for n in cell.shape)
+    return (f"{scene.option_name('points')} is '{as_text(scene.points or scene.shape)}': {what}; "
+            f"{as_text(points if len(points) > 1 else points[0])} would fit")
 
 
 def _too_large(scene, load, points):

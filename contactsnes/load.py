@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from .settings import InputError, Options, nearest, option
+from .settings import computable, InputError, LARGEST, Options, nearest, option
 
 
 class Quantity(NamedTuple):
@@ -82,10 +82,10 @@ def _value(text, piece, source, hold):
         return None
     try:
         value = float(text)
-        if not math.isfinite(value):
+        if not math.isfinite(value) or not computable(value):
             raise ValueError
     except ValueError:
-        kinds = "a finite number, or hold" if hold else "a finite number"
+        kinds = f"0 or a number of a size from {1 / LARGEST:g} to {LARGEST:g}" + (", or hold" if hold else "")
         raise InputError(f"{source} has no number after '=' in '{piece}': allowed is {kinds}") from None
     return value
 

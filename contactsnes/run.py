@@ -7,7 +7,7 @@ import numpy as np
 from . import arcs, continuation, energies, failures, observables, resuming, scene as scenes
 from .alone import check_form, largest_force
 from .contact import DISPLACEMENT, FORCE, Contact
-from .grid_choice import chosen, heights
+from .grid_choice import chosen, heights, refuse_too_large
 from .isolated import IsolatedContact, lay_out
 from .load import controls_along, names, quantities
 from .points import Leg, NotConverged, Point
@@ -54,6 +54,7 @@ class Branch:
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
+        refuse_too_large(scene, load, form)
         self._heights = heights(scene)
         if scene.isolated:
             check_form(form)

@@ -37,6 +37,15 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     return dataclasses.field(default=default, metadata=rule)
 
 
+LARGEST = 1e30
+"""Size up to which numbers are computed with, and the inverse of the least: powers and products of some of them do not overflow."""
+
+
+def computable(value):
+    """Whether a number is 0, inf or nan, or of a size whose powers neither overflow nor vanish."""
+    return value == 0 or not math.isfinite(value) or 1 / LARGEST <= abs(value) <= LARGEST
+
+
 def as_text(value):
     """A value as it is typed on the command line; None is an empty text."""
     if isinstance(value, (tuple, list)):
@@ -79,6 +88,8 @@ def _single(value, rule):
                ("above", operator.le), ("below", operator.ge))
     if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
         raise ValueError
+    if kind in ("number", "integer") and not computable(value):
+        raise ValueError
     if kind == "number" and (math.isnan(value) or (math.isinf(value) and not rule["infinite"])):
         raise ValueError
     if rule["even"] and value % 2:
@@ -100,7 +111,10 @@ def checked(name, value, rule):
     except (ValueError, TypeError):
         known = map(as_text, rule["choices"] or ())
         guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:") else rule["default_text"])
+        items = value if isinstance(value, (tuple, list)) else (value,)
+        beyond = any(isinstance(item, (int, float)) and not computable(item) for item in items)
         raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
+                         + (f", of a size from {1 / LARGEST:g} to {LARGEST:g}" if beyond else "")
                          + (f"; try {guess}" if guess else "")) from None
     if rule["many"] == "list":
         return ",".join(values)
