@@ -85,7 +85,7 @@ def _value(text, piece, source, hold):
         if not math.isfinite(value) or not computable(value):
             raise ValueError
     except ValueError:
-        kinds = f"0 or a number of a size from {1 / LARGEST:g} to {LARGEST:g}" + (", or hold" if hold else "")
+        kinds = f"a finite number{', or hold' if hold else ''}, of a size from {1 / LARGEST:g} to {LARGEST:g}"
         raise InputError(f"{source} has no number after '=' in '{piece}': allowed is {kinds}") from None
     return value
 
