@@ -111,7 +111,7 @@ class Archive:
         _check_folder(archive.path)
         if archive.path.exists():
             if not archive.path.is_file():
-                raise ArchiveError(f"{path} is no file, but a folder or a device: name another -archive_file.")
+                raise ArchiveError(f"{path}: there is no such file, but a folder or a device; name another -archive_file.")
             if not overwrite:
                 raise ArchiveError(f"{path} exists: -archive_resume goes on from it, -archive_overwrite replaces it, "
                                    "another -archive_file leaves it alone.")

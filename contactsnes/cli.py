@@ -148,12 +148,12 @@ class Run:
         """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy."""
         settings = self.settings
         self.table = observables.table(settings.scene)
-        self.warnings = summary.resolution_warnings(settings)
         # What PETSc prints by itself would tear a bar to pieces.
         watched = any("monitor" in name or name.endswith("view") for name in database())
         self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
                                  live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
         self.branch = create_branch(settings, self.progress.log)
+        self.warnings = summary.resolution_warnings(settings)
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
         self.archive, self.waiting, self.known = None, 0, 0

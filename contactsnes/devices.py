@@ -1,8 +1,12 @@
 """Files and disks that fail: without a crash, and in words."""
 
+import contextlib
 import io
 import os
 import re
+import resource
+import select
+import signal
 
 
 class Lenient(io.FileIO):
@@ -42,3 +46,53 @@ def reason(error):
     number = error.errno if isinstance(error, OSError) else None
     inner = re.search(r"error message = '([^']*)'", str(error))
     return inner[1] if inner else os.strerror(number) if number else str(error)
+
+
+def failure(read, patience=120.0):
+    """Why a function that reads a file fails, in words; an empty text where it does not.
+
+    It is tried in a child process, since damaged files crash HDF5 or keep it busy for ever, and with no more memory than they
+    can need.
+    """
+    if not hasattr(os, "fork"):
+        return ""
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(ours)
+        _try(read, theirs)
+    os.close(theirs)
+    try:
+        ready, _, _ = select.select([ours], [], [], patience)
+        told = b"".join(iter(lambda: os.read(ours, 65536), b"")).decode("utf-8", "replace") if ready else "reading it does not end"
+    finally:
+        os.close(ours)
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    return "reading it crashes" if not told else "" if told == _DONE else told
+
+
+_DONE = "done"
+
+
+def _try(read, pipe):
+    """In the child: read, tell how it went, and end."""
+    told = "it takes too much memory"
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, signal.SIG_DFL)
+        for name in ("RLIMIT_CORE", "RLIMIT_CPU"):
+            resource.setrlimit(getattr(resource, name), ((0, 0), (100, 100))[name == "RLIMIT_CPU"])
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, 1)
+        os.dup2(null, 2)  # what launchers' libraries say of a crash
+        read()
+        told = _DONE
+    except MemoryError:
+        pass
+    except BaseException as error:
+        told = f"{type(error).__name__}: {error}"
+    finally:
+        os.write(pipe, told.encode("utf-8", "replace")[:4096])
+        os._exit(0)

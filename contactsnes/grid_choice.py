@@ -15,7 +15,7 @@ from . import states
 from .alone import largest_force
 from .cohesive import LARGEST_RESOLUTION, resolution
 from .contact import Contact
-from .geometry import read_heights
+from .geometry import read_heights, seams
 from .isolated import lay_out
 from .rough import FINE, surface
 from .scene import tangential_legs
@@ -64,6 +64,11 @@ def heights(scene):
     if scene.geometry != "file":
         return None
     return read_heights(scene.geometry_file, scene.shape) / scene.scale("u_n,r")[0]
+
+
+def jumps_of_heights(scene):
+    """Where the heights of a scene jump at the seam of its cell (`geometry.seams`), u_n,r; empty for other scenes."""
+    return seams(heights(scene)) if scene.geometry == "file" else []
 
 
 def on(scene, points):

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from . import cohesive, scene as scenes, states
-from .grid_choice import memory_of_solve, reason
+from .grid_choice import jumps_of_heights, memory_of_solve, reason
 from .load import names, quantities
 from .mirrored import obstacles
 from .options import database
@@ -19,7 +19,17 @@ def resolution_warnings(settings):
     """Sentences on a grid that is too coarse, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = cohesive.resolution_warning(settings.scene, sheared)
-    return (sentence,) if sentence else ()
+    return (*((sentence,) if sentence else ()), *_seams(settings.scene))
+
+
+def _seams(scene):
+    """Sentences on heights that jump where the cell meets its neighbours."""
+    size, unit = scene.scale("u_n,r")
+    names = ("x", "y") if scene.dimension == 2 else ("the line",)
+    return [f"the heights are not periodic: along {names[axis]} they step by {jump * size:.4g} {unit} across the seam of the cell, "
+            f"{jump / typical if typical else math.inf:.3g} times the typical step between neighbours, {typical * size:.4g} {unit}; what "
+            "is solved has this step: take out the trend of the heights, or taper them towards the edges"
+            for axis, jump, typical in jumps_of_heights(scene)]
 
 
 def start_window(settings, branch):

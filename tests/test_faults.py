@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive, cli, devices, options, session, streams
+from contactsnes import archive, cli, devices, geometry, options, session, streams
 from contactsnes.settings import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -176,3 +176,39 @@ def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
         assert device.write(b"lost") == 4 and device.write(b"lost, too") == 9
         with pytest.raises(OSError):
             device.check()
+
+
+# Heights
+
+
+def test_heights_that_cannot_be_used_are_refused_in_words(tmp_path):
+    values = np.linspace(0.0, 1.0, 16)
+    arrays = {"huge": values * 1.7e308, "odd": [1.0, -1e308] * 8, "empty": np.zeros(0), "complex": values * 1j, "point": np.array(1.0),
+              "texts": np.array(["a"] * 16), "nan": values * np.nan, "cube": np.zeros((4, 2, 2))}
+    for name, array in arrays.items():
+        np.save(tmp_path / f"{name}.npy", array)
+    np.savez(tmp_path / "many.npz", values)
+    (tmp_path / "many.npz").rename(tmp_path / "many.npy")
+    for name, content in (("words", b"one two"), ("blank", b""), ("ragged", b"1 2\n3"), ("binary", bytes(range(256)))):
+        (tmp_path / f"{name}.txt").write_bytes(content)
+    for path in sorted(tmp_path.iterdir()):
+        with pytest.raises(ValueError, match=path.name) as refusal:
+            geometry.read_heights(path)
+        assert str(refusal.value).startswith("-scene_geometry_file") and len(str(refusal.value).splitlines()) <= 2
+    (tmp_path / "good.txt").write_bytes(b"\xef\xbb\xbf1\r\n2\r\n")
+    assert geometry.read_heights(tmp_path / "good.txt").tolist() == [1.0, 2.0]
+
+
+def test_heights_that_jump_at_the_seam_are_told(tmp_path):
+    x, random = np.arange(64) / 64, np.random.default_rng(3)
+    waves = sum(np.cos(2 * np.pi * (number * x + random.random())) / number for number in range(1, 20))
+    assert geometry.seams(waves) == [] and geometry.seams(np.where(abs(x - 0.5) < 0.3, 1.0, 0.0)) == []
+    (axis, jump, typical), = geometry.seams(waves[:, None] + (waves + 40 * x)[None])
+    tilted = np.diff(waves + 40 * x)
+    assert axis == 1 and jump == pytest.approx(abs((waves + 40 * x)[0] - waves[-1] - 40 * x[-1])) and jump > 4 * typical
+    assert typical == pytest.approx(np.sqrt(np.mean(tilted ** 2)))
+    np.save(tmp_path / "tilted.npy", 0.05 * x)
+    scene = "-scene_geometry file -scene_geometry_file tilted.npy -scene_points 64"
+    done = shell(f"CONTACTSNES run STILL {scene} -archive_file run.h5", tmp_path)
+    words = "along the line they step by 0.04922 u_n,r across the seam of the cell, 63 times the typical step between neighbours, 0.0007813"
+    assert words in done.stderr and done.stderr.startswith("contactsnes: warning") and words in archive.read(tmp_path / "run.h5").warnings[0]
