@@ -26,7 +26,13 @@ residual_norm = sqrt( sum over the window's nodes and components of r^2 / (nodes
 
 LINE = re.compile(r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*""")
 
-SOLVER = re.compile(r"((npc|sub_\d+)_)*(snes|ksp|pc)_")
+NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
+"""Prefixes of solvers inside others, PETSc's and ours: of the first relaxation, of jumps, of steps along the arc, of finer grids."""
+
+NESTED = ("npc", "sub_0", "fas_coarse", "fas_levels", "first", "jump", "arc", "error")
+"""Examples of these prefixes."""
+
+SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
 
 def is_option(argument):
@@ -220,10 +226,13 @@ def _instance(cls, entries, prefix=""):
     for field in dataclasses.fields(cls):
         text = entries.get((prefix + cls.prefix + field.name).lower())
         if text == "" and field.metadata["kind"] != "flag":
-            raise InputError(f"-{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
+            raise InputError(f"-{prefix}{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
         if text is not None:
             values[field.name] = _parsed(text, field.metadata)
-    return cls.typed(**values)
+    try:
+        return cls.typed(**values)
+    except InputError as error:
+        raise InputError(str(error).replace(f"-{cls.prefix}", f"-{prefix}{cls.prefix}")) from None
 
 
 def _parsed(text, rule):
@@ -250,36 +259,51 @@ def check_names(classes=()):
 
     Parameters
     ----------
-    classes : dataclasses of options, with a `prefix`, of our own PC and SNES types
+    classes : dataclasses of options, with a `prefix`, of our own PC and SNES types; they may stand under the prefixes of solvers
+        inside others, too
     """
-    prefixes, names = tuple(cls.prefix for cls in (*OPTION_CLASSES, *classes)), known_options(classes)
+    names, own = known_options(classes), tuple(cls.prefix for cls in classes)
+    prefixes = (*(cls.prefix for cls in OPTION_CLASSES), *own)
     sentences = []
     for name in database():
-        if name.startswith(prefixes) and name not in names:
-            prefix = next(prefix for prefix in prefixes if name.startswith(prefix))
-            guess = nearest(name, [known for known in names if known.startswith(prefix)])
-            sentences.append(f"-{name} is no option" + (f": did you mean -{guess}?" if guess else ""))
+        head = "" if name.startswith(prefixes) else _head(name, own)
+        inner = name[len(head):]
+        if inner.startswith(prefixes) and inner not in names:
+            prefix = next(prefix for prefix in prefixes if inner.startswith(prefix))
+            guess = nearest(inner, [known for known in names if known.startswith(prefix)])
+            sentences.append(f"-{name} is no option" + (f": did you mean -{head}{guess}?" if guess else ""))
+        elif head and not re.fullmatch(NESTS + "*", head):
+            # Others may use our solvers under prefixes of their own, but hardly under one that is so much like ours.
+            guess = nearest(head[:-1], NESTED, cutoff=0.7)
+            sentences += [f"-{name} is no option: did you mean -{guess}_{inner}?"] * bool(guess)
     if sentences:
         raise InputError("; ".join(sentences))
 
 
+def _head(name, prefixes):
+    """What stands before the first of some prefixes in a name; an empty text where none is in it."""
+    places = [match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}", name)]
+    return name[:min(places, default=0)]
+
+
 def check_values(classes):
     """InputError for a value in the database that a dataclass of options refuses; none of them counts as used."""
-    entries = database()
-    for cls in classes:
-        _instance(cls, entries)
+    entries, own = database(), tuple(cls.prefix for cls in classes)
+    for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
+        for cls in classes:
+            _instance(cls, entries, head)
 
 
 def unused_options(classes=()):
     """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those that look like one of ours.
 
-    Solvers inside others have their own: -npc_snes_ and so on for a nonlinear preconditioner, -sub_0_snes_ for a composition.
+    Solvers inside others have their own: -npc_snes_ and so on (`NESTS`).
 
     To be called after the solves, since PETSc's objects ask for their options when they are set up.
     """
-    names = known_options(classes)
+    names, own = known_options(classes), tuple(cls.prefix for cls in classes)
     return ["-" + name for name in database()
-            if (SOLVER.match(name) or nearest(name, names, cutoff=0.85)) and not _used(name)]
+            if (SOLVER.match(name) or _head(name, own) or nearest(name, names, cutoff=0.85)) and not _used(name)]
 
 
 def _used(name):

@@ -10,14 +10,24 @@ from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights, refuse_too_large
 from .isolated import IsolatedContact, lay_out
 from .load import controls_along, names, quantities
+from .options import check_names, check_values
+from .overdamped import MotionOptions
 from .points import Leg, NotConverged, Point
 from .mirrored import refuse
+from .multigrid import GridsOptions
+from .preconditioners import CoreOptions
+from .pseudotime import PseudoOptions
 from .rough import check_edge
-from .snes import solver_type
+from .snes import NewtonOptions, solver_type
 from .spots import of_boxes
 from .stability import SIGN, Stability, refuse_without_tangent
 from .states import State
+from .stepping import AdaptiveOptions, FireOptions, KineticOptions, VerletOptions
 from .tracing import Tracer
+
+SOLVER_OPTIONS = (NewtonOptions, GridsOptions, CoreOptions, VerletOptions, AdaptiveOptions, KineticOptions, FireOptions, PseudoOptions,
+                  MotionOptions)
+"""Dataclasses of the options of our own PC and SNES types, and of motions."""
 
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact", "sliding", "residual_norm",
         "largest_residual", "event", "fold_kind", "elastic_energy", "interfacial_energy",
@@ -44,11 +54,14 @@ class Branch:
 
     Raises
     ------
-    InputError : at once, where load and scene do not fit, or the history does not lie on the path
+    InputError : at once, where load and scene do not fit, the history does not lie on the path,
+        or PETSc's database holds a name under our prefixes that is none
     NotConverged, NoEquilibrium : while iterating, after all points before the failure
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=()):
+        check_names(SOLVER_OPTIONS)
+        check_values(SOLVER_OPTIONS)
         scene = chosen(scene, load)
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps

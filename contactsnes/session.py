@@ -41,11 +41,9 @@ class Settings(NamedTuple):
 
 def solver_options():
     """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
-    from . import multigrid, overdamped, preconditioners, pseudotime, snes, stepping
+    from .run import SOLVER_OPTIONS
 
-    return (snes.NewtonOptions, multigrid.GridsOptions, preconditioners.CoreOptions, stepping.VerletOptions,
-            stepping.AdaptiveOptions, stepping.KineticOptions, stepping.FireOptions, pseudotime.PseudoOptions,
-            overdamped.MotionOptions)
+    return SOLVER_OPTIONS
 
 
 LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"), ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),

@@ -202,7 +202,7 @@ def test_wrong_types_are_named_with_value_and_what_is_allowed(petsc, cls, name, 
     with pytest.raises(InputError) as error:
         options.read(cls, "contactsnes_w_")
     sentence = str(error.value)
-    assert f"-{cls.prefix}{name}" in sentence and text in sentence and "allowed is" in sentence and "\n" not in sentence
+    assert f"-contactsnes_w_{cls.prefix}{name}" in sentence and text in sentence and "allowed is" in sentence and "\n" not in sentence
 
 
 def test_names_are_not_case_sensitive(petsc):
@@ -264,3 +264,43 @@ def test_help_and_arguments_work_before_petsc_starts():
     script = ("import sys\nfrom contactsnes import options\noptions.help_text(); options.petsc_arguments(['-a', '1'])\n"
               "assert not any(name.startswith('petsc4py') for name in sys.modules)")
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+# Names and values under the prefixes of solvers inside others, and from Python
+
+MISSPELT = {
+    "scene_typo": "-scene_typo is no option", "contact_frm": "did you mean -contact_form", "pc_core_widht": "did you mean -pc_core_width",
+    "first_snes_fire_growht": "did you mean -first_snes_fire_growth", "jump_snes_regularised_stifness": "-jump_snes_regularised_stiffness",
+    "jump_motion_kik": "did you mean -jump_motion_kick", "arc_pc_core_treshold": "did you mean -arc_pc_core_threshold",
+    "npc_snes_regularised_gab": "did you mean -npc_snes_regularised_gap", "sub_0_pc_core_widht": "did you mean -sub_0_pc_core_width",
+    "sub_1_npc_pc_core_widht": "-sub_1_npc_pc_core_width", "fas_coarse_pc_core_widht": "-fas_coarse_pc_core_width",
+    "fas_levels_1_pc_core_widht": "-fas_levels_1_pc_core_width", "error_pc_core_widht": "-error_pc_core_width",
+    "frist_snes_fire_growth": "did you mean -first_snes_fire_growth", "mine_pc_core_widht": "did you mean -mine_pc_core_width"}
+REFUSED = {"jump_snes_regularised_stiffness": "0.1", "first_snes_fire_growth": "0.5", "sub_0_pc_core_threshold": "3",
+           "fas_levels_2_pc_core_width": "wide"}
+
+
+def bare_branch():
+    from contactsnes import Branch, Load, Scene
+
+    return Branch(Scene(points=64, period=20.0, normal_maugis=1.0), Load(path="normal_force=1"))
+
+
+@pytest.mark.parametrize("name", MISSPELT)
+def test_misspelt_names_from_python_are_refused(options, name):
+    options(**{name: "1"})
+    with pytest.raises(InputError, match=MISSPELT[name]):
+        bare_branch()
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_values_under_nested_prefixes_are_refused(options, name):
+    options(**{name: REFUSED[name]})
+    with pytest.raises(InputError, match=f"-{name} is '{REFUSED[name]}': allowed is"):
+        bare_branch()
+
+
+def test_names_under_prefixes_are_taken(options):
+    options(first_snes_fire_growth="1.2", jump_snes_regularised_stiffness="0.3", sub_0_pc_core_width="4", mine_pc_core_width="4",
+            jump_snes_atol="1e-9", fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2")
+    bare_branch()
