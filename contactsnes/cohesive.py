@@ -18,7 +18,7 @@ Measured on a line: 2.2 for a normal Maugis parameter of 10, below 2 for 20.
 """
 
 
-def resolution(scene, sheared):
+def resolution(scene, sheared, steepest=None):
     """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is resolved), a tuple.
 
     The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
@@ -26,18 +26,31 @@ def resolution(scene, sheared):
     between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
     s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
     (1 - nu)/2 for waves transverse to the slip in two dimensions, and of both together (`coupled_softening`). Directions
-    without an edge of contact give 0.
+    without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that of a state in place of the law's where nothing
+    overlaps.
     """
-    steepest = scene.normal_maugis ** 2
-    if sheared:
-        softening = friction_softening(scene)
-        stiffness = 0.5 if scene.dimension == 1 else (1 - scene.poisson) / 2
-        law = (scene.law, scene.residual_friction, scene.residual_adhesion)
-        tangential = scene.tangential_maugis ** 2 * 0.5 / stiffness
-        steepest = max(steepest, tangential * softening / SOFTENING,
-                       coupled_softening(law, scene.normal_maugis, math.sqrt(tangential)) / SOFTENING)
+    if steepest is None:
+        steepest = SOFTENING * scene.normal_maugis ** 2
+        if sheared:
+            tangential = sharpness(scene) ** 2
+            law = (scene.law, scene.residual_friction, scene.residual_adhesion)
+            steepest = max(steepest, tangential * friction_softening(scene),
+                           coupled_softening(law, scene.normal_maugis, math.sqrt(tangential)))
+    steepest /= SOFTENING
     uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
     return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION for spacing, same in zip(scene.spacings, uniform))
+
+
+def sharpness(scene):
+    """The tangential Maugis parameter, larger in two dimensions, where waves transverse to the slip are softer by 1 - nu."""
+    return scene.tangential_maugis * (1.0 if scene.dimension == 1 else math.sqrt(1.0 / (1.0 - scene.poisson)))
+
+
+def softening(tangent):
+    """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it is positive or none is real."""
+    (normal, opening), (weakening, slipping) = tangent
+    discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
+    return np.where(discriminant >= 0.0, np.maximum(np.sqrt(np.maximum(discriminant, 0.0)) - 0.5 * (normal + slipping), 0.0), 0.0)
 
 
 def friction_softening(scene):
@@ -55,9 +68,7 @@ def coupled_softening(law, normal_maugis, tangential_maugis):
     scale = np.array([normal_maugis, tangential_maugis])
     gaps = np.array(np.meshgrid(np.linspace(1e-9, 5.0, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
     tangent = (LAWS[name](*residuals) if name == "modified" else LAWS[name]()).tangent(gaps)
-    (normal, opening), (weakening, slipping) = tangent * np.multiply.outer(scale, scale)[..., None]
-    discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
-    return float(np.max(np.sqrt(np.maximum(discriminant, 0.0)) - 0.5 * (normal + slipping), where=discriminant >= 0.0, initial=0.0))
+    return float(np.max(softening(tangent * np.multiply.outer(scale, scale)[..., None])))
 
 
 def default_spacing(scene):

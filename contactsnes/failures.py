@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from . import states
-from .cohesive import PINNING, resolution, resolution_warning
+from .cohesive import PINNING, resolution, resolution_warning, sharpness, softening
 from .laws import SLIP
 from .points import NotConverged
 
@@ -35,21 +35,49 @@ class Resolution:
         """The point with ``resolved``."""
         jumped = point.event == "jump" and self.last is not None and narrow(self.contact, self.last.state, point.state)
         sheared = slips(self.contact, point)
-        pinned = max(resolution(self.contact.scene, sheared)) > PINNING
+        scene = self.contact.scene
+        bound, found = (max(resolution(scene, len(point.controls) > 1, soft)) for soft in (None, steepest(self.contact, point)))
+        # Where it is steeper than it can be without overlap, the state has lost the margin that spacings are judged by.
+        sharpened = found > max(1.0, 1.05 * bound)
+        pinned = max(resolution(scene, sheared)) > PINNING or sharpened
         if jumped:
             self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold may be the grid's, where an edge of contact or "
                               "slip passes from node to node; see whether it stays on a grid twice as fine")
+        elif sharpened:
+            self._say("sharpened", f"friction softens faster than the grid resolves, by {found:.3g}, at "
+                                   f"{self.contact.scene.loads(point.controls, point.load)}: rims of contact sink, and edges may stick "
+                                   "between nodes; a grid twice as fine goes farther")
+        elif point.event == "fold" and not point.resolved:
+            self._say("crowded", f"this fold ({point.fold_kind}) may be one of several, which the grid makes of one: the branch bends "
+                                 "unevenly while an edge passes a node; see how far it moves on a grid twice as fine")
         elif pinned and point.event == "fold":
             self._say("fold", f"this fold ({point.fold_kind}) may be the grid's: "
                               f"{resolution_warning(self.contact.scene, sheared)}")
         self.last = point
-        return replace(point, resolved=int(not (jumped or pinned)))
+        return replace(point, resolved=int(point.resolved and not (jumped or pinned)))
 
     def _say(self, kind, sentence):
         """Log a sentence, once of each kind."""
         if kind not in self._said:
             self._said.add(kind)
             self.log(sentence)
+
+
+def steepest(contact, point):
+    """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip along its own direction."""
+    scene, gap = contact.scene, point.state.displacement.copy()
+    gap[0] = states.normal_gap(contact, point.state)
+    tangent = np.zeros((2, 2, gap.shape[1]))
+    full = contact.law.tangent(gap)
+    tangent[0, 0] = full[0, 0]
+    if len(gap) > 1:
+        slip = np.linalg.norm(gap[1:], axis=0)
+        along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5), where=slip > 0.0)
+        tangent[0, 1] = np.einsum("in,in->n", full[0, 1:], along)
+        tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
+        tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
+    scale = np.array([scene.normal_maugis, sharpness(scene)])
+    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale, scale)[..., None]), initial=0.0))
 
 
 def slips(contact, point):

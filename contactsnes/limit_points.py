@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .points import Direction, NotConverged, Point
+from .points import Direction, NotConverged, Point, lagrange_weights
 
 FOLD_TOLERANCE = 1e-8
 """Relative accuracy in the load to which a fold is located."""
@@ -13,6 +13,8 @@ MOST = 50
 """Most points that a search makes: enough to halve its bracket to rounding."""
 FAILURES = 6
 """Solves that may fail in a search; the later ones are tried nearer to what is known."""
+STEADY = 0.25
+"""Least bend of a branch at a fold, over its largest, while an edge passes a node of a grid that resolves it."""
 CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
@@ -169,4 +171,21 @@ class LimitPoint:
             best = self._polished()
             stations = best,
         tangents = tuple(self.system.unit(station.point, station.direction) for station in stations)
-        return replace(best.point, event="fold", tangents=tangents)
+        return replace(best.point, event="fold", tangents=tangents, resolved=int(corner or not self._crowded(best)))
+
+    def _crowded(self, fold):
+        """Whether the branch's bend at a fold changes so much while an edge passes a node that the grid may turn it again there."""
+        stride, found = self.system.stride(fold.point, fold.direction), {0: fold.point}
+        if not stride:
+            return False
+        try:
+            for thirds in (-1, 1, -2, 2):
+                offset, near = stride * thirds / 3.0, ([found[place] for place in (-1, 0, 1)] if len(found) > 2 else None)
+                guess = self.system.extrapolate(*((near, lagrange_weights((-1, 0, 1), thirds)) if near else
+                                                  ([fold.point, fold.direction], (1.0, offset))))
+                found[thirds] = self.system.solve_arc(self.chord, fold.place + offset, guess, fold.point.position, self.leg, tight=True)
+        except NotConverged:
+            return False
+        bends = -self.sign * np.diff([found[thirds].position for thirds in sorted(found)], 2)
+        return bool(bends.min() < STEADY * bends.max())
+

@@ -66,7 +66,8 @@ class Point:
     tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
         the directions on its two sides
     fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that are no folds
-    resolved : 0 where edges of contact or slip stick between nodes, so that a fold may be the grid's own, else 1
+    resolved : 0 where edges of contact or slip stick between nodes, or the law has become steeper than they resolve, so that a fold
+        may be the grid's own, else 1
     softest : smallest real part among the Ritz values of the solve's last linear systems, a by-product: below zero where a mode is
         unstable; nan where they tell nothing
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found

@@ -7,6 +7,7 @@ from petsc4py import PETSc
 
 from . import states
 from .arclength import ArcLength
+from .cohesive import PINNING, resolution
 from .contact import FORCE
 from .corrector import KSP_REASONS, WARM, Corrector
 from .forms import DisplacementForm
@@ -92,6 +93,21 @@ class Tracer(Corrector):
             return float(self.contact.grid.minimum(gap) - threshold)
         slip = np.linalg.norm(point.state.displacement[1:], axis=0)
         return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3) - np.nextafter(SLIP, np.inf))
+
+    def stride(self, point, direction):
+        """Length along a branch in which the edge that moves fastest, of contact or slip, passes a node of a line.
+
+        0 in the plane, whose edges pass nodes here and there, and on grids that are known to pin.
+        """
+        scene = self.contact.scene
+        if scene.dimension == 2 or max(resolution(scene, len(point.controls) > 1)) > PINNING:
+            return 0.0
+        state, window = point.state, direction.state.window
+        field, moved = states.onto(state, window).copy(), direction.state.displacement
+        field[0] += window.take(self.contact.initial_gap)
+        node = np.unravel_index(np.argmax(np.abs(np.where(field[0] < states.NEAR, moved, 0.0))), moved.shape)
+        steps = np.gradient(field[node[0]].reshape(len(window.parts), -1), axis=1).reshape(-1)
+        return float(abs(steps[node[1]] / moved[node]))
 
     def lost(self, point, leg, heading):
         """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in words, or ""."""

@@ -188,6 +188,9 @@ class System:
                                  np.append(np.zeros(len(point.state)), 1.0))
         return Direction(change[:-1], change[-1])
 
+    def stride(self, point, direction):
+        return 0.0
+
     def unit(self, point, direction):
         length = self.distance(direction.state, np.zeros(1))
         return Direction(direction.state / length, direction.rate / length)

@@ -8,7 +8,7 @@ import pytest
 
 petsc4py.init()
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps, states
-from contactsnes.failures import NARROW, critical, explained, narrow
+from contactsnes.failures import NARROW, critical, explained, narrow, steepest
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
 
@@ -36,6 +36,43 @@ def test_shear_counts_where_something_slips():
     _, points, _ = run(scene, "normal_displacement=2", "tangential_displacement=30", at_fold="stop")
     marked = [bool(point.resolved) for point in points]
     assert marked[0] and not marked[-1] and marked == sorted(marked, reverse=True)
+
+
+def test_rims_that_sink_under_eq_3_sharpen_the_law():
+    """Where it overlaps, friction under eq. 3 is stiffer and softens faster than the spacing was chosen for."""
+    scene = {"points": 1024, "period": 20.0, "normal_maugis": 3.0, "tangential_maugis": 3.0, "law": "mcgarry", "height": 50.0}
+    path = {"start": "normal_displacement=4", "path": "tangential_displacement=44.5"}
+    branch, points, sentences = run(scene, path["start"], path["path"], initial_step=(4.0,), largest_step=(4.0,))
+    marked = [point.resolved for point in points]
+    assert marked[0] == 1 and marked[-1] == 0 and marked == sorted(marked, reverse=True)
+    assert len([sentence for sentence in sentences if "softens faster than the grid resolves" in sentence]) == 1
+    # Of its own tangent by differences: minus the smallest eigenvalue, of the node where it is largest.
+    gap = points[-1].state.displacement.copy()
+    gap[0] = states.normal_gap(branch.contact, points[-1].state)
+    law, step, tangent = branch.contact.law, 1e-6, np.zeros((2, 2, gap.shape[1]))
+    for i in range(2):
+        change = np.zeros_like(gap)
+        change[i] = step
+        tangent[:, i] = 9.0 * (law.traction(gap + change) - law.traction(gap - change)) / (2.0 * step)
+    values = np.linalg.eigvals(np.moveaxis(tangent, -1, 0))
+    assert steepest(branch.contact, points[-1]) == pytest.approx(-values.real[values.imag == 0.0].min(), rel=1e-5)
+    fine = run({**scene, "points": 2048}, path["start"], path["path"], initial_step=(4.0,), largest_step=(4.0,))[1]
+    assert all(point.resolved for point in fine)
+
+
+def test_folds_that_the_grid_makes_of_one_are_marked():
+    """At a normal Maugis parameter of 20 the largest spacing that resolves the law turns a branch several times at its fold: which
+    of these folds is found hangs on the steps. Half the spacing has one."""
+    scene = {"period": 25.0, "normal_maugis": 20.0}
+    folds = {}
+    for size in (8192, 16384):
+        _, points, sentences = run({**scene, "points": size}, "normal_displacement=0", "normal_displacement=-4.5", at_fold="stop",
+                                   type="arclength")
+        folds[size] = points[-1]
+        assert points[-1].event == "fold" and points[-1].fold_precision <= 1e-8 and points[-2].resolved == 1
+        assert any("may be one of several" in sentence for sentence in sentences) is (size == 8192)
+    assert (folds[8192].resolved, folds[16384].resolved) == (0, 1)
+    assert folds[8192].load[0] == pytest.approx(folds[16384].load[0], rel=1e-5)
 
 
 def test_jumps_over_few_nodes_are_told_from_others():
