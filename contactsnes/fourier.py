@@ -11,7 +11,7 @@ import numpy as np
 import pyfftw
 from scipy.fft import next_fast_len
 
-from .levels import area_below, crossings
+from .levels import area_below, at_level, crossings
 
 
 class Transform:
@@ -144,8 +144,15 @@ class Window:
         self.start = tuple(int(s) % total if n < total else 0 for s, n, total in zip(start, self.shape, grid.shape))
         self.size, self.limits = math.prod(self.shape), grid.shape
 
+    def _key(self):
+        return self.start, self.shape, self.grid.shape, self.grid.periods
+
     def __eq__(self, other):
-        return self.start == other.start and self.shape == other.shape
+        """Whether these are the same nodes of the same cell; grids count transforms each for itself."""
+        return type(self) is type(other) and self._key() == other._key()
+
+    def __hash__(self):
+        return hash(self._key())
 
     @property
     def parts(self):
@@ -209,6 +216,14 @@ class Window:
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level else [])]
         return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
+
+    def at_level(self, values, level, fields):
+        """Fields (components, nodes) where values (nodes) cross a level between nodes, (components, crossings)."""
+        both = self.box(np.concatenate([values[None], fields]))
+        for axis, (extent, total) in enumerate(zip(self.shape, self.grid.shape), start=1):
+            if extent == total:
+                both = np.concatenate([both.take([-1], axis), both, both.take([0, 1], axis)], axis)
+        return at_level(both[0], level, both[1:])
 
     def circle(self):
         """Shape of the circulant that holds a convolution of the window: padded, or the cell where that is smaller."""

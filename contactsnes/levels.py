@@ -25,6 +25,40 @@ def crossings(values, level):
     return places, np.where(above[first + 1], 1, -1)
 
 
+def at_level(values, level, fields):
+    """Fields (components, *box) where values (*box) cross a level along the lines of nodes, (components, crossings).
+
+    Cubic between two nodes that have neighbours in the box.
+    """
+    found = []
+    for axis in range(values.ndim):
+        lines, along = np.moveaxis(values, axis, -1), np.moveaxis(fields, axis + 1, -1)
+        above = lines[..., 1:-1] >= level
+        *others, first = np.nonzero(above[..., 1:] != above[..., :-1])
+        nodes = [(..., *others, first + shift) for shift in range(4)]
+        weights = _at_places(_roots(*(lines[node] - level for node in nodes)))
+        found.append(sum(weight * along[node] for weight, node in zip(weights, nodes)))
+    return np.concatenate(found, axis=1)
+
+
+def _at_places(place):
+    """Weights of four nodes at places between the two in the middle, 0 to 1 from one to the other."""
+    before, after, rest = place + 1.0, 2.0 - place, 1.0 - place
+    return (-place * rest * after / 6.0, before * rest * after / 2.0, before * place * after / 2.0,
+            -before * place * rest / 6.0)
+
+
+def _roots(*nodes):
+    """Places where the cubics through four values vanish between the middle two, of unequal signs."""
+    low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
+    for _ in range(48):
+        middle = 0.5 * (low + high)
+        values = sum(weight * value for weight, value in zip(_at_places(middle), nodes))
+        below = (values < 0.0) == (nodes[1] < 0.0)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return 0.5 * (low + high)
+
+
 def area_below(box, level):
     """Area below a level of the surface through a box of nodes without its outermost ring, in squares of the grid.
 

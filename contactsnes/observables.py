@@ -82,11 +82,13 @@ class Measurement:
         return float(smallest / self.contact.ranges[0])
 
     def maximum_tangential_gap(self):
-        """Largest tangential gap in contact, u_t,r."""
+        """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
         if self.components == 1:
             return 0.0
-        slip = np.linalg.norm(self.gap[1:], axis=0)
-        return float(self.grid.maximum(slip, where=self.in_contact, initial=0.0) / self.contact.ranges[1])
+        inside = np.linalg.norm(self.gap[1:, self.in_contact], axis=0)
+        edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
+        largest = max(self.grid.maximum(slip, initial=0.0) for slip in (inside, np.linalg.norm(edge, axis=0)))
+        return float(largest / self.contact.ranges[1])
 
     def maximum_tangential_traction(self):
         """Largest tangential traction, p_t,r."""

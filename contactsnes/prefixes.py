@@ -56,6 +56,8 @@ class Readable(Mapping):
         return len(self._record)
 
     def __getattr__(self, name):
+        if name == "_record":  # of a copy in the making
+            raise AttributeError(name)
         return getattr(self._record, name)
 
     def field(self, name, point):

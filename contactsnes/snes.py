@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from .laws import SOFTENING
 from .multigrid import create_levels
-from .options import read
+from .options import read, standing_in
 from .settings import Options, option
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
@@ -147,12 +147,8 @@ def create_snes(form, prefix="", tolerance=None):
     if (newton or kind == "python") and not database.hasName("ksp_rtol"):
         snes.setUseEW(True)
         snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
-    full_steps = kind == "newtonls" and not database.hasName("snes_linesearch_type")
-    if full_steps:
-        database["snes_linesearch_type"] = "basic"
-    snes.setFromOptions()
-    if full_steps:
-        database.delValue("snes_linesearch_type")
+    with standing_in(prefix, **({"snes_linesearch_type": "basic"} if kind == "newtonls" else {})):
+        snes.setFromOptions()
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:

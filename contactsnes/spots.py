@@ -46,7 +46,7 @@ class Spots:
         self.start = tuple(part.start for part in self.parts)
         self.size = len(self.parts) * self.parts[0].size
 
-    __eq__ = Window.__eq__
+    _key, __eq__, __hash__ = Window._key, Window.__eq__, Window.__hash__
 
     @cached_property
     def indices(self):
@@ -74,6 +74,12 @@ class Spots:
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, as that of a window in each box."""
         return sum(part.area_below(own.reshape(-1), level) for part, own in zip(self.parts, self.box(values)))
+
+    def at_level(self, values, level, fields):
+        """Fields (components, nodes) where values (nodes) cross a level, as those of a window in each box."""
+        both = self.box(np.concatenate([values[None], fields]))
+        return np.concatenate([part.at_level(own[0].reshape(-1), level, own[1:].reshape(len(fields), -1))
+                               for part, own in zip(self.parts, np.moveaxis(both, 1, 0))], axis=1)
 
     def circle(self):
         """Shape of the circle on which each box is transformed."""

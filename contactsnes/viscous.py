@@ -17,11 +17,12 @@ from .forms import DisplacementForm
 from .laws import CUTOFF
 from .mirrored import HalfForm
 from .motion import LEVELLED, slides
+from .options import read
 from .snes import NewtonOptions, RegularisedStep, create_snes
 from .symmetry import EvenWindow
 
 EXACTNESS = 1e-4
-"""Relative tolerance of the linear solves of a step."""
+"""Relative tolerance of the linear solves of a step, unless -jump_ksp_rtol gives one."""
 
 
 class Equations:
@@ -59,7 +60,9 @@ class Equations:
         self.snes.setUseEW(False)
         self.snes.getKSP().setOperators(self.matrix)
         self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size) for _ in range(3))
-        self._regularised = RegularisedStep(self.form, NewtonOptions().stiffness)
+        options = read(NewtonOptions, "jump_")
+        self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
+        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", EXACTNESS)
         self._iterations = 0
 
     def spent(self):
@@ -137,13 +140,14 @@ class Equations:
         right[count:] = form.row_scale[self.moving] * drag * (shift * means - known[count:] - pull)
         ksp = self.snes.getKSP()
         self.matrix.assemble()
-        ksp.setTolerances(rtol=EXACTNESS, atol=tolerance / scale)
+        ksp.setTolerances(rtol=self._exactness, atol=tolerance / scale)
         ksp.solve(self._right, self._step)
         self._iterations += ksp.getIterationNumber()
         step = self._step.getArray()
         response = self.response(form.stiffen(form.displacement(step), form.work))
-        self._guess.setArray(guess)
-        self._regularised(self._guess, self._step)
+        if self._regularised:
+            self._guess.setArray(guess)
+            self._regularised(self._guess, self._step)
         step[count:] += response
         return guess - step, ksp.getConvergedReason() > 0
 

@@ -11,6 +11,7 @@ import scipy.fft
 from contactsnes.fourier import Convolution, Grid, Operator, Transform, Window, enclosing, transform_cost
 from contactsnes.grids import smooth
 from contactsnes.levels import crossings
+from contactsnes.spots import Spots
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [
@@ -480,3 +481,13 @@ def test_lengths_below_a_level_are_those_of_all_intervals():
     window = Window(grid, (20,), (25,))
     assert window.area_below(window.take(np.cos(x)), 0.3) == 0.0
     assert window.area_below(window.take(-np.cos(x)), -0.9) == pytest.approx(2.0 * np.arccos(0.9), rel=1e-5)
+
+
+def test_windows_are_equal_on_one_cell_only():
+    grids = [Grid((32,), (10.0,)), Grid((32,), (10.0,)), Grid((64,), (10.0,)), Grid((32,), (5.0,))]
+    boxes = [Window(grid, (4,), (8,)) for grid in grids]
+    several = [Spots(grid, [(4,), (16,)], (8,)) for grid in grids]
+    for windows in (boxes, several, [grid.whole for grid in grids]):
+        assert [window == windows[0] for window in windows] == [True, True, False, False]
+        assert len(set(windows)) == 3 and windows[0] != "a window"
+    assert boxes[0] != several[0] and len({*boxes, *several}) == 6

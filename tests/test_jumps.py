@@ -9,6 +9,7 @@ petsc4py.init()
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, states
 from contactsnes.mirrored import Symmetry
 from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
+from contactsnes.snes import RegularisedStep
 
 LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
 LAYER = {**LINE, "height": 10.0, "poisson": 0.4, "tangential_maugis": 1.5, "residual_friction": 0.5}
@@ -299,3 +300,15 @@ def test_a_motion_cannot_begin_from_what_is_no_number(wrong, jumped):
     with pytest.raises(NotConverged, match="NaN"):
         branch.corrector.settle(states.State(points[0].state.window, spoiled, points[0].state.means), points[0].controls,
                                 points[0].load, "here")
+
+
+@pytest.mark.parametrize("given, stiffness", [({}, 0.2), ({"jump_snes_regularised_stiffness": 0.7}, 0.7),
+                                              ({"jump_snes_regularised_gap": "false"}, None)])
+def test_steps_of_a_motion_are_taken_as_its_options_say(given, stiffness, options, monkeypatch):
+    """In the regularised gap of a stiffness, or not; the motion leads to the same state."""
+    options(**given)
+    contact, used, step = Contact(Scene(**LINE)), [], RegularisedStep.__call__
+    monkeypatch.setattr(RegularisedStep, "__call__", lambda self, x, y: used.append(self.stiffness) or step(self, x, y))
+    motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
+    motion.follow()
+    assert set(used) == ({stiffness} if stiffness else set())

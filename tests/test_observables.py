@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, Scene
+from contactsnes import Branch, Load, Scene, Steps
+from contactsnes.fourier import Grid
 from contactsnes.observables import Measurement
+from contactsnes.spots import Spots
 
 LINE = {"points": 256, "period": 30.0, "normal_maugis": 3.0, "height": 50.0}
 PLANE = {"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0, "normal_maugis": 2.0, "height": 5.0}
@@ -71,3 +73,43 @@ def test_displacements_of_the_top_are_those_of_the_mean_surface_and_of_the_layer
             assert row[f"{kind}_displacement{end}"] == pytest.approx(mean + force / (area * stiff), rel=1e-6, abs=1e-6)
             told = row["approach"] if kind == "normal" else row[f"mean_tangential_displacement{end}"]
             assert told == pytest.approx(mean, rel=1e-7, abs=1e-7)
+
+
+SHEARED = {"period": 30.0, "normal_maugis": 2.0, "tangential_maugis": 2.0, "height": 50.0, "residual_friction": 0.5}
+
+
+@pytest.mark.parametrize("scene, path, coarse, fine, precision", [
+    (SHEARED, "normal_force=2; tangential_displacement=3", 256, 2048, 5e-4),
+    (SHEARED, "normal_force=2; tangential_displacement=3", 320, 2560, 2e-4),
+    ({"dimension": 2, "geometry": "sphere", "period": 8.0, "normal_maugis": 1.5, "height": 5.0},
+     "normal_displacement=1, tangential_displacement_x=1, tangential_displacement_y=0.5", 32, 128, 2e-3)])
+def test_largest_slip_is_that_of_the_edge_between_the_nodes(scene, path, coarse, fine, precision):
+    """Before anything slides the slip grows up to the edge: the last node's is low by a part of a spacing."""
+    found = []
+    for points in (coarse, fine):
+        branch = Branch(Scene(points=points, **scene), Load(path=path), Steps(initial_step=0.5, largest_step=1.5))
+        found.append(branch.observe(list(branch)[-1])["maximum_tangential_gap"])
+    assert found[0] == pytest.approx(found[1], rel=precision)
+
+
+@pytest.mark.parametrize("shape", [(96,), (96, 80)])
+def test_fields_at_the_edge_are_cubic_in_boxes_in_several_and_around_the_border(shape):
+    """Along each line of nodes: of a sum of waves at a level of another one, to the fourth order of the spacing."""
+    grid = Grid(shape, [2.0 * np.pi] * len(shape))
+    x, y = grid.coordinates() if len(shape) == 2 else (*grid.coordinates(), 0.0)
+    gap = np.cos(2.0 * x + 0.3) + 0.2 * np.sin(y)
+    fields = np.array([gap + 2.0, np.sin(x) - 0.3 * gap + 0.0 * y]).reshape(2, -1)
+    two = [[n // 2 - n // 3 + k * n // 2 if axis == 0 else 0 for axis, n in enumerate(shape)] for k in (0, 1)]
+    box = [n // 2 if axis == 0 else n for axis, n in enumerate(shape)]
+    windows = [grid.whole, Spots(grid, two, [n - 2 * (axis == 0) for axis, n in enumerate(box)])]
+    counts = []
+    for window in windows:
+        inside = [window.take(field.reshape(shape)) for field in (gap, *fields)]
+        found = window.at_level(inside[0], 0.1, np.array(inside[1:]))
+        np.testing.assert_allclose(found[0], 2.1, atol=1e-14)
+        counts.append(found.shape[1])
+        if len(shape) == 1:
+            turn = 0.5 * (np.arccos(0.1) * np.array([1, -1, 1, -1]) - 0.3) + np.array([0, 0, np.pi, -np.pi])
+            turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
+            np.testing.assert_allclose(np.sort(found[1]), np.sort(np.sin(turn) - 0.03), atol=1e-6)
+    assert counts[0] >= counts[1] > 0

@@ -1,7 +1,9 @@
 """Scenes in SI: scales, what is typed and told, and states that are those of the dimensionless scene."""
 
+import copy
 import math
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -403,3 +405,12 @@ def test_fields_in_figures_have_prefixes(archives):
 def test_labels_have_units_in_brackets():
     assert plots.label("contact length", "2a", "mm") == "contact length $2a$ (mm)"
     assert plots.label("", "A", "mm²") == "$A$ (mm²)" and plots.label("normal force", "W_n", "N/m") == "normal force $W_n$ (N/m)"
+
+
+def test_archives_for_figures_can_be_copied(archives):
+    _, mine, _ = archives
+    for made in (copy.copy(mine), copy.deepcopy(mine), pickle.loads(pickle.dumps(mine))):
+        assert made.units == mine.units and made.points == mine.points
+        assert made["approach"].tolist() == mine["approach"].tolist()
+    with pytest.raises(AttributeError, match="nothing"):
+        mine.nothing

@@ -19,6 +19,7 @@ from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
+from contactsnes.options import database  # noqa: E402
 from contactsnes.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
@@ -328,6 +329,19 @@ def test_starts_on_a_grid_that_pins_are_stable(points, period, maugis):
     for approach in np.linspace(0.0, 3.0, 10):
         made, load = corrector(points=points, period=period, normal_maugis=maugis), np.array([approach])
         assert law_and_body(made.contact, made.start((DISPLACEMENT,), load))[0] > 1e-4
+
+
+@pytest.mark.parametrize("given", [{"snes_max_it": "many"}, {"snes_type": "fas", "fas_levels_snes_max_it": "many"}])
+def test_a_solver_that_cannot_be_set_up_leaves_the_options_as_they_were(given, options, kept_options):
+    """Defaults stand in the database while PETSc reads it only, however that ends."""
+    made = corrector(points=1024)
+    state = states.undeformed(made.contact, (DISPLACEMENT,), np.array([3.0]))
+    form = DisplacementForm(made.contact, state.window, (DISPLACEMENT,))
+    options(**given)
+    before = database()
+    with pytest.raises(PETSc.Error):
+        create_snes(form)
+    assert database() == before and not any("linesearch" in name for name in before)
 
 
 def test_a_body_far_apart_is_at_rest_at_once():
