@@ -129,6 +129,8 @@ def predicted(scene, sheared, axis, points):
     x = LARGEST_RESOLUTION * resolution(grid, sheared)[axis]
     if x == 0.0:
         return 0.0
+    if x > LARGEST_RESOLUTION:  # edges may stick between nodes, and no error is promised
+        return 1.0
     spacing = grid.spacings[axis]
     if scene.geometry == "rough" and 2 * spacing > scene.rough_shortest:
         return 1.0

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from contactsnes import accuracy, grid_choice
+from contactsnes.cohesive import resolution_warning
 from contactsnes.coldstart import refined
 from contactsnes.corrector import Corrector
 from contactsnes.grid_choice import chosen, memory_needed, next_grid, predicted, reason
@@ -18,7 +19,7 @@ from contactsnes.load import Load
 from contactsnes.observables import Measurement
 from contactsnes.points import NotConverged, TooCoarse
 from contactsnes.run import Branch
-from contactsnes.scene import Form, ineffective, Output, Scene, Steps
+from contactsnes.scene import Form, ineffective, Output, Scene, Steps, tangential_legs
 from contactsnes.settings import InputError
 
 
@@ -160,6 +161,29 @@ def test_chosen_grids_reach_the_accuracy_against_four_times_finer_ones(name):
         assert coarse[:, 1, :2].max() > scene.accuracy
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_no_grid_is_chosen_that_the_program_warns_of(seed):
+    """However loose the accuracy, on lines and planes, in cells and alone."""
+    random, seen = np.random.default_rng(seed), 0
+    for _ in range(25):
+        dimension, sheared = int(random.integers(1, 3)), bool(random.integers(2))
+        alone = random.random() < 0.2
+        given = {"dimension": dimension, "geometry": random.choice([("cylinder", "sphere")[dimension - 1], *["sinusoid"] * (not alone)]),
+                 "period": np.inf if alone else random.uniform(8.0, 30.0), "accuracy": 10.0 ** random.uniform(-6.0, -0.5),
+                 "normal_maugis": 10.0 ** random.uniform(-0.5, 0.8), "tangential_maugis": 10.0 ** random.uniform(-1.0, 0.8),
+                 "law": random.choice(["modified", "mcgarry"]), "poisson": random.uniform(0.0, 0.5), "height": np.inf}
+        slide = f"; tangential_displacement{'_x' * (dimension - 1)}=1" if sheared else ""
+        load = Load(path=f"normal_force=1{slide}")
+        try:
+            grid = chosen(Scene(points="auto", residual_friction=random.random(), **given), load)
+        except InputError as error:
+            assert "memory" in str(error)
+            continue
+        seen += 1
+        assert resolution_warning(grid, any(tangential_legs(grid, load))) is None
+    assert seen > 15
+
+
 def test_where_nothing_varies_the_fewest_points_do():
     flat = chosen(Scene(points="auto", geometry="flat", period=10.0), PRESS)
     cylinder = chosen(Scene(points="auto", dimension=2, accuracy=1e-3, period=(20.0, 5.0), normal_maugis=2.0), PRESS)
@@ -184,7 +208,7 @@ def test_prediction_falls_with_the_points_and_the_next_grid_is_finer():
 
 
 def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypatch):
-    monkeypatch.setattr(grid_choice, "memory", lambda: 0.8 * 5e7)
+    monkeypatch.setattr(grid_choice, "memory", lambda: 0.8 * 3e8)
     scene = Scene(points="auto", dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0)
     with pytest.raises(InputError) as error:
         chosen(scene, PRESS)
@@ -192,7 +216,7 @@ def test_accuracy_beyond_memory_says_what_it_takes_and_what_can_be_had(monkeypat
     assert "-scene_accuracy is '1e-06'" in sentence and "GB" in sentence and "best" in sentence and "\n" not in sentence
     best = float(sentence.split("-scene_accuracy ")[2].split(",")[0])
     small = chosen(Scene(points="auto", accuracy=best, dimension=2, geometry="sphere", period=12.0, normal_maugis=4.0), PRESS)
-    assert memory_needed(small, PRESS, small.shape) <= 0.8 * 5e7
+    assert memory_needed(small, PRESS, small.shape) <= 0.8 * 3e8
     monkeypatch.setattr(grid_choice, "memory", lambda: 1e3)
     with pytest.raises(InputError, match="no grid"):
         chosen(scene, PRESS)
