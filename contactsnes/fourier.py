@@ -11,14 +11,13 @@ import numpy as np
 import pyfftw
 from scipy.fft import next_fast_len
 
-from .levels import area_below, at_level, crossings
+from .levels import area_below, at_level, crossings, ringed
 
 
 class Transform:
     """A planned pair of real transforms of ``count`` arrays of one shape, on aligned memory.
 
-    Plans are estimated, not measured: what was fastest on a busy machine would decide the last bits of all results.
-
+    Plans are estimated, not measured: what was fastest on a busy machine would decide the last bits.
     Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read ``real`` again: it is overwritten, its
     padding too, and ``spectrum`` does not survive.
     """
@@ -143,16 +142,16 @@ class Window:
         self.shape = tuple(int(n) for n in shape)
         self.start = tuple(int(s) % total if n < total else 0 for s, n, total in zip(start, self.shape, grid.shape))
         self.size, self.limits = math.prod(self.shape), grid.shape
+        self.closed = tuple(n == total for n, total in zip(self.shape, grid.shape))
 
-    def _key(self):
-        return self.start, self.shape, self.grid.shape, self.grid.periods
+        self._which = self.start, self.shape, grid.shape, grid.periods
 
     def __eq__(self, other):
-        """Whether these are the same nodes of the same cell; grids count transforms each for itself."""
-        return type(self) is type(other) and self._key() == other._key()
+        """Whether these are the same nodes of the same cell, whoever counts its transforms."""
+        return type(self) is type(other) and self._which == other._which
 
     def __hash__(self):
-        return hash(self._key())
+        return hash(self._which)
 
     @property
     def parts(self):
@@ -194,8 +193,8 @@ class Window:
     def rim(self):
         """Mask of the nodes on the border of the box, in directions that the window does not fill."""
         mask = np.zeros(self.shape, dtype=bool)
-        for axis, (n, total) in enumerate(zip(self.shape, self.grid.shape)):
-            if n < total:
+        for axis, closed in enumerate(self.closed):
+            if not closed:
                 np.moveaxis(mask, axis, 0)[[0, -1]] = True
         return mask.reshape(-1)
 
@@ -204,26 +203,18 @@ class Window:
 
         Cubic in each direction. Beyond the window nothing is below; a window that is the whole cell closes on itself.
         """
-        box, plane = self.box(values), len(self.shape) == 2
-        for axis, (extent, total) in enumerate(zip(self.shape, self.grid.shape)):
-            before, after = ([-1], [0, 1]) if extent == total else ([0], [-1])
-            if plane:
-                box = np.concatenate([box.take(before, axis), box, box.take(after, axis)], axis)
-            elif extent == total:
-                box = np.append(box, box[0])
-        if plane:
-            return area_below(box, level) * self.grid.node_area
+        box = self.box(values)
+        if len(self.shape) == 2:
+            return area_below(ringed(box, self.closed), level) * self.grid.node_area
+        box = np.append(box, box[0]) if self.is_whole else box
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level else [])]
         return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
 
     def at_level(self, values, level, fields):
         """Fields (components, nodes) where values (nodes) cross a level between nodes, (components, crossings)."""
-        both = self.box(np.concatenate([values[None], fields]))
-        for axis, (extent, total) in enumerate(zip(self.shape, self.grid.shape), start=1):
-            if extent == total:
-                both = np.concatenate([both.take([-1], axis), both, both.take([0, 1], axis)], axis)
-        return at_level(both[0], level, both[1:])
+        values, *fields = ringed(self.box(np.concatenate([values[None], fields])), self.closed)
+        return at_level(values, level, np.array(fields))
 
     def circle(self):
         """Shape of the circulant that holds a convolution of the window: padded, or the cell where that is smaller."""

@@ -25,6 +25,14 @@ def crossings(values, level):
     return places, np.where(above[first + 1], 1, -1)
 
 
+def ringed(box, closed):
+    """A box (..., *box) with what follows around the cell in closed directions, else its outermost nodes again."""
+    for axis, around in enumerate(closed, start=box.ndim - len(closed)):
+        before, after = ([-1], [0, 1]) if around else ([0], [-1])
+        box = np.concatenate([box.take(before, axis), box, box.take(after, axis)], axis)
+    return box
+
+
 def at_level(values, level, fields):
     """Fields (components, *box) where values (*box) cross a level along the lines of nodes, (components, crossings).
 

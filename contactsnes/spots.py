@@ -45,8 +45,9 @@ class Spots:
         self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start), key=lambda part: part.start))
         self.start = tuple(part.start for part in self.parts)
         self.size = len(self.parts) * self.parts[0].size
+        self._which = self.start, self.shape, grid.shape, grid.periods
 
-    _key, __eq__, __hash__ = Window._key, Window.__eq__, Window.__hash__
+    __eq__, __hash__ = Window.__eq__, Window.__hash__
 
     @cached_property
     def indices(self):
