@@ -17,7 +17,7 @@ from .forms import DisplacementForm
 from .fourier import Window
 from .grids import interpolation
 from .laws import MOVING_STIFFNESS
-from .options import read, standing_in
+from .options import read
 from .settings import InputError, Options, option
 
 LEVELS, SMALLEST = 3, 32
@@ -199,7 +199,7 @@ def create_levels(snes, form, equip):
             smoother.setDM(dm)
             equip(smoother, own)
             smoothers.append((smoother, own))
-    _set_defaults(smoothers, prefix)
+    _set_defaults(smoothers)
     return smoothers
 
 
@@ -212,13 +212,11 @@ def _connect(snes, level, transfer):
     snes.setFASRScale(level, PETSc.Vec().createWithArray(np.ones(coarse), comm=PETSc.COMM_SELF))
 
 
-def _set_defaults(smoothers, prefix):
+def _set_defaults(smoothers):
     """Defaults of the smoothers, the coarsest first, and then the user's options."""
     for smoother, _ in smoothers:
         smoother.setType("newtonls")
         smoother.getKSP().setTolerances(rtol=0.1)
     smoothers[0][0].setTolerances(rtol=1e-2, atol=1e-9, stol=0.0)
-    full_steps = {f"fas_{part}_snes_linesearch_type": "basic" for part in ("levels", "coarse")}
-    with standing_in(prefix, **full_steps):
-        for smoother, _ in smoothers:
-            smoother.setFromOptions()
+    for smoother, _ in smoothers:
+        smoother.setFromOptions()

@@ -11,7 +11,6 @@ import re
 import shutil
 import tempfile
 import textwrap
-from contextlib import contextmanager
 from pathlib import Path
 
 from .scene import OPTION_CLASSES
@@ -192,22 +191,6 @@ def install(wanted):
     for name, value in wanted.items():
         if present.get(name) != value:
             options.setValue(name, value)
-
-
-@contextmanager
-def standing_in(prefix, **values):
-    """For the time of a with-block, options (name -> value) under a prefix that the user has not given, however it ends."""
-    from petsc4py import PETSc
-
-    options = PETSc.Options(prefix)
-    missing = [name for name in values if not options.hasName(name)]
-    try:
-        for name in missing:
-            options[name] = values[name]
-        yield
-    finally:
-        for name in missing:
-            options.delValue(name)
 
 
 def database_text():

@@ -2,6 +2,7 @@
 
 import atexit
 import weakref
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,7 +11,7 @@ from petsc4py import PETSc
 
 from .laws import SOFTENING
 from .multigrid import create_levels
-from .options import read, standing_in
+from .options import read
 from .settings import Options, option
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
@@ -123,6 +124,22 @@ def solver_type():
     return PETSc.Options().getString("snes_type", "newtonls")
 
 
+@contextmanager
+def full_steps(database, kind):
+    """Line searches of Newton's method that the user has not chosen are none while PETSc reads its options, which are
+    afterwards as they were, however that ends."""
+    names = {"newtonls": ("",), "fas": ("fas_levels_", "fas_coarse_")}.get(kind, ())
+    names = [name + "snes_linesearch_type" for name in names]
+    names = [name for name in names if not database.hasName(name)]
+    try:
+        for name in names:
+            database[name] = "basic"
+        yield
+    finally:
+        for name in names:
+            database.delValue(name)
+
+
 def create_snes(form, prefix="", tolerance=None):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
@@ -143,11 +160,11 @@ def create_snes(form, prefix="", tolerance=None):
     if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
-    smoothers = create_levels(snes, form, equip) if kind == "fas" else []
-    if (newton or kind == "python") and not database.hasName("ksp_rtol"):
-        snes.setUseEW(True)
-        snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
-    with standing_in(prefix, **({"snes_linesearch_type": "basic"} if kind == "newtonls" else {})):
+    with full_steps(database, kind):
+        smoothers = create_levels(snes, form, equip) if kind == "fas" else []
+        if (newton or kind == "python") and not database.hasName("ksp_rtol"):
+            snes.setUseEW(True)
+            snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
         snes.setFromOptions()
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
