@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from . import cohesive, scene as scenes, states
+from .alone import LEFT_OUT
 from .grid_choice import jumps_of_heights, memory_of_solve, reason
 from .load import names, quantities
 from .mirrored import obstacles
@@ -49,7 +50,10 @@ def skipped(settings, branch):
     if scene.tangential == "off":
         sentences.append("no tangential unknowns: -scene_tangential is off")
     elif not any(sheared):
-        sentences.append("no tangential unknowns: the load names none, and the body does not couple them to normal ones")
+        little = scene.isolated and scene.dimension == 2 and math.isfinite(scene.height)
+        why = f"so tall a layer slides by less than {LEFT_OUT:g} ranges" if little else \
+            "the body does not couple them to normal ones"
+        sentences.append(f"no tangential unknowns: the load names none, and {why}")
     elif not all(sheared):
         sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
     if any(sheared) and not branch.contact.couples():

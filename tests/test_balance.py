@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_cli import call
 
 from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps, run
 from contactsnes.balance import Balance, Response
@@ -243,6 +244,12 @@ def test_a_sphere_on_a_tall_layer_slides_under_a_large_force(scene, force, wante
     """What is left out is less than 1e-4 ranges of slip: measured 2.3e-5 for a force of 50 on a height of 1000."""
     scene = Scene(dimension=2, geometry="sphere", period=math.inf, normal_maugis=1.0, **scene)
     assert tangential_legs(scene, Load(path=f"normal_force={force}")) == (wanted, wanted)
+
+
+def test_what_a_tall_layer_leaves_out_is_told(tmp_path):
+    words = "-scene_dimension 2 -scene_geometry sphere -scene_period inf -scene_normal_maugis 1 -load_path normal_force=1".split()
+    assert "no tangential unknowns: the load names none, and so tall a layer slides by less than 0.0001 ranges" \
+        in call("info", *words, folder=tmp_path).stdout
 
 
 @pytest.mark.slow
