@@ -22,7 +22,9 @@ BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromke
 CONVERGENCE = """\
 A point is converged when residual_norm <= -snes_atol (default 1e-8; -snes_rtol and -snes_stol default to 0), with
 residual_norm = sqrt( sum over the window's nodes and components of r^2 / (nodes x components) + sum over force rows of
-(difference / max(1, |prescribed force|))^2 ) and r = u + C t - ubar in ranges of the law (u_n in delta_n, u_t in delta_t)."""
+(difference / max(1, |prescribed force|))^2 ) and r = u + C t - ubar in ranges of the law (u_n in delta_n, u_t in delta_t).
+It is found anew at all nodes for every point, whatever method, symmetry or form led to it; beside it stands largest_residual, the
+largest |r| at a node where the law acts (gap within its range), of which a mean over many nodes may tell little."""
 
 LINE = re.compile(r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*""")
 

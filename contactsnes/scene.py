@@ -162,8 +162,8 @@ class Form(Options):
                            "form)")
     window: str = option("auto", "auto: nodes within the range of the law, in several boxes where that is cheaper, enlarged on demand; "
                          "off: the whole cell", choices=("auto", "off"))
-    symmetry: str = option("auto", "states even about the apex on half the line or a quarter of the plane: auto (where scene, load "
-                           "and method allow it), even (an error where they do not), off", choices=("auto", "even", "off"))
+    symmetry: str = option("auto", "states even about the apex on half the line or a quarter of the plane: auto (where gap, body, "
+                           "load, state and method allow it), even (an error where they do not), off", choices=("auto", "even", "off"))
 
 
 @dataclass(frozen=True)
