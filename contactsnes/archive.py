@@ -160,6 +160,8 @@ class Archive:
 
     def finish(self):
         """Mark the archive as complete: the path was followed to its regular end."""
+        if self.complete:
+            return
         self._commit(lambda file: file.attrs.modify("complete", True), self.points)
         self.complete = True
 
@@ -176,22 +178,27 @@ class Archive:
         self.points, self.runs = int(file.attrs["points"]), resuming.runs(file)
         self._first = self.points
         last = [{}, *map(_unpack, self._kept(file).values())][-1]
-        there = {**file["scene"].attrs, "archive_fields": file.attrs["fields"]}
-        here = {**self._scene, "archive_fields": self._fields}
         done = int(file["branch/leg"][self.points - 1]) - (last.get("position") != 1.0)
-        for name, old, new in resuming.differences(there, file.attrs["options"], here, self._options, done):
-            raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} here; name another "
-                               "-archive_file, or replace this one with -archive_overwrite.")
+        self._refuse(resuming.differences(dict(file["scene"].attrs), file.attrs["options"], self._scene, self._options, done))
+        more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
+        self.complete = bool(file.attrs["complete"]) and not more
+        if self.complete:
+            return
+        self._refuse([("archive_fields", file.attrs["fields"], self._fields)] * (file.attrs["fields"] != self._fields))
         columns = sorted(set(file["branch"]) ^ set(self._columns))
         if columns or tuple(file.attrs["shape"]) != self._shape:
             raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not those of this run "
                                f"({', '.join(columns) or self._shape}); name another -archive_file.")
-        more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
-        self.complete = bool(file.attrs["complete"]) and not more
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines() if line not in told)])
         if "mode" in file.get("fields", ()) and "mode" not in self._arrays:
             self._arrays = (*self._arrays, "mode")
+
+    def _refuse(self, differences):
+        """Raise for the first of some differences, (name, there, here)."""
+        for name, old, new in differences:
+            raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} here; name another "
+                               "-archive_file, or replace this one with -archive_overwrite.")
 
     def _numbers(self, row):
         """The row with enumerations as numbers."""

@@ -172,6 +172,8 @@ class Run:
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)
+        if archive.complete:
+            return archive
         history = [self.branch.restored(state) for state in archive.states()]
         self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
         self.branch.history = history[:len(history) - self.waiting]

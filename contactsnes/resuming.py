@@ -91,7 +91,8 @@ def differences(scene, options, others, other_options, done):
     before, now = entries(options), entries(other_options)
     names = [name for name in {**others, **scene} if name not in SOURCES]
     pairs = [(name, scene.get(name, "not given"), others.get(name, "not given")) for name in names]
-    found = [(name, old, new) for name, old, new in pairs if not np.array_equal(old, new)]
+    found = [(name, *(np.asarray(value).tolist() for value in (old, new))) for name, old, new in pairs
+             if not np.array_equal(old, new)]
     texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
     for number in range(min(done, len(legs(before)))):
         there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))] for entry in (before, now))

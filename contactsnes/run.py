@@ -18,6 +18,7 @@ from .multigrid import GridsOptions
 from .preconditioners import CoreOptions
 from .pseudotime import PseudoOptions
 from .rough import check_edge
+from .settings import InputError
 from .snes import NewtonOptions, solver_type
 from .spots import of_boxes
 from .stability import SIGN, Stability, refuse_without_tangent
@@ -102,6 +103,7 @@ class Branch:
         """Name -> value of what decides the states besides the load: the scene's, and what is made of it and its files."""
         found = scenes.attributes(self.scene)
         if self.scene.isolated:
+            # Forces of legs that are yet to come may ask for a larger one.
             found["box_points"] = self.contact.grid.shape
         if self._heights is not None:
             found["heights_sha256"] = resuming.checksum(self._heights)
@@ -143,7 +145,11 @@ class Branch:
                 "origin": point.load if point.origin is None else point.origin}
 
     def restored(self, packed):
-        """The point that was ``packed``."""
+        """The point that was ``packed``; InputError for one that another version of this program packed."""
+        lost = [name for name in KEPT if name not in packed]
+        if lost:
+            raise InputError(f"a point to go on from says nothing of {', '.join(lost)}: it was kept by another version of this "
+                             "program; begin anew")
         window = of_boxes(self.contact.grid, packed["window_start"], packed["window_shape"])
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])

@@ -181,6 +181,9 @@ def test_finish_after_resuming_changes_nothing_else(tmp_path):
     Archive.resume(tmp_path / "run.h5", **fields_content("last")).finish()
     record = check(tmp_path / "run.h5", "last")
     assert record.complete and record.points == 3 and record.field_points == [2]
+    before = record.path.read_bytes()
+    Archive.resume(record.path, **fields_content("all", columns={"leg": Column("", "i8")})).finish()
+    assert record.path.read_bytes() == before
     complete = Archive.resume(tmp_path / "run.h5", **fields_content("last"))
     assert complete.complete
     with pytest.raises(ArchiveError, match="is complete"):

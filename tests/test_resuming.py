@@ -91,6 +91,15 @@ def test_another_start_is_refused(before):
         Branch(LINE, Load(start="normal_displacement=0.5", path="normal_displacement=1"), history=before[:1])
 
 
+def test_points_of_another_version_are_refused(before):
+    branch = Branch(LINE, Load(path="normal_displacement=1"))
+    packed = branch.packed(before[0])
+    assert branch.restored(packed).leg == 0
+    del packed["event"]
+    with pytest.raises(InputError, match="says nothing of event: it was kept by another version"):
+        branch.restored(packed)
+
+
 # What texts say
 
 
@@ -149,7 +158,8 @@ def test_heights_that_have_changed_are_refused(rough):
 
 def test_a_complete_archive_stays_as_it_is(rough):
     before = (rough / "run.h5").read_bytes()
-    done = run(*ROUGH, *PATH, "-scene_geometry_file", "same.txt", "-snes_atol", "1e-10", "-continuation_largest_step", "0.05", folder=rough)
+    done = run(*ROUGH, *PATH, "-scene_geometry_file", "same.txt", "-snes_atol", "1e-10", "-continuation_largest_step", "0.05",
+               "-archive_fields", "all", folder=rough)
     assert done.returncode == 0 and "is complete" in done.stdout and (rough / "run.h5").read_bytes() == before
 
 
