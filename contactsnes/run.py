@@ -116,7 +116,7 @@ class Branch:
                                      certify=self.stability or (lambda point: point),
                                      at_bifurcation=self.steps.at_bifurcation, walker=arcs.walker(self.steps))
         ledger = energies.Ledger(self.contact, self.history)
-        self._last = self.history[-1] if self.history else None
+        self._last, self._under_way = self.history[-1] if self.history else None, None
         grid = failures.Resolution(self.contact, self._log, self._last)
         try:
             for point in map(grid.marked, map(ledger.entered, points)):
@@ -128,9 +128,14 @@ class Branch:
             raise failures.explained(error, self.contact, any(self._sheared), self._modes) from None
 
     def _modes(self):
-        """Modes of the last point; None without one, or a tangent."""
+        """Modes of the last point under the controls of the leg under way; None without one, or a tangent."""
         form = self.corrector.settings.form == "displacement" or solver_type().startswith("newton")
-        return Stability(self.corrector, SIGN).modes(self._last, None) if self._last is not None and form else None
+        last, leg = self._last, self._under_way
+        if last is None or not form:
+            return None
+        if leg is not None and tuple(last.controls) != leg.controls:
+            last = self.corrector.adapted(last, leg.controls, leg.start)
+        return Stability(self.corrector, SIGN).modes(last, None)
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""
@@ -188,6 +193,7 @@ class Branch:
                            lambda length: self.steps.sizes(number, length))
         if leg is not None:
             self._say_what_turns_back(leg)
+            self._under_way = leg
         return leg
 
     def _say_what_is_diluted(self, point):

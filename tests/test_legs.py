@@ -7,8 +7,10 @@ import pytest
 petsc4py.init([])
 
 from contactsnes.load import controls_along, Load  # noqa: E402
+from contactsnes.points import NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
+from contactsnes.scene import Scene, Steps  # noqa: E402
+from contactsnes.tracing import Tracer  # noqa: E402
 
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
 PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3, period=20.0, height=30.0)
@@ -124,3 +126,21 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
     told.clear()
     followed("normal_displacement=2; normal_force=hold; normal_force=3", log=told.append)
     assert not any("unstable" in sentence for sentence in told)
+
+
+def test_a_failure_after_a_switch_is_explained_under_the_new_controls(monkeypatch):
+    """Where no step is found under the force, the last point is called unstable: its certificate was that of a displacement."""
+    solve, scene = Tracer.solve, Scene(points=256, normal_maugis=2.0, period=30.0)
+
+    def fails(*_, **__):
+        raise NotConverged("no")
+
+    def solved(self, guess, controls, *rest):
+        return fails() if controls[0] == FORCED else solve(self, guess, controls, *rest)
+
+    monkeypatch.setattr(Tracer, "solve", solved)
+    for name in ("solve_arc", "settle"):
+        monkeypatch.setattr(Tracer, name, fails)
+    load = Load(start="normal_displacement=-2", path="normal_displacement=-2.5; normal_force=hold; normal_force=-1.5")
+    with pytest.raises(NotConverged, match=r"the last point is unstable \(1 modes"):
+        list(Branch(scene, load, Steps(initial_step=0.1, largest_step=0.4)))
