@@ -45,7 +45,7 @@ def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
 
     made = runs.Results(tmp_path)
     points = []
-    for step in ("0.5", "0.25"):
+    for step in ("0.25", "0.125"):
         run = runs.Run("small", {"scene_points": 256, "scene_period": 30, "scene_normal_maugis": 3, "load_start": "normal_displacement=1",
                                  "load_path": "normal_displacement=2", "continuation_initial_step": step, "continuation_largest_step": step})
         made.make_all([run], 1, lambda line: None)
@@ -147,7 +147,8 @@ def test_profiles_end_at_the_edge(results):
     assert width_below(x, gap, np.e) == pytest.approx(record["contact_area"][onset(record).point], rel=2e-3)
     assert np.max(tangential) == pytest.approx(record["maximum_tangential_traction"][onset(record).point])
     largest = record["maximum_tangential_gap"][onset(record).point]
-    assert np.interp(np.e, gap, np.abs(slip)) == pytest.approx(largest, rel=2e-3)
+    right = x >= 0.0
+    assert np.interp(np.e, gap[right], np.abs(slip)[right]) == pytest.approx(largest, rel=2e-3)
     assert np.sum(-normal) * (x[1] - x[0]) * 2.0 == pytest.approx(record["normal_force"][onset(record).point], rel=1e-6)
 
 
@@ -157,6 +158,26 @@ def test_figure_without_runs_is_drawn(tmp_path):
 
     style.save(figure2.draw(None), "figure2", tmp_path, tmp_path)
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".pdf", ".png"]
+
+
+def test_a_figure_whose_run_is_missing_or_too_short_says_which(results, monkeypatch):
+    import errors
+    import figure7
+    import runs
+    import statement
+
+    figure, why = statement.evaluated(figure7.draw, results)
+    assert figure is None and why.startswith("the run mcgarry-t0.1-w") and why.endswith("is missing")
+    # A run that stopped beside its fold has no onset.
+    log = results.path("half-t1-w0.8").with_suffix(".log")
+    log.write_text(log.read_text() + "contactsnes: SNES DIVERGED_DTOL\nexit status 1\n")
+    monkeypatch.setattr(figure7, "onset", lambda record: None)
+    _, why = statement.evaluated(lambda results: figure7.onset(results["half-t1-w0.8"]).force, results)
+    assert why == "the run half-t1-w0.8 is too short: contactsnes: SNES DIVERGED_DTOL"
+    told, _ = errors.movement(figure7.draw, results, runs.Finer(results))
+    assert told.startswith("not known: the run mcgarry-t0.1-w") and told.endswith("is missing")
+    with pytest.raises(TypeError, match="int"):
+        statement.evaluated(lambda results: len(3), results)
 
 
 def test_statements_without_runs_are_open_or_analytic(modules, tmp_path):

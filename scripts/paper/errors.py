@@ -7,6 +7,8 @@ import numpy as np
 
 from contactsnes.tables import markdown
 
+from statement import evaluated
+
 MOST = 300
 """Vertices of a curve at which its distance from the other is taken, at most."""
 
@@ -64,10 +66,11 @@ def distance(points, curve):
 
 def movement(draw, results, finer):
     """What the table says of a figure: how far it moves, and that over the width of what moves. ``draw`` : function of results."""
-    try:
-        moved, width = drawn_distance(draw(results), draw(finer))
-    except KeyError as error:
-        return f"not known: {error} is missing", ""
+    drawn = [evaluated(draw, one) for one in (results, finer)]
+    missing = next((why for figure, why in drawn if figure is None), None)
+    if missing:
+        return f"not known: {missing}", ""
+    moved, width = drawn_distance(*(figure for figure, _ in drawn))
     return f"{moved:.1g} points", f"{moved / width:.1g} of its width"
 
 

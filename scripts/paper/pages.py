@@ -15,7 +15,7 @@ import sinusoid
 import statements  # noqa: F401  makes the statements of the table
 from errors import figure_table
 from runs import ROOT, Finer
-from statement import table
+from statement import evaluated, table
 
 HERE = ROOT / "scripts" / "paper"
 BEGIN, END = "<!-- scripts/reproduce writes from here -->\n", "<!-- as far as here -->\n"
@@ -100,7 +100,8 @@ def beyond_figures(results):
     """Lines of the figures beyond the paper's: image, and what it shows."""
     lines = []
     for name, module in BEYOND.items():
-        lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "", symbols(module.says(results)), ""]
+        told, missing = evaluated(module.says, results)
+        lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "", symbols(told or f"Not told: {missing}."), ""]
     return lines
 
 

@@ -172,11 +172,12 @@ class Results:
     """
 
     def __init__(self, folder):
-        self.folder, self._read = Path(folder), {}
+        self.folder, self._read, self.asked = Path(folder), {}, None
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def __getitem__(self, name):
         """The archive of a run, as `contactsnes.read` gives it; KeyError where there is none with points."""
+        self.asked = name
         if name not in self._read:
             try:
                 record = read(self.path(name))
@@ -196,6 +197,16 @@ class Results:
     def path(self, name):
         """Where the archive of a run lies."""
         return self.folder / f"{name}.h5"
+
+    def lacking(self):
+        """A sentence on the run that was asked for last: that it is missing, or how it ended before what is looked for."""
+        name, log = self.asked, self.path(self.asked).with_suffix(".log")
+        said = [line for line in log.read_text(encoding="utf-8").splitlines() if line.strip()] if log.is_file() else []
+        if name not in self:
+            return f"the run {name} is missing" + (f" ({said[-1]})" if said else "")
+        ended = "" if self[name].complete else " and ended early"
+        reason = next((line for line in reversed(said) if line.startswith("contactsnes:") or "error" in line.lower()), "")
+        return f"the run {name} is too short{ended}" + (f": {reason}" if reason else "")
 
     def done(self, run):
         """Whether a run has been made, with these options, to whatever end."""
@@ -270,3 +281,12 @@ class Finer:
 
     def __contains__(self, name):
         return (name if name in self.fixed else name + FINER) in self.results
+
+    @property
+    def asked(self):
+        """Name of the run that was read last."""
+        return self.results.asked
+
+    def lacking(self):
+        """As of `Results`."""
+        return self.results.lacking()

@@ -41,15 +41,20 @@ class Number(NamedTuple):
 
 
 def evaluated(function, *arguments):
-    """(value of a function of results, None), or (None, what is missing): a run, its fields, or an onset that it has not reached."""
+    """(value of a function of results, None), or (None, what is missing): a run, its fields, or an onset that it has not reached.
+
+    What is missing is a sentence that names the run, if the results know which one they were asked for last.
+    """
     try:
         return function(*arguments), None
     except MISSING as error:
-        return None, error
-    except AttributeError as error:
+        missing = error
+    except (AttributeError, TypeError) as error:
         if "NoneType" not in str(error):
             raise
-        return None, error
+        missing = error
+    asked = next((one for one in reversed(arguments) if getattr(one, "asked", None)), None)
+    return None, asked.lacking() if asked is not None else str(missing)
 
 
 def statement(place, text, measure):
