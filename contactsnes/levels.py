@@ -1,7 +1,13 @@
-"""Where interpolated values on a grid cross a level: places on a line, areas on a plane."""
+"""Where interpolated values on a grid cross a level: places on a line, areas on a plane; and are largest."""
 
 import numpy as np
 from scipy.optimize import brentq
+
+
+def first_largest(values):
+    """Index of the first of the values of about the largest size: of equals, rounding would choose."""
+    sizes = np.abs(values)
+    return int(np.argmax(sizes >= 0.999 * np.max(sizes)))
 
 
 def crossings(values, level):

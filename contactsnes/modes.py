@@ -7,6 +7,7 @@ import numpy as np
 from scipy import linalg
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
+from .levels import first_largest
 from .points import NotConverged
 
 ACCURATE = 3e-4
@@ -116,7 +117,7 @@ def _projected(basis, images, certain=1):
     """Modes of the projection on an orthonormal basis (rows)."""
     values, coefficients = linalg.eig(basis @ images.T)
     kept = np.flatnonzero(values.imag >= 0.0)
-    kept = kept[np.argsort(values[kept].real)]
+    kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)
     kept = kept[:certain + 1]
     coefficients = coefficients[:, kept].T
@@ -126,7 +127,7 @@ def _projected(basis, images, certain=1):
 
 def joined(parts):
     """Modes of all symmetries together, in the order of their real parts."""
-    order = np.argsort(np.concatenate([part.values.real for part in parts]))
+    order = np.argsort(np.concatenate([part.values.real for part in parts]), kind="stable")
     return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in ("values", "vectors", "defects", "certain")))
 
 
@@ -175,6 +176,15 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     modes = joined(space.modes())
     raise NotConverged(f"the modes of the point were not found: eigenvalue {modes.leading:.3g}, residual {modes.residuals[0]:.1g} "
                        f"after {RUNS} runs of ARPACK")
+
+
+def oriented(vector):
+    """The real part of a mode, in the phase where it is largest, with the first value of about the largest size positive.
+
+    Phase and sign are left to rounding by what finds eigenvectors, and which way a branch is left hangs on them.
+    """
+    real = (vector * np.exp(-0.5j * np.angle(np.sum(vector ** 2)))).real
+    return np.copysign(1.0, real[first_largest(real)]) * real
 
 
 def summed(found):

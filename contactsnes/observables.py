@@ -9,6 +9,7 @@ from . import states
 from .fourier import Convolution
 from .energies import BALANCES, energy_unit
 from .laws import CUTOFF
+from .levels import first_largest
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
@@ -134,7 +135,7 @@ class Measurement:
             rim = window.rim()
             inside += np.mean((mode.displacement - window.take(inside))[:, rim], axis=1).reshape(-1, *[1] * len(grid.shape))
         window.put(mode.displacement, inside)
-        return field / field.flat[np.argmax(np.abs(field))]
+        return field / np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
 
 
 def _sizes(scene, symbol):

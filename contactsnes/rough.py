@@ -64,7 +64,7 @@ class Surface(NamedTuple):
         step = np.array(self.periods) / points
         reach = gap.min() + 0.5 * (1.0 + 6.0 * self.rms(2)) * np.sum((0.5 * step) ** 2)
         found = np.argwhere((gap <= reach) & (gap == minimum_filter(gap, 3, mode="wrap")))
-        found = found[np.argsort(gap[tuple(found.T)])][:CANDIDATES]
+        found = found[np.argsort(gap[tuple(found.T)], kind="stable")][:CANDIDATES]
         return min(self._descend((place - np.array(points) // 2) * step, step) for place in found)
 
     def _descend(self, x, step):

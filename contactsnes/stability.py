@@ -21,7 +21,7 @@ from . import states
 from .following import carried
 from .forms import DisplacementForm
 from .mirrored import EVEN
-from .modes import ACCURATE, NEUTRAL, joined, leading_modes, summed
+from .modes import ACCURATE, NEUTRAL, joined, leading_modes, oriented, summed
 from .options import read
 from .points import NotConverged
 from .preconditioners import CoreOptions, CoreZone
@@ -226,7 +226,8 @@ class Stability:
 
     def _with_leading(self, point, modes, number):
         """The point with an eigenvalue and its mode."""
-        return replace(point, leading_eigenvalue=complex(modes.values[number]), mode=self._operator.state(modes.vectors[number].real))
+        mode = self._operator.state(oriented(modes.vectors[number]))
+        return replace(point, leading_eigenvalue=complex(modes.values[number]), mode=mode)
 
     def _leave_symmetry(self, modes):
         """Take no state for even any more where an unstable mode is not."""

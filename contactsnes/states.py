@@ -100,7 +100,7 @@ def _nearest(state, box):
     source, found, least = state.window, None, np.inf
     fields = state.displacement.reshape(len(state.displacement), len(source.parts), *source.shape)
     gaps = _gaps(source, box)
-    for k in np.argsort(gaps):
+    for k in np.argsort(gaps, kind="stable"):
         if found is not None and gaps[k] ** 2 >= np.max(least):
             break
         axes, away = _nodes_of(source.parts[k], box)

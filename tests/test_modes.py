@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from contactsnes.modes import NEUTRAL, joined, leading_modes
+from contactsnes.levels import first_largest
+from contactsnes.modes import NEUTRAL, joined, leading_modes, oriented
 from contactsnes.points import NotConverged
 
 
@@ -93,3 +94,16 @@ def test_what_is_not_found_is_said():
 
     with pytest.raises(NotConverged, match="modes of the point were not found"):
         leading_modes(Hopeless())
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0, 1j, np.exp(2.1j)])
+def test_sign_and_phase_of_a_mode_do_not_hang_on_what_finds_it(turn):
+    """Nor on the last bits where peaks are as large on either side; a real mode comes back whole."""
+    x = np.linspace(-1.0, 1.0, 41)
+    noise = 1.0 + 1e-15 * np.random.default_rng(3).standard_normal(41)
+    for mode in (np.sin(3.0 * x), np.cos(2.0 * x) - 0.3, np.sin(3.0 * x) + 0.2j * np.cos(x)):
+        reference = oriented(mode)
+        np.testing.assert_allclose(oriented(turn * mode * noise), reference, atol=1e-12)
+        assert reference[first_largest(reference)] > 0.0
+        if not np.iscomplexobj(mode):
+            np.testing.assert_allclose(np.abs(reference), np.abs(mode), atol=1e-14)
