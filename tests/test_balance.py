@@ -341,6 +341,17 @@ def test_responses_are_those_of_all_nodes(name):
         np.testing.assert_allclose(found, whole.apply(values, np.empty_like(values)), atol=1e-12)
 
 
+def test_wrong_halves_end_symmetry(monkeypatch):
+    """Were the transforms of halves wrong, the first point would tell: it is asked by whole ones."""
+    own, said = EvenConvolution.apply, []
+    monkeypatch.setattr(EvenConvolution, "apply", lambda self, *given: np.multiply(own(self, *given), 1.001, out=given[1]))
+    scene, load = CASES["line"]
+    branch, x = Branch(scene, load, log=said.append), (np.arange(128) - 64) * scene.spacings[0]
+    for point in branch:
+        balanced(branch.contact, point, x ** 2 / 2)
+    assert not isinstance(branch.corrector.form, EvenForm) and any("going on without symmetry" in sentence for sentence in said)
+
+
 def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
     """A residual of all nodes that lies a hair above the tolerance, where that of half of them does not."""
     scene, load = CASES["line"]
