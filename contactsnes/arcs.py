@@ -116,7 +116,7 @@ class ArcWalk(Walk):
             point = self._step(target, self.predictor)
         except NotConverged as error:
             self.system.log(f"step to {self._place(target)} failed ({error}): looking for the branch's direction")
-            if self.system.lowered(last) is not None:
+            if self.system.let_go(last, self.leg, here) is not None:
                 yield from self._fold(error)
                 return
             try:

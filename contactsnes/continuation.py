@@ -207,14 +207,14 @@ class Walk:
     def _fold(self, error):
         """Find out what stops the walk; yield the fold and, by default, the point after the jump."""
         place, last = self.history[-1]
-        lowered = self.system.lowered(last)
-        if lowered is None:
+        fold, passed = self.system.let_go(last, self.leg, place), None
+        if fold is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
             starts = [] if fold is None else self._starts(fold, beyond)
         else:
-            # A body off the flat under a force has no branch to follow: it carries none, to rounding.
-            fold = replace(last, leg=self.leg.number, position=place, step=self.leg.initial, fold_precision=np.finfo(float).eps)
-            passed, starts = None, [lambda: lowered]
+            lowered = self.system.lowered(fold)
+            fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=np.finfo(float).eps)
+            starts = [lambda: lowered]
         try:
             found = self._examined(passed if fold is None else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
         except NotConverged as second:

@@ -14,7 +14,7 @@ from .contact import APPROACH, FORCE
 from .points import NotConverged, Point
 from .following import follow_edge
 from .forms import ForceForm
-from .laws import DEEPEST, SLIP
+from .laws import CUTOFF, DEEPEST, SLIP
 from .mirrored import EvenForm, Symmetry
 from .snes import create_snes, solver_type
 from .spots import in_words
@@ -106,6 +106,24 @@ class Corrector:
     def _alike(self, *found):
         """States with the components of the last of them."""
         return [states.with_components(state, len(found[-1].displacement)) for state in found]
+
+    def let_go(self, point, leg, position):
+        """The fold, at its position, of a body off the flat that a growing force moves; None for any other.
+
+        Off the flat a body is attracted only, and less the farther it is away: as the force grows to zero, equilibria
+        end out of the law's range, whatever the steps that led there.
+        """
+        if point.controls[0] != FORCE or point.in_contact or leg.moving != 0 or leg.direction[0] <= 0.0:
+            return None
+        if self.contact.grid.minimum(states.normal_gap(self.contact, point.state)) > CUTOFF:
+            return replace(point, position=position)
+        position, load = -leg.start[0] / leg.direction[0], leg.load(-leg.start[0] / leg.direction[0])
+        if position > 1.0:
+            return None
+        load[0] = 0.0
+        away = states.with_components(states.apart(self.contact), len(load))
+        away.displacement[1:], away.means[1:] = point.state.means[1:, None], point.state.means[1:]
+        return replace(self.solve(away, leg.controls, load), position=position)
 
     def lowered(self, point):
         """A state within the law's range for a body that a force moves freely, off the flat; None for any other."""

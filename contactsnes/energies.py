@@ -20,10 +20,13 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from .laws import CUTOFF
-from .states import normal_gap
+from .states import normal_gap, onto
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
+
+FAR_PANELS = 60
+"""Panels of a quadrature over a way of twice the law's range."""
 
 WORKS = ("external_work", "interface_work", "dissipated_work", "energy_imbalance")
 """What is summed up along a path."""
@@ -77,6 +80,19 @@ def stored(contact, point):
     return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(potential))
 
 
+def straight(contact, first, last, panels=1):
+    """Work done on the interface on the straight way between two states, for each component: sum over nodes, phi_i.
+
+    By Gauss and Legendre's rule of five points in each of some equal panels.
+    """
+    start, gap = onto(first, last.window), np.zeros_like(last.displacement)
+    gap[0] = last.window.take(contact.initial_gap)
+    way, (places, shares) = last.displacement - start, np.polynomial.legendre.leggauss(5)
+    return sum(0.5 / panels * share * contact.grid.sum(contact.law.traction(gap + start + part * way) * way)
+               for panel in range(panels)
+               for part, share in zip((panel + 0.5 * (1.0 + places)) / panels, shares))
+
+
 def line_integral(places, values, along, first):
     """Integral of ``values`` d(``along``) from place number ``first`` to the last, by polynomials through all places."""
     degree = len(places) - 1
@@ -109,7 +125,9 @@ class Ledger:
             station, last = self._station(point), self.trail[-1]
             if self._same(station, last):
                 return replace(point, smooth_steps=last.point.smooth_steps, **{name: getattr(last.point, name) for name in WORKS})
-            point = self._after_jump(station, last) if point.event == "jump" else self._after_step(station, last)
+            let_go = point.event == "fold" and not (point.in_contact or point.tangents)
+            point = self._after_jump(station, last) if point.event == "jump" else \
+                self._away(station, last) if let_go else self._after_step(station, last)
         self._keep(point)
         return point
 
@@ -140,6 +158,19 @@ class Ledger:
         lost = left - interface
         point = replace(point, jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
+
+    def _away(self, station, last):
+        """The point out of the law's range at which a force vanishes: too far from ``last`` for a quadrature along the branch.
+
+        What the loads do on the way, which is reversible, is what body and interface take up.
+        """
+        point, before = station.point, last.point
+        interface = point.interfacial_energy - before.interfacial_energy
+        if np.isnan(interface):
+            work = straight(self.contact, before.state, point.state, FAR_PANELS)
+            interface = float(self.contact.grid.node_area * work @ weights(self.contact, len(work)))
+        external = interface + point.elastic_energy - before.elastic_energy
+        return self._summed(point, before, external, interface, 0.0)
 
     def _after_step(self, station, last):
         """The point behind a step along the branch. The first three steps of a smooth part are each integrated from its start."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import states
 from .coldstart import COLD
-from .energies import weights
+from .energies import straight, weights
 from .forms import ForceForm
 from .options import read
 from .overdamped import Flow, Leaving, MotionOptions, Unsettled
@@ -110,15 +110,6 @@ def handover(system, flow, controls, load):
         except NotConverged as error:
             reason = error
     raise reason
-
-
-def straight(contact, first, last):
-    """Work done on the interface on the straight way between two states, for each component: sum over nodes, phi_i."""
-    start, gap = states.onto(first, last.window), np.zeros_like(last.displacement)
-    gap[0] = last.window.take(contact.initial_gap)
-    way, (places, shares) = last.displacement - start, np.polynomial.legendre.leggauss(5)
-    return sum(0.5 * share * contact.grid.sum(contact.law.traction(gap + start + 0.5 * (1.0 + place) * way) * way)
-               for place, share in zip(places, shares))
 
 
 def polished(system, rest, controls, load):

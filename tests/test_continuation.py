@@ -139,6 +139,8 @@ class System:
     def lowered(self, point, *_):
         return None
 
+    let_go = lowered
+
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
         slope = -np.linalg.solve(self.problem.jacobian(point.state, load), self.problem.load_derivative(point.state, load))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
-from contactsnes.energies import Ledger, line_integral, stored
+from contactsnes import states
+from contactsnes.energies import Ledger, line_integral, stored, straight
 from contactsnes.laws import CUTOFF, McGarry, Modified
 from contactsnes.observables import observe
 from contactsnes.progress import Progress
@@ -173,6 +174,14 @@ def test_works_cost_no_transform_and_survive_a_resume():
         rest = list(again)
         assert rest[-1].external_work == pytest.approx(found[-1].external_work, rel=1e-9)
         assert rest[-1].energy_imbalance == pytest.approx(found[-1].energy_imbalance, abs=1e-9)
+
+
+def test_work_on_a_straight_way_is_the_difference_of_a_potential():
+    contact = Branch(Scene(points=64, period=12.0, normal_maugis=2.0), Load(path="normal_displacement=0.1")).contact
+    near, far = states.undeformed(contact, ("displacement",), [0.5]), states.apart(contact)
+    potential = [contact.grid.sum(contact.law.potential(state.displacement + contact.initial_gap)) for state in (near, far)]
+    errors = [abs(straight(contact, near, far, panels)[0] / (potential[1] - potential[0]) - 1.0) for panels in (4, 8, 60)]
+    assert errors[1] < 0.05 * errors[0] and errors[2] < 1e-9
 
 
 def test_a_jump_without_potential_needs_the_works_along_its_motion():

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 petsc4py.init()
-from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, states
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps, states
 from contactsnes.mirrored import Symmetry
 from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
 from contactsnes.snes import RegularisedStep
@@ -225,6 +225,27 @@ def test_other_masses_end_in_the_same_state(name, mass):
 
 
 # Ends and failures
+
+@pytest.mark.parametrize("changes", [{}, {"geometry": "flat"}, {"tangential": "on", "height": 50.0, "residual_friction": 0.5}])
+def test_a_body_off_the_flat_lets_go_where_its_force_vanishes(changes):
+    """Within the law's range it is attracted, the less the farther away: the fold is at no force, whatever the steps."""
+    found = []
+    for times in (1.0, 4.0):
+        steps = Steps(initial_step=times / 40.0, largest_step=times / 20.0)
+        scene = Scene(**{**LINE, "points": 128, **changes})
+        branch = Branch(scene, Load(start="normal_displacement=-3", path="normal_force=0.5"), steps)
+        points = list(branch)
+        fold, jump = (next(point for point in points if point.event == event) for event in ("fold", "jump"))
+        assert points[0].forces[0] < -1e-4 and not fold.in_contact
+        assert fold.load[0] == fold.forces[0] == jump.load[0] == 0.0 and fold.fold_kind == "jump_in" and jump.in_contact
+        # Nothing is lost on the way out, which no polynomial through the points could tell.
+        before = points[[point.event for point in points].index("fold") - 1]
+        stored = [point.elastic_energy + point.interfacial_energy for point in (before, fold)]
+        assert fold.external_work - before.external_work == pytest.approx(stored[1] - stored[0], abs=1e-9)
+        assert jump.dissipated_work > 0.1
+        found.append((jump.displacements[0], jump.dissipated_work))
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
 
 def test_a_window_grows_with_the_motion():
     """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
