@@ -20,8 +20,9 @@ OUTCOMES = {
     "agreed": "all variants agree, and the checker finds nothing",
     "unresolved": "variants differ, where the archive says that the grid does not resolve the scene, or a fold is known roughly",
     "unstable": "variants differ, where the archive says that points are not stable",
-    "said": "ended with status 1 and a reason, as did all variants on the same points",
-    "some": "some variants on the same points ended with status 1 and a reason, others did not",
+    "said": "no equilibrium at a load that was asked for, named (status 1), in all variants on the same points",
+    "failed": "a failure of the solver, named (status 1), in all variants on the same points",
+    "some": "status 1 with a reason in some variants on the same points only",
     "refused": "bad input (status 2) to the scene or one of its variants, with a reason",
     "time": "a run did not end within its time",
     "silent": "an archive is wrong, or two differ, and nothing says so",
@@ -30,6 +31,9 @@ OUTCOMES = {
 """Outcome of a scene -> meaning, from good to bad: the worst of its variants counts."""
 
 FORBIDDEN = ("silent", "crashed")
+
+NAMED = ("no equilibrium", "does not lead to")
+"""What a reason says that names the load, no failure of the solver."""
 
 
 class Worker:
@@ -44,7 +48,12 @@ class Worker:
     def __init__(self, python=sys.executable, environment=None):
         self.command = [python, str(HERE / "worker.py")]
         self.environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **(environment or {})}
-        self.process = None
+        self.process, self._beside = None, {}
+
+    def beside(self, environment, python=sys.executable):
+        """Another worker, in another environment, kept as long as this one."""
+        key = (python, *sorted(environment.items()))
+        return self._beside.setdefault(key, Worker(python, environment))
 
     def start(self):
         """Start the process, unless it runs."""
@@ -53,26 +62,28 @@ class Worker:
             if self.process.stdout.readline().strip() != "ready":
                 raise RuntimeError(f"{self.command[0]} does not start the program")
 
-    def run(self, words, output, seconds, fault=None):
-        """`Run` of a command line."""
+    def run(self, words, output, seconds, fault=None, **more):
+        """`Run` of a command line; ``more`` as `worker` has it."""
         self.start()
-        job = {"words": words, "output": str(output), "seconds": seconds, "fault": fault}
+        job = {"words": words, "output": str(output), "seconds": seconds, "fault": fault, **more}
         timer = threading.Timer(6.0 * seconds + 30.0, self.process.kill)
         timer.start()
         try:
             self.process.stdin.write(json.dumps(job) + "\n")
             self.process.stdin.flush()
-            answer = json.loads(self.process.stdout.readline() or '{"status": -6, "seconds": 0}')
+            answer = json.loads(self.process.stdout.readline() or '{"status": -6, "seconds": 0, "clock": 0}')
         except BrokenPipeError:
-            answer = {"status": -signal.SIGABRT, "seconds": 0.0}
+            answer = {"status": -signal.SIGABRT, "seconds": 0.0, "clock": 0.0}
         finally:
             timer.cancel()
         texts = [Path(f"{output}.{end}").read_text(encoding="utf-8", errors="replace") if Path(f"{output}.{end}").exists() else ""
                  for end in ("out", "err")]
-        return Run(words, answer["status"], answer["seconds"], *texts)
+        return Run(words, answer["status"], answer["seconds"], *texts, answer["clock"])
 
     def close(self):
-        """End the process."""
+        """End the process, and those beside it."""
+        for other in self._beside.values():
+            other.close()
         if self.process is not None and self.process.poll() is None:
             self.process.stdin.close()
             self.process.wait(10)
@@ -80,13 +91,14 @@ class Worker:
 
 @dataclass
 class Run:
-    """How a command ended: its words, exit status (negative: a signal), seconds, and what it printed."""
+    """How a command ended: its words, exit status (negative: a signal), CPU seconds, what it printed, and seconds by the clock."""
 
     words: list
     status: int
     seconds: float
     out: str
     err: str
+    clock: float = 0.0
 
     @property
     def crashed(self):
@@ -125,7 +137,7 @@ class Verdict:
     def differ(self, statuses):
         """Tell ends with status 1 that others on the same points have not from those that all have."""
         if 0 in [status for name, status in statuses.items() if name != "twice the points"]:
-            self.found = [("some" if kind == "said" and name != "twice the points" else kind, name, text) for kind, name, text in self.found]
+            self.found = [("some" if kind in ("said", "failed") and name != "twice the points" else kind, name, text) for kind, name, text in self.found]
 
 
 def variants(scene):
@@ -159,13 +171,8 @@ def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=No
     verdict = Verdict()
 
     def run(name, changes):
-        archive = folder / f"{name.replace(' ', '-')}.h5"
-        archive.unlink(missing_ok=True)
-        words = ["run", *scene.words(folder, archive_file=archive, **changes)]
-        done = worker.run(words, archive.with_suffix(""), seconds, fault if planted_in is None or name in planted_in else None)
-        verdict.runs += 1
-        verdict.seconds += done.seconds
-        return _judged_alone(verdict, name, done, archive), done
+        planted = fault if planted_in is None or name in planted_in else None
+        return alone(verdict, name, scene, worker, folder, seconds, changes, planted)
 
     base, done = run("scene", {"archive_fields": "all"})
     if done.status == 2:
@@ -178,10 +185,7 @@ def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=No
         errors = {} if "archive_errors" not in scene.options else {"archive_errors": None}
         other, again = run(name, {**changes, **errors})
         statuses[name] = again.status
-        if base is not None and other is not None and other.count and base.count:
-            _compared(verdict, name, base, other, done.status == 0 == again.status)
-        elif (base is None) != (other is None) and 0 in (done.status, again.status):
-            verdict.add("some", name, "only one of the two has points")
+        compared(verdict, name, base, other, done.status == 0 == again.status)
     verdict.differ(statuses)
     return verdict
 
@@ -193,6 +197,17 @@ def shuffled(scene, only):
     return [(name, changes) for name, changes in order if only is None or name in only]
 
 
+def alone(verdict, name, scene, worker, folder, seconds, changes, fault=None):
+    """Run a variant of a scene and take down what is wrong with it by itself; (its `Story` or None, its `Run`)."""
+    archive = folder / f"{name.replace(' ', '-')}.h5"
+    archive.unlink(missing_ok=True)
+    words = ["run", *scene.words(folder, archive_file=archive, **changes)]
+    done = worker.run(words, archive.with_suffix(""), seconds, fault)
+    verdict.runs += 1
+    verdict.seconds += done.seconds
+    return _judged_alone(verdict, name, done, archive), done
+
+
 def _judged_alone(verdict, name, done, archive):
     """Take down how a run ended and what the checker says; its `Story`, or None."""
     if done.crashed:
@@ -200,7 +215,8 @@ def _judged_alone(verdict, name, done, archive):
     elif done.status == -signal.SIGKILL:
         verdict.add("time", name, f"after {done.seconds:.0f} s")
     elif done.status in (1, 2):
-        verdict.add("said" if done.status == 1 else "refused", name, done.reason)
+        named = any(word in done.reason for word in NAMED)
+        verdict.add("refused" if done.status == 2 else "said" if named else "failed", name, done.reason)
     elif done.status != 0:
         verdict.add("crashed", name, f"status {done.status}: {done.reason}")
     if done.status in (1, 2) and not done.reason:
@@ -222,8 +238,12 @@ def _judged_alone(verdict, name, done, archive):
     return story
 
 
-def _compared(verdict, name, base, other, finished):
-    """Compare a variant with the scene; say why they may differ, if the archives do."""
+def compared(verdict, name, base, other, finished):
+    """Compare a variant with the scene (each a `Story` or None); say why they may differ, if the archives do."""
+    if base is None or other is None or not base.count or not other.count:
+        if (base is None or not base.count) != (other is None or not other.count):
+            verdict.add("some", name, "only one of the two has points")
+        return
     resolved, stable = (all(story.known(column) for story in (base, other)) for column in ("resolved", "stable"))
     finer = name == "twice the points"
     # On one grid a jump of few nodes (resolved 0) is the same jump; what only a warning covers are grids too coarse for the law.

@@ -7,11 +7,11 @@ import shutil
 import threading
 import time
 
-from . import judge, planted, scenes
+from . import bad_input, judge, kills, planted, scenes
 
 COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found", "command")
 
-KEPT = (*judge.FORBIDDEN, "some", "time")
+KEPT = (*judge.FORBIDDEN, "failed", "some", "time")
 """Outcomes whose archives are kept."""
 
 
@@ -119,4 +119,48 @@ def planted_part(asked, end):
     run(asked, end, "planted", len(planted.FAULTS), judged)
 
 
-PARTS = {"scenes": scene_part, "planted": planted_part}
+def bad_input_part(asked, end):
+    """Random bad input."""
+    def judged(number, worker, folder):
+        return bad_input.judged(asked.seed, number, worker, folder, asked.seconds)
+
+    run(asked, end, "bad-input", asked.bad_inputs, judged)
+
+
+def kills_part(asked, end):
+    """Kills and other faults from outside."""
+    def judged(number, worker, folder):
+        return kills.judged(asked.seed, number, worker, folder, asked.seconds)
+
+    run(asked, end, "kills", asked.kills, judged)
+
+
+ROUNDINGS = {
+    "two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"},
+    "another kernel of OpenBLAS": {"OPENBLAS_CORETYPE": "Nehalem"},
+    "no vector instructions": {"NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX", "OPENBLAS_CORETYPE": "Prescott"},
+}
+"""Name -> variables of an environment in which sums are added up in another order."""
+
+
+def roundings_part(asked, end):
+    """Scenes again under other roundings."""
+    def judged(number, worker, folder):
+        scene, verdict = scenes.create(asked.seed, number), judge.Verdict()
+        base, done = judge.alone(verdict, "scene", scene, worker, folder, asked.seconds, {"archive_fields": "all"})
+        others = {name: worker.beside(environment) for name, environment in ROUNDINGS.items()}
+        if asked.python:
+            others["another PETSc"] = worker.beside({}, asked.python)
+        statuses = {"scene": done.status}
+        for name, other in others.items():
+            story, again = judge.alone(verdict, name, scene, other, folder, asked.seconds, {})
+            statuses[name] = again.status
+            judge.compared(verdict, name, base, story, done.status == 0 == again.status)
+        verdict.differ(statuses)
+        return verdict, judge.command(["run", *scene.words(folder)])
+
+    run(asked, end, "roundings", asked.roundings, judged)
+
+
+PARTS = {"scenes": scene_part, "bad-input": bad_input_part, "kills": kills_part, "roundings": roundings_part,
+         "planted": planted_part}

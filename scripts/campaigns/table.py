@@ -8,7 +8,7 @@ from . import judge
 
 BEGIN, END = "<!-- scripts/campaign writes from here -->\n", "<!-- scripts/campaign: as far as here -->\n"
 SHORT = {"agreed": "as it should be", "unresolved": "differs, told by `resolved`", "unstable": "differs, told by `stable`",
-         "said": "ended with a reason", "some": "some variants only", "refused": "refused", "time": "out of time",
+         "said": "no equilibrium, named", "failed": "failed, named", "some": "failed in some variants", "refused": "refused", "time": "out of time",
          "silent": "wrong without a word", "crashed": "crashed"}
 
 

@@ -1,8 +1,9 @@
 """Runs the program many times without starting Python and PETSc anew: one process, which forks itself for every run.
 
 Reads jobs from its standard input, one JSON object a line: words (the command line behind ``contactsnes``), output (stem of the
-files of what the run prints), seconds (limit), fault (a name of `planted`, or none). Answers each with a line: status (negative:
-killed by that signal), seconds. Started by `scripts/campaign` with whatever Python it is told.
+files of what the run prints), seconds (limit), and perhaps fault (a name of `planted`), signal (its number, and after how many
+seconds it is sent), file_size (most bytes of a file: a full disk), full (whether nothing can be printed). Answers each with a line:
+status (negative: killed by that signal), CPU seconds, seconds by the clock. Started by `scripts/campaign` with whatever Python it is told.
 """
 
 import json
@@ -15,6 +16,9 @@ from pathlib import Path
 
 WALL = 5.0
 """Seconds by the clock for each of CPU time, at most."""
+
+MEMORY = 8 << 30
+"""Bytes that a run may take."""
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
@@ -34,7 +38,8 @@ def start():
 def child(job):
     """The run, in the forked process: its exit status."""
     for number, end in ((1, "out"), (2, "err")):
-        descriptor = os.open(f"{job['output']}.{end}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        path = "/dev/full" if job.get("full") and number == 1 else f"{job['output']}.{end}"
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(descriptor, number)
         os.close(descriptor)
     from contactsnes import cli
@@ -69,6 +74,10 @@ def run(job):
             signal.signal(signal.SIGINT, signal.default_int_handler)
             limit = int(job["seconds"]) + 1
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+            if job.get("file_size"):
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (job["file_size"], job["file_size"]))
             status = child(job)
             sys.stdout.flush()
             sys.stderr.flush()
@@ -79,12 +88,12 @@ def run(job):
             sys.stderr.flush()
         finally:
             os._exit(status)
-    return wait(process, begin, job["seconds"])
+    return *wait(process, begin, job["seconds"], job.get("signal")), time.monotonic() - begin
 
 
-def wait(process, begin, seconds):
+def wait(process, begin, seconds, sent=None):
     """Exit status and CPU seconds of a child, which is killed when its time is over (then -SIGKILL)."""
-    pause = 0.002
+    pause = 0.001
     while True:
         done, status, usage = os.wait4(process, os.WNOHANG)
         if done:
@@ -93,8 +102,11 @@ def wait(process, begin, seconds):
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)
             return -signal.SIGKILL, time.monotonic() - begin
+        if sent and time.monotonic() - begin > sent[1]:
+            os.kill(process, sent[0])
+            sent = None
         time.sleep(pause)
-        pause = min(0.05, 1.3 * pause)
+        pause = min(0.02, 1.3 * pause)
 
 
 def main():
@@ -103,8 +115,7 @@ def main():
     start()
     print("ready", file=answers, flush=True)
     for line in sys.stdin:
-        status, seconds = run(json.loads(line))
-        print(json.dumps({"status": status, "seconds": seconds}), file=answers, flush=True)
+        print(json.dumps(dict(zip(("status", "seconds", "clock"), run(json.loads(line))))), file=answers, flush=True)
 
 
 if __name__ == "__main__":
