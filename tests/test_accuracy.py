@@ -252,7 +252,7 @@ def run(folder, *arguments, before="pass"):
     code = f"import sys; {before}; from contactsnes.cli import main; sys.exit(main(sys.argv[1:]))"
     words = [*RUN, *arguments, "-archive_file", str(folder / "run.h5")]
     done = subprocess.run([sys.executable, "-c", code, *words], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True,
-                          text=True, timeout=120, check=False)
+                          text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

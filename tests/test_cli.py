@@ -34,7 +34,7 @@ SHEARED = [*SMALL, "-scene_residual_friction", "0.5", "-scene_height", "250",
 
 def call(*arguments, folder, env=ENVIRONMENT):
     """A finished process of the command."""
-    return subprocess.run([*COMMAND, *map(str, arguments)], cwd=folder, env=env, capture_output=True, text=True, timeout=120,
+    return subprocess.run([*COMMAND, *map(str, arguments)], cwd=folder, env=env, capture_output=True, text=True, timeout=600,
                           check=False)
 
 

@@ -382,7 +382,7 @@ def test_meter_and_history():
 def call(*arguments, folder):
     """A finished process of ``contactsnes compare``."""
     return subprocess.run([sys.executable, "-m", "contactsnes", "compare", *map(str, arguments)], cwd=folder, env=ENVIRONMENT,
-                          capture_output=True, text=True, timeout=200, check=False)
+                          capture_output=True, text=True, timeout=600, check=False)
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ STILL = "-scene_points 128 -scene_period 20 -scene_normal_maugis 1 -load_start n
 def shell(line, folder, **environment):
     """A finished shell command, in which CONTACTSNES stands for the program and STILL for one cheap point."""
     line = line.replace("CONTACTSNES", COMMAND).replace("STILL", STILL)
-    return subprocess.run(["bash", "-c", line], cwd=folder, env=ENVIRONMENT | environment, capture_output=True, text=True, timeout=120,
+    return subprocess.run(["bash", "-c", line], cwd=folder, env=ENVIRONMENT | environment, capture_output=True, text=True, timeout=600,
                           check=False)
 
 
@@ -117,7 +117,7 @@ def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
             time.sleep(0.01)
         time.sleep(wait)
         process.send_signal(number)
-        shown = process.communicate(timeout=60)[1]
+        shown = process.communicate(timeout=600)[1]
         assert process.returncode == 128 + number and "Traceback" not in shown and len(shown.splitlines()) <= 1, shown
         if (tmp_path / f"{wait}.h5").exists():
             archive.read(tmp_path / f"{wait}.h5")

@@ -232,7 +232,7 @@ SMALL = ["-scene_period", "inf", "-scene_height", "inf", "-scene_normal_maugis",
 
 def call(folder, *arguments):
     return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder, env=ENVIRONMENT, capture_output=True,
-                          text=True, timeout=120, check=False)
+                          text=True, timeout=600, check=False)
 
 
 @pytest.mark.parametrize("more", [[], ["-scene_dimension", "2", "-scene_geometry", "sphere"]])

@@ -58,7 +58,7 @@ def test_bad_arguments(words, named, capsys):
 
 
 def test_help_says_what_it_is():
-    done = subprocess.run([sys.executable, SCRIPT, "--help"], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([sys.executable, SCRIPT, "--help"], capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0 and "Tamaas" in done.stdout and "sphere-512" in done.stdout
 
 

@@ -392,7 +392,7 @@ def run(path, folder, *arguments):
     """A finished run of a small sheared path with a file of options, in a folder of its own."""
     folder.mkdir()
     return subprocess.run([sys.executable, "-m", "contactsnes", "run", path, *PATH, *arguments], cwd=folder, capture_output=True,
-                          text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=60, check=False)
+                          text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=600, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -126,7 +126,7 @@ def test_legs_that_are_done_are_compared(there, here, done, names):
 def run(*arguments, folder):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     return subprocess.run([sys.executable, "-m", "contactsnes", "run", *arguments], cwd=folder, env=environment, capture_output=True,
-                          text=True, timeout=120, check=False)
+                          text=True, timeout=600, check=False)
 
 
 ROUGH = ["-scene_geometry", "file", "-scene_points", "64", "-scene_period", "12", "-scene_height", "20", "-scene_normal_maugis", "1",

@@ -226,7 +226,7 @@ def test_the_command_line_takes_roughness(tmp_path):
             "-scene_normal_maugis 2 -load_path normal_force=1"
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[1])}
     call = lambda command, *more: subprocess.run([sys.executable, "-m", "contactsnes", command, *words.split(), *more], cwd=tmp_path,
-                                                 env=environment, capture_output=True, text=True, timeout=120, check=False)
+                                                 env=environment, capture_output=True, text=True, timeout=600, check=False)
     told = call("info")
     assert told.returncode == 0 and "roughness: Hurst exponent 0.8, 39 waves shorter than 40 beta and longer than 1 beta, seed 7" in told.stdout
     assert "no symmetry is used: the initial gap is not even about the apex" in told.stdout

@@ -248,7 +248,7 @@ SMALL = [*OPTIONS, "-scene_points", "256", "-scene_period", "0.003", "-load_path
 
 def call(*arguments, folder):
     """A finished process of the command."""
-    return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder, capture_output=True, text=True, timeout=120,
+    return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder, capture_output=True, text=True, timeout=600,
                           check=False, env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
