@@ -1,5 +1,6 @@
 """Preconditioners of the contact Jacobian: the mathematics of two zones, and the thin PETSc contexts around it."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -134,8 +135,8 @@ def _inverse(matrix, floor):
 
 def _rounded(extent):
     """The extent rounded up to a sixteenth of its power of two."""
-    unit = 2 ** max(int(np.log2(extent)) - 4, 0)
-    return int(np.ceil(extent / unit)) * unit
+    unit = 2 ** max(math.frexp(extent)[1] - 5, 0)
+    return math.ceil(extent / unit) * unit
 
 
 class CoreZone:
