@@ -92,12 +92,20 @@ def differences(scene, options, others, other_options, done):
     names = [name for name in {**others, **scene} if name not in SOURCES]
     pairs = [(name, scene.get(name, "not given"), others.get(name, "not given")) for name in names]
     found = [(name, *(np.asarray(value).tolist() for value in (old, new))) for name, old, new in pairs
-             if not np.array_equal(old, new)]
+             if not _agree(old, new)]
     texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
     for number in range(min(done, len(legs(before)))):
         there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))] for entry in (before, now))
         texts.append((f"leg {number + 1} of load_path, which is done,", there, here))
     return found + [text for text in texts if _meaning(text[1]) != _meaning(text[2])]
+
+
+def _agree(old, new):
+    """Whether two attributes are the same; numbers that were derived are so to rounding, which machines differ in."""
+    old, new = np.asarray(old), np.asarray(new)
+    if old.shape != new.shape or {old.dtype.kind, new.dtype.kind} - set("fiu"):
+        return np.array_equal(old, new)
+    return np.allclose(old, new, rtol=1e-12, atol=0.0)
 
 
 def changes(options, other_options):

@@ -129,13 +129,16 @@ class Branch:
 
     def _modes(self):
         """Modes of the last point under the controls of the leg under way; None without one, or a tangent."""
-        form = self.corrector.settings.form == "displacement" or solver_type().startswith("newton")
         last, leg = self._last, self._under_way
-        if last is None or not form:
+        if last is None or not self._has_tangent():
             return None
         if leg is not None and tuple(last.controls) != leg.controls:
             last = self.corrector.adapted(last, leg.controls, leg.start)
         return Stability(self.corrector, SIGN).modes(last, None)
+
+    def _has_tangent(self):
+        """Whether the method has a tangent whose modes can be found."""
+        return self.corrector.settings.form == "displacement" or solver_type().startswith("newton")
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""
@@ -193,6 +196,7 @@ class Branch:
                            lambda length: self.steps.sizes(number, length))
         if leg is not None:
             self._say_what_turns_back(leg)
+            self._say_what_a_switch_frees(points[-1], leg)
             self._under_way = leg
         return leg
 
@@ -215,6 +219,22 @@ class Branch:
         if turned:
             self._log(f"leg {leg.number} takes a tangential load back: these laws have no memory, so that a path without folds "
                       "retraces itself and shows no frictional hysteresis; energy is lost in jumps only")
+
+    def _say_what_a_switch_frees(self, last, leg):
+        """Say of a leg that lets go of a displacement and moves another one whether it begins at an unstable point.
+
+        Where nobody checks stability, and only there; of a leg that moves forces alone its first step tells at no cost.
+        """
+        freed = any(pair == (DISPLACEMENT, FORCE) for pair in zip(last.controls, leg.controls))
+        pulled = any(control == DISPLACEMENT and way != 0.0 for control, way in zip(leg.controls, leg.direction))
+        if self.stability is not None or last.leg == leg.number or not (freed and pulled and self._has_tangent()):
+            return
+        begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event="none", tangents=())
+        found = self.corrector.examiner(begun)
+        if found.unstable_modes > 0:
+            self._log(f"leg {leg.number} begins on an unstable part of the branch: at {self.corrector.told(leg.controls, leg.start)} "
+                      f"{found.unstable_modes} modes are unstable now that a force holds what a displacement held; "
+                      "-continuation_stability sign certifies points")
 
     def _say_what_cannot_be_held(self, point):
         """Say of a leg whether it begins where the forces that it moves do not hold the body, if nobody checks stability.

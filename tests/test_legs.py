@@ -124,7 +124,14 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
     assert {stable for leg, stable in found["sign"] if leg == 3} == {0}
     assert [sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence] == told[-1:]
     told.clear()
-    followed("normal_displacement=2; normal_force=hold; normal_force=3", log=told.append)
+    # Also where what moves is not what was let go.
+    steps = Steps(initial_step=(0.1, 1.0, 0.2), largest_step=(0.4, 1.0, 0.2))
+    aside = path.replace("normal_force=-1.5", "tangential_displacement=0.2")
+    followed(aside, scene, steps, "normal_displacement=-2", log=told.append)
+    assert len([sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
+    told.clear()
+    for end in ("normal_force=3", "tangential_displacement=1"):
+        followed(f"normal_displacement=2; normal_force=hold; {end}", log=told.append)
     assert not any("unstable" in sentence for sentence in told)
 
 

@@ -120,6 +120,15 @@ def test_legs_that_are_done_are_compared(there, here, done, names):
     assert [name[:5] for name, *_ in found] == names
 
 
+def test_scenes_are_compared_by_value_and_not_by_the_last_bit():
+    there = {"normal_maugis": 0.1, "period": (3.0, np.inf), "seed": 2 ** 32 - 1, "law": "modified", "geometry_file": "a.npy"}
+    here = {**there, "normal_maugis": np.nextafter(0.1, 1.0), "period": np.array([3.0, np.inf]), "geometry_file": "b.txt"}
+    assert resuming.differences(there, "", here, "", 0) == []
+    for change in ({"normal_maugis": 0.1 + 1e-9}, {"period": 3.0}, {"seed": 2 ** 32 - 2}, {"law": "mcgarry"}, {"heights": "ab"}):
+        (found,) = resuming.differences(there, "", {**there, **change}, "", 0)
+        assert found[0] in change and found[2] == change[found[0]]
+
+
 # On the command line
 
 
