@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import departures
 from .continuation import Walk, fold_kind, grown
 from .event_points import events_between, locate
 from .folds import Turn
@@ -281,7 +282,7 @@ class ArcWalk(Walk):
         yield from self._reach(fold)
         fold = self.history[-1][1]
         if self.at_fold != "trace" and not self.stopped:
-            yield from self._leave(fold, self._starts(fold, beyond.state))
+            yield from self._leave(fold, departures.starts(self.system, fold, beyond.state))
 
     def _tell_of_swings(self, fold):
         """Say once of folds that hardly differ in their load that they are the grid's."""

@@ -8,18 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import bifurcations
-from .event_points import further_events, with_events
+from . import bifurcations, departures
+from .event_points import further_events, pulled_off, with_events
 from .folds import Turn
-from .points import NoFold, NotConverged, lagrange_weights
+from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
-KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
-"""How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the next if it leads back.
-
-Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
-"""
 
 
 def predict(system, history, leg, position, kind):
@@ -134,17 +129,22 @@ class Walk:
         yield self._accept(point)
 
     def _give_up(self, error, where):
-        """Raise NoEquilibrium where the leg's end has none, else ``error``."""
-        self._end(where)
+        """Raise ``error``, or NoEquilibrium, with that error, where the leg's end has none."""
+        try:
+            self._end(where)
+        except NoEquilibrium as missing:
+            reached = self._place(self.history[-1][0])
+            raise NoEquilibrium(f"{missing}; the branch was followed to {reached} ({error})") from None
         raise error
 
     def _end(self, where):
-        """Raise NoEquilibrium if motion under the load that the leg asks for shows that there is none.
+        """Raise NoEquilibrium if motion under the load of the leg's end shows that there is none.
 
-        Under the load of the last point a body on its way out would hardly move.
+        Under the load of the last point a body on its way out may hardly move.
         """
+        last, load = self.history[-1][1], self.leg.load(1.0)
         try:
-            self.system.settle(self.history[-1][1].state, self.leg.controls, self.leg.load(1.0), where)
+            self.system.settle(last.state, self.leg.controls, load, where)
         except NotConverged:
             pass
 
@@ -210,7 +210,7 @@ class Walk:
         fold, passed = self.system.let_go(last, self.leg, place), None
         if fold is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
-            starts = [] if fold is None else self._starts(fold, beyond)
+            starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
             lowered = self.system.lowered(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=np.finfo(float).eps)
@@ -225,40 +225,18 @@ class Walk:
         if not self.stopped and self.history[-1][1].event == "fold":
             yield from self._leave(self.history[-1][1], starts)
 
-    def _starts(self, fold, beyond):
-        """Functions that return states from which the motion of a jump begins, in the order in which to try them."""
-        kicks = [lambda kick=kick: self.system.kicked(fold, beyond, kick) for kick in KICKS]
-        lowered = self.system.lowered(fold)
-        return kicks if lowered is None else [lambda: lowered, *kicks]
-
     def _leave(self, fold, starts):
         """What follows a fold: nothing, or the point after the jump."""
         if self.at_fold == "stop":
             self.stopped = True
             return
-        where = f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at {self._place(fold.position)}"
-        point = bifurcations.settled(self.system, self.certify, self._jump(fold, starts, where), where)
+        where = f"at {self._place(fold.position)}, beyond the fold ({fold.fold_kind})"
+        end = f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at {self._place(fold.position)}"
+        point = departures.jumped(self.system, self.leg, fold, starts, where, lambda: self._end(end))
+        point = bifurcations.settled(self.system, self.certify, point, where)
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial, event="jump")
         self.history = []
         yield self._accept(point)
-
-    def _jump(self, fold, starts, where):
-        """The equilibrium at the fold's load to which motion leads from the first of some starts that does not lead back."""
-        if fold.controls[self.leg.moving] == "force" and fold.fold_kind != "jump_in":
-            # Under the fold's own load a body that is on its way out hardly moves, or for ever.
-            self._end(where)
-        for start in starts:
-            state = start()
-            try:
-                point = self.system.settle(state, self.leg.controls, fold.load, where, fold.state)
-            except NotConverged as error:
-                self._give_up(error, where)
-            # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
-            if self.system.missed(fold.state, point.state) > 0.5 * self.system.missed(fold.state, state) \
-                    or self.system.progress(fold.state, state, point.state) > 0.05:
-                return point
-            self.system.log(f"the motion {where} led back to it; trying again from farther away")
-        return self._give_up(NotConverged(f"no other equilibrium was reached {where}: the motion led back"), where)
 
 
 def fold_kind(leg, heading=1.0):
@@ -308,13 +286,18 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         if leg is None:
             continue
         walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify, at_bifurcation)
-        for arrived in walk:
-            previous = emitted[-1]
-            for point in with_events(previous, arrived):
-                emitted = [*emitted[-5:], point]
-                yield point
-                if point.event in stops:
-                    return
+        try:
+            for arrived in walk:
+                previous = emitted[-1]
+                for point in with_events(previous, arrived):
+                    emitted = [*emitted[-5:], point]
+                    yield point
+                    if point.event in stops:
+                        return
+        except NoEquilibrium:
+            if "pull_off" in stops and pulled_off(emitted[-1]):
+                return
+            raise
         if walk.stopped:
             return
 

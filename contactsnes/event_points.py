@@ -76,3 +76,8 @@ def further_events(previous, point):
     for name in names[names.index(point.event) + 1 if point.event in names else 0:]:
         yield replace(point, event=name, fold_kind="", fold_precision=0.0, tangents=(),
                       spent={key: 0 * value for key, value in point.spent.items()})
+
+
+def pulled_off(point):
+    """Whether a point is the fold beyond which a force that is prescribed pulls the body off."""
+    return point.event == "fold" and point.fold_kind == "pull_off" and point.controls[0] == "force"

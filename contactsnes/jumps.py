@@ -17,6 +17,9 @@ BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
 
 
+ENDLESS = "the body leaves or slides without end"
+"""What is said of a motion without an equilibrium."""
+
 RESTS = (1e-6, 1e-8, 1e-10)
 """Speeds at which a motion is handed over to Newton's method, the next if that leads elsewhere.
 
@@ -67,21 +70,42 @@ def settle(system, state, controls, load, where, origin=None):
 
     Raises
     ------
-    NoEquilibrium : where the body leaves or slides without end
+    NoEquilibrium : where overdamped motion shows that the body leaves or slides without end
     NotConverged : where the motion does not settle
     """
     if not np.isfinite(state.displacement).all():
         raise NotConverged(f"the motion {where} cannot begin: its start holds NaN or infinite values")
-    options = read(MotionOptions)
-    if options.type == "overdamped" and system.settings.form == "displacement":
+    options, state = read(MotionOptions), states.with_components(state, len(controls))
+    overdamped = options.type == "overdamped" and system.settings.form == "displacement"
+    failure = None
+    if overdamped:
         try:
-            return flowed(system, states.with_components(state, len(controls)), controls, load, origin, options)
+            return flowed(system, state, controls, load, origin, options)
         except Leaving:
-            raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
+            raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
         except (Unsettled, NotConverged) as error:
+            failure = error
             system.log(f"the overdamped motion {where} cannot be followed ({error}): following motion "
                        "with inertia on the whole cell, which may lead to another equilibrium")
-    return fallen(system, state, controls, load, where)
+    try:
+        return fallen(system, state, controls, load, where)
+    except Leaving:
+        # Inertia may carry a body past an equilibrium.
+        if failure is None:
+            return unhurried(system, state, controls, load, where, options)
+    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
+                       f"cannot be followed: {failure}")
+
+
+def unhurried(system, state, controls, load, where, options):
+    """What overdamped motion leads to where motion with inertia has no end; errors as of `settle`."""
+    try:
+        return flowed(system, state, controls, load, None, options)
+    except Leaving:
+        raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+    except Unsettled as error:
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
+                           f"cannot be followed: {error}") from None
 
 
 def flowed(system, state, controls, load, origin, options):
@@ -123,7 +147,10 @@ def polished(system, rest, controls, load):
 
 
 def fallen(system, state, controls, load, where):
-    """The equilibrium that damped motion with inertia leads to on the whole cell; errors as of `settle`."""
+    """The equilibrium that damped motion with inertia leads to on the whole cell.
+
+    Raises Leaving where the body leaves, NotConverged where it does not settle.
+    """
     form = ForceForm(system.contact.periodic, controls)
     form.set_load(load)
     unknown = form.pack(system.contact.extended(states.with_components(state, form.components)))
@@ -142,11 +169,18 @@ def handed_over(system, guess, controls, load):
     form = ForceForm(system.contact, controls)
     form.set_load(load)
     unknown = form.pack(system.contact.extended(guess))
-    return system._state(form, relaxed(system, form, unknown, system.settings.first_tolerance, "of the relaxation", "first_"))
+    try:
+        unknown = relaxed(system, form, unknown, system.settings.first_tolerance, "of the relaxation", "first_")
+    except Leaving:
+        raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None
+    return system._state(form, unknown)
 
 
 def relaxed(system, form, unknown, tolerance, where, prefix="jump_"):
-    """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``; options under ``prefix``."""
+    """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``.
+
+    With options under ``prefix``; errors as of `fallen`.
+    """
     snes = create_snes(form, prefix=prefix)
     snes.setType("python")
     snes.setPythonType("contactsnes.relaxation.Fire")
@@ -156,5 +190,5 @@ def relaxed(system, form, unknown, tolerance, where, prefix="jump_"):
         return system._newton(form, unknown, None, snes)[0]
     except NotConverged as error:
         if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
-            raise NoEquilibrium(f"no equilibrium {where}: the body leaves or slides without end") from None
+            raise Leaving from None
         raise NotConverged(f"the motion {where} did not settle: {error}") from None

@@ -25,6 +25,11 @@ TURNING = 0.25
 """Part of a step by which it may miss its prediction: next to an unstable state a long implicit step would lead back to it."""
 STILL = 1e-4
 """Length of a step, ranges, below which it does not matter how it was predicted."""
+ENDLESS = 30.0
+"""Time for which nothing may hold back a body that slides before it is said to slide for ever, relaxation times.
+
+Meanwhile the contact may still grow.
+"""
 SHORTEST, LATEST = 1e-8, 1e12
 """Time step below which a motion cannot be followed, and time after which none comes to rest any more, relaxation times."""
 
@@ -106,7 +111,7 @@ class Flow:
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
         options, last, speed, step = self.options, np.inf, self._size(self.rate), self._next
-        self._exactness = min(1e-4 * options.tolerance, rest)
+        self._exactness, begun = min(1e-4 * options.tolerance, rest), self.history[-1].time
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
             if not error <= 1.5:
@@ -122,7 +127,9 @@ class Flow:
             if covered and speed < rest and (speed <= last or speed < 1e-3 * rest):
                 self._next = step
                 return
-            if self.equations.leaving(moment.unknown, change[self.equations.form.count:] / step):
+            lost = self.equations.leaving(moment.unknown, change[self.equations.form.count:] / step)
+            begun = moment.time if lost is None else begun
+            if lost == 0 or moment.time - begun > ENDLESS:
                 raise Leaving
             step *= min(2.0, 0.9 * max(error, 1e-3) ** (-1.0 / 3.0))
             if not covered:

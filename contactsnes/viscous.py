@@ -163,16 +163,19 @@ class Equations:
         return max(float(np.sqrt(mean)), float(grid.maximum(change)) / 3.0)
 
     def leaving(self, unknown, velocity):
-        """Whether no traction will balance a pulled component from here on, at a velocity of the means that move."""
+        """The component that is pulled and that no traction will balance as it is, or None.
+
+        At a velocity of the means that move.
+        """
         gap, grid = self.gap(unknown), self.form.grid
         for place in np.flatnonzero(self.pulled):
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
             if component == 0 and target > 0.0 and grid.minimum(gap[0]) > CUTOFF:
-                return True
+                return 0
             if component > 0 and abs(unknown[self.form.count + place]) > LEVELLED:
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
                 if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size, pressed):
-                    return True
-        return False
+                    return component
+        return None

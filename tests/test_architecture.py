@@ -65,6 +65,7 @@ TABLE = (
     Row("limit_points", "limit points located to rounding", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("event_points", "points at which events happen", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("folds", "limit points by arc length", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("departures", "how a fold is left", ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("bifurcations", "places where an eigenvalue crosses zero",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("failures", "which points the grid resolves, and what stops a branch, in words", ("fourier", "forms")),
@@ -118,7 +119,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored", "balance",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "modes", "continuation", "arcs", "options", "motion", "stepping", "resuming", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "departures", "modes", "continuation", "arcs", "options", "motion", "stepping", "resuming", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

@@ -477,6 +477,34 @@ def test_an_unstable_branch_is_left_backwards():
     assert after.state[0] == pytest.approx(2 / np.sqrt(3), abs=2e-3)
 
 
+class Unsteady(System):
+    """Motions under the load of a fold that leave, so many of them; under other loads they settle."""
+
+    leaving, end = 1, 2.0
+
+    def settle(self, state, controls, load, where, origin=None):
+        if load[-1] != self.end and self.leaving > 0:
+            self.leaving -= 1
+            raise NoEquilibrium(f"no equilibrium {where}")
+        return super().settle(state, controls, load, where, origin)
+
+
+def test_a_motion_that_leaves_says_nothing_of_others():
+    system = Unsteady(cubic())
+    points, error = followed(path(system, [-1.875, 2.0], [-1.5]))
+    assert error is None and events(points) == ["fold", "jump"] and system.leaving == 0
+    assert points[-1].position == 1.0
+
+
+def test_a_jump_that_is_not_found_is_no_missing_equilibrium():
+    """At the leg's end there is one: the path ends, and what is said is what failed, and where."""
+    system = Unsteady(cubic())
+    system.leaving = 100
+    points, error = followed(path(system, [-1.875, 2.0], [-1.5]))
+    assert isinstance(error, NotConverged) and "no other equilibrium was reached at" in str(error)
+    assert system.told((), np.array([CUBIC_FOLD]))[:6] in str(error) and events(points) == ["fold"]
+
+
 @pytest.mark.parametrize("end, expected", [(2.0, NoEquilibrium), (0.95, NotConverged)])
 def test_where_solves_fail_the_end_of_the_leg_says_whether_there_is_anything(end, expected):
     """tanh u = load has a solution for loads below 1, but solves fail beyond 0.9; just there a motion would settle."""

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 petsc4py.init()
-from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps, states
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps, jumps, states
 from contactsnes.mirrored import Symmetry
 from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
 from contactsnes.snes import RegularisedStep
@@ -280,6 +280,77 @@ def test_motion_without_end_is_told_at_once(force, slip):
         flow(contact, controls, load, lifted(contact, controls, load, 0.0, slip)).follow()
 
 
+def test_what_slides_while_contact_still_grows_does_not_slide_for_ever():
+    """Lifted and slipped, the body hardly touches: friction carries the force once it has come down."""
+    contact, controls, load = Contact(Scene(**{**LAYER, "height": float("inf")})), (F, F), (5.0, 0.3)
+    motion = flow(contact, controls, load, lifted(contact, controls, load, 5.0, 12.0), even=False)
+    motion.follow()
+    assert states.normal_gap(contact, motion.state()).min() < 1.0
+
+
+def test_a_fold_under_a_force_is_the_pull_off_that_a_path_stops_at():
+    scene = Scene(**{**LINE, "period": 40.0, "points": 1024})
+    points = list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5", stop="pull_off")))
+    assert (points[-1].event, points[-1].fold_kind) == ("fold", "pull_off")
+    with pytest.raises(NoEquilibrium):
+        list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5", stop="gross_sliding")))
+
+
+ROUGH = {"period": 24.0, "points": 256, "height": float("inf"), "tangential": "off", "geometry": "file"}
+
+
+def on_heights(tmp_path, heights, start, path, **changes):
+    """The branch of a body with heights."""
+    np.save(tmp_path / "heights.npy", heights)
+    scene = Scene(**{**ROUGH, "geometry_file": str(tmp_path / "heights.npy"), **changes})
+    return Branch(scene, Load(start=start, path=path))
+
+
+def test_spots_that_let_go_one_by_one_under_a_force_are_followed_to_the_last(tmp_path, self_affine):
+    """Beyond the first fold, whose spot lets go, there are equilibria at a greater pull."""
+    heights, points = self_affine(256, 24.0, 12.0, 0.75, 2.0, 0), []
+    branch = on_heights(tmp_path, heights, "normal_force=1", "normal_force=-20", normal_maugis=4.0)
+    with pytest.raises(NoEquilibrium, match="no equilibrium at normal_force -20, beyond the fold"):
+        for point in branch:
+            points.append(point)
+    folds = [point.forces[0] for point in points if point.event == "fold"]
+    assert len(folds) > 1 and min(folds) == folds[-1] < 1.03 * folds[0]
+    beyond = [point for point in points if point.forces[0] < folds[0]]
+    assert beyond and all(point.in_contact and point.residual_norm <= 1e-8 for point in beyond)
+
+
+def test_what_is_pressed_is_not_said_to_leave(tmp_path, self_affine):
+    """From a state that a prescribed force does not hold: the branch ends, the body jumps, and reaches what a start reaches."""
+    heights = self_affine(64, 12.0, 6.0, 1.5, 1.0, 1, dimension=2)
+    changes = {"dimension": 2, "points": 64, "period": 12.0, "normal_maugis": 2.0, "height": 2000.0}
+    branch = on_heights(tmp_path, heights, "normal_displacement=0", "normal_force=10", **changes)
+    points = list(branch)
+    assert [point.event for point in points if point.event != "none"] == ["fold", "jump"]
+    direct = branch.corrector.start((F,), np.array([10.0]))
+    assert points[-1].displacements == pytest.approx(direct.displacements, rel=1e-6)
+
+
+def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, options, monkeypatch):
+    """Overdamped motion has the last word; where it cannot be followed nothing is said of equilibria."""
+    branch, points, _ = jumped["pull-off"]
+    fold, after = points[-2:]
+
+    def leaves(*arguments):
+        raise Leaving
+
+    monkeypatch.setattr(jumps, "fallen", leaves)
+    aside = branch.corrector.kicked(fold, None, 1.0)
+    options(jump_motion_type="inertial")
+    point = branch.corrector.settle(aside, fold.controls, fold.load, "here")
+    np.testing.assert_allclose(point.forces, after.forces, rtol=1e-6, atol=1e-9)
+    options(jump_motion_type="overdamped", jump_motion_steps=3)
+    with pytest.raises(NotConverged, match="leaves .* with inertia here, but the overdamped motion .* 3 steps"):
+        branch.corrector.settle(aside, fold.controls, fold.load, "here")
+    monkeypatch.setattr(jumps, "relaxed", leaves)
+    with pytest.raises(NotConverged, match="in the relaxation before the solve"):
+        jumps.handed_over(branch.corrector, fold.state, fold.controls, fold.load)
+
+
 def test_an_isolated_contact_jumps_in():
     scene = Scene(period=float("inf"), normal_maugis=5.0, tangential="off")
     points = list(Branch(scene, Load(path="normal_force=0.5")))
@@ -308,7 +379,7 @@ def test_a_drift_that_never_ends_is_given_up():
     """A velocity that nothing stops, as of a body pulled by what is not recognised."""
     contact = Contact(Scene(**LINE))
     motion = flow(contact, (F,), (-3.0,), lifted(contact, (F,), (-3.0,), 40.0))
-    motion.equations.leaving = lambda *_: False
+    motion.equations.leaving = lambda *_: None
     with pytest.raises(Unsettled, match="not come to rest"):
         motion.follow()
 

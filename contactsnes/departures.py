@@ -1,0 +1,72 @@
+"""How a fold is left: motions from states beside it, in turn, until one leads to another equilibrium."""
+
+from .points import NoEquilibrium, NotConverged
+
+KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
+"""How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the next if it leads back.
+
+Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
+"""
+
+MISHAPS = 5
+"""Motions beside a fold that may end in no equilibrium before the jump is given up."""
+
+
+def starts(system, fold, beyond):
+    """Functions that return states from which the motion of a jump begins, in the order in which to try them.
+
+    Parameters
+    ----------
+    system : Corrector
+    fold : Point
+    beyond : State, of the branch behind the fold
+    """
+    kicks = [lambda kick=kick: system.kicked(fold, beyond, kick) for kick in KICKS]
+    lowered = system.lowered(fold)
+    return kicks if lowered is None else [lambda: lowered, *kicks]
+
+
+def jumped(system, leg, fold, starts, where, check_end):
+    """The equilibrium at a fold's load to which motion leads from the first start that does not lead back.
+
+    A body that leaves, from one start, says nothing of others, nor of other loads.
+
+    Parameters
+    ----------
+    system : Corrector
+    leg : Leg
+    fold : Point
+    starts : functions () -> State
+    where : str, what messages say of the place
+    check_end : function () that raises NoEquilibrium if motion under the load of the leg's end shows that there is none
+
+    Raises
+    ------
+    NoEquilibrium : as of ``check_end``
+    NotConverged : where no motion leads to another equilibrium
+    """
+    if fold.controls[leg.moving] == "force" and fold.fold_kind != "jump_in" and not fold.tangents:
+        # Under the load of a plateau a body that is on its way out moves hardly, or for ever.
+        check_end()
+    failures = []
+    for start in starts:
+        state = start()
+        try:
+            point = system.settle(state, leg.controls, fold.load, where, fold.state)
+        except (NotConverged, NoEquilibrium) as error:
+            if not failures:
+                check_end()
+            failures.append(error)
+            if len(failures) == MISHAPS:
+                break
+            system.log(f"{error}; trying again from elsewhere")
+            continue
+        # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
+        if system.missed(fold.state, point.state) > 0.5 * system.missed(fold.state, state) \
+                or system.progress(fold.state, state, point.state) > 0.05:
+            return point
+        system.log(f"the motion {where} led back to it; trying again from farther away")
+    if not failures:
+        check_end()
+    raise NotConverged(f"no other equilibrium was reached {where}: "
+                       f"{failures[0] if failures else 'the motion led back'}")
