@@ -188,6 +188,39 @@ def test_symmetry_is_what_heights_have(name, even):
     np.testing.assert_allclose(*forces, rtol=1e-7, atol=1e-7)
 
 
+def drawn(seed):
+    """A random scene, its heights, load, form and steps."""
+    random = np.random.default_rng(seed)
+    line, height = random.random() < 0.8, float(random.choice([math.inf, 3.0, 30.0, 2000.0]))
+    scene = Scene(dimension=1 if line else 2, points=int(random.choice([64, 96, 200])) if line else (16, 24),
+                  period=float(random.uniform(8.0, 30.0)) if line else (8.0, 9.5), geometry="cylinder" if line else "sphere",
+                  normal_maugis=float(random.uniform(0.7, 1.8)), tangential_maugis=float(random.uniform(0.5, 1.5)), height=height,
+                  poisson=0.5 if math.isfinite(height) else float(random.choice([0.5, 0.3, 0.0])), residual_friction=0.5)
+    heights = waves(scene.shape, scene.periods, seed, even=random.random() < 0.6, slope=float(random.uniform(0.1, 0.8)))
+    if random.random() < 0.4:
+        heights = heights + 10.0 ** random.uniform(-13.0, -3.0) * random.normal(size=heights.shape)
+    start = float(random.uniform(-0.5, 1.0))
+    path = [f"normal_displacement={start + 0.5:.3f}", "normal_force=1.5"][random.integers(2)]
+    path += ["", f"; tangential_displacement{'' if line else '_x'}={random.uniform(0.2, 1.0):.3f}"][random.integers(2)]
+    form = {"window": str(random.choice(["auto", "off"]))}
+    return scene, heights, Load(start=f"normal_displacement={start:.3f}", path=path), form
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_any_surface_is_balanced_with_symmetry_and_without(seed):
+    scene, heights, load, given = drawn(seed)
+    ends = []
+    for symmetry in ("auto", "off"):
+        contact = Contact(scene, heights)
+        branch = branch_of(contact, load, Form(symmetry=symmetry, **given))
+        for point in branch:
+            balanced(contact, point, heights.max() - heights)
+            assert point.state.window.is_whole or contact.gap_outside(point.state).min() >= 30.0
+        ends.append(point.forces)
+    np.testing.assert_allclose(*ends, rtol=1e-6, atol=1e-6)
+
+
 @pytest.mark.parametrize("moved", [0.5, 1.0])
 def test_a_body_beside_its_node_is_not_even(moved):
     """Its apex between two nodes, or at another one than the cell's middle: the same body, somewhere else."""
