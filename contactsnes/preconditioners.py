@@ -128,7 +128,9 @@ def _inverse(matrix, floor):
     if matrix.size == 0:
         return matrix
     if floor == 0.0:
-        return 1.0 / matrix if matrix.size == 1 and matrix[0, 0] != 0.0 else np.linalg.pinv(matrix, rcond=1e-13)
+        if np.max(np.abs(matrix)) < 1e-100:  # of tractions far beyond the law's range: one over them may be infinite
+            return np.zeros_like(matrix)
+        return 1.0 / matrix if matrix.size == 1 else np.linalg.pinv(matrix, rcond=1e-13)
     left, values, right = np.linalg.svd(matrix)
     return (right.T / np.maximum(values, floor)) @ left.T
 

@@ -8,7 +8,7 @@ from contactsnes import states
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact
 from contactsnes.arclength import ArcLength
 from contactsnes.forms import DisplacementForm, ForceForm
-from contactsnes.preconditioners import ArcElimination, CoreOptions, CoreZone, ZonedStiffness, core_weight
+from contactsnes.preconditioners import ArcElimination, CoreOptions, CoreZone, ZonedStiffness, _inverse, core_weight
 from contactsnes.scene import Scene
 
 CONTROLS = [(DISPLACEMENT,), (FORCE,), (DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT), (DISPLACEMENT, FORCE), (FORCE, FORCE)]
@@ -299,3 +299,10 @@ def test_forms_share_circles_without_harm():
     for _ in range(2):
         for zone, vector, expected in zip(zones, vectors, alone):
             np.testing.assert_array_equal(zone.apply(vector, np.empty_like(vector)), expected)
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_means_without_a_response_stay(size):
+    """Nor where what responds is so little that one over it overflows."""
+    with np.errstate(all="raise"):
+        np.testing.assert_array_equal(_inverse(np.full((size, size), 1e-320), 0.0), np.zeros((size, size)))
