@@ -40,6 +40,11 @@ def _doubt(system, leg, last, point):
     before, after = system.examiner(last[1]), system.examiner(point)
     if min(before.unstable_modes, after.unstable_modes) > 0:
         system.log(f"the branch is not stable at {place(last[0])}: a bifurcation was passed before, which -continuation_stability finds")
+    change = after.unstable_modes - before.unstable_modes
+    if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
+        system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} and {place(point.position)}: "
+                   "-continuation_stability certifies its points")
+        return
     for critical in between(system, system.examiner, leg, (last[0], before), (point.position, after)):
         system.log(f"a bifurcation at {place(critical.position)} is passed, and points beyond are not stable: "
                    "-continuation_stability certifies them, -continuation_at_bifurcation follow goes on beside")
@@ -49,8 +54,8 @@ def between(system, stability, leg, before, after):
     """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
 
     None where it is not known. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
-    which is solved for in between. NotConverged where that fails: the number of a branch's modes changes at its folds and
-    bifurcations only, so that the neighbours lie on two branches. One that jumps through zero, at a corner of the law, is told of.
+    which is solved for in between. NotConverged where that fails and an odd number changes: that happens at folds and bifurcations
+    only (the index of a branch stays), so that the neighbours lie on two branches. Else what is not located is told of.
 
     Parameters
     ----------
@@ -73,7 +78,10 @@ def between(system, stability, leg, before, after):
         try:
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            raise NotConverged(f"{sentence}: {error}") from None
+            if (before[1].unstable_modes - after[1].unstable_modes) % 2:
+                raise NotConverged(f"{sentence}: {error}") from None
+            system.log(f"{sentence}: {error}")
+            continue
         if point is None:
             system.log(f"{sentence}: an eigenvalue jumps through zero")
             continue

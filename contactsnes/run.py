@@ -6,6 +6,7 @@ import numpy as np
 
 from . import arcs, continuation, energies, failures, observables, resuming, scene as scenes
 from .alone import check_form, largest_force
+from .cohesive import PINNING, resolution
 from .contact import DISPLACEMENT, FORCE, Contact
 from .grid_choice import chosen, heights, refuse_too_large
 from .isolated import IsolatedContact, lay_out
@@ -82,7 +83,9 @@ class Branch:
         arcs.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
-        self.corrector.examiner = Stability(self.corrector, SIGN, told=True)
+        # Branches of grids that pin bend at every node, and are marked as not resolved.
+        if max(resolution(self.contact.scene, any(self._sheared))) <= PINNING:
+            self.corrector.examiner = Stability(self.corrector, SIGN, told=True)
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
