@@ -15,6 +15,8 @@ from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
+LITTLE = 0.02
+"""Part of a first step by which its tangent tells how fast edges of contact move: so short that they stay in place."""
 
 
 def predict(system, history, leg, position, kind):
@@ -187,8 +189,18 @@ class Walk:
         for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
             yield predict(self.system, self.history[-used:], self.leg, target, "edge")
             yield predict(self.system, self.history[-used:], self.leg, target, "secant")
-        if len(self.history) == 1 and guess is last.state:
+        if len(self.history) == 1:
+            yield from self._foretold_by_tangent(guess, target)
+
+    def _foretold_by_tangent(self, guess, target):
+        """Predictions of a first step by the tangent where it begins: in place, and with the edges of contact moved on."""
+        here, last = self.history[-1]
+        if guess is last.state:
             yield self.system.along_tangent(last, self.leg, here, target - here)
+        near = replace(last, state=self.system.along_tangent(last, self.leg, here, LITTLE * (target - here)))
+        followed = self.system.follow_edge([last, near], [1.0 - 1.0 / LITTLE, 1.0 / LITTLE])
+        if followed is not None:
+            yield followed
 
     def _expected(self, target):
         """How far a step to ``target`` would move at the rate of the last one; inf for a first step."""
