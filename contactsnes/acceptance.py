@@ -12,6 +12,12 @@ DOUBTFUL = 0.5
 """Part of that from which on the law is asked whether the step released energy."""
 RELEASED = 0.05
 """Energy released on the way, over the work that linear springs would do, that few smooth steps come up to."""
+RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial.legendre.leggauss(5)[1]))
+"""Places on the way, and weights, of a quadrature along it."""
+TRIFLE = 1e-6
+"""Traction, in units of the law, that counts as none."""
+REACH = 10.0
+"""Normal gap, in ranges, below which the law acts."""
 LEFT = 1.0 / 3.0
 """Part of its way that a node goes back at the rate where it ended, below which a jump made most of it; one half behind a fold."""
 
@@ -36,10 +42,8 @@ def strayed(contact, guess, last, found):
 
 
 def doubtful(contact, guess, last, found):
-    """Whether nodes that end aside of their prediction release so much energy on the way that a jump may be a part of it."""
-    gap, change, aside, allowed = _compared(contact, guess, last, found)
-    nodes = np.any(aside > DOUBTFUL * allowed, axis=0)
-    return contact.grid.count(nodes) > 0 and _released(contact, gap[:, nodes], change[:, nodes]) > RELEASED
+    """Whether nodes release so much energy on the way that a jump may be a part of it (``_suspects``)."""
+    return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 
 def detached(contact, guess, last, found, back):
@@ -49,11 +53,23 @@ def detached(contact, guess, last, found, back):
     ----------
     back : State, predicted by the tangent at ``found`` for where ``last`` is
     """
-    _, change, aside, allowed = _compared(contact, guess, last, found)
-    nodes = np.any(aside > DOUBTFUL * allowed, axis=0)
+    compared = _compared(contact, guess, last, found)
+    nodes = _suspects(contact, *compared)
     window, inner = max(guess.window, found.window, key=lambda window: window.size), contact.grid.inner
-    change, returned = change[:, nodes], (onto(found, window) - onto(back, window))[:, nodes]
+    change, returned = compared[1][:, nodes], (onto(found, window) - onto(back, window))[:, nodes]
     return inner(returned, change) < LEFT * inner(change, change)
+
+
+def _suspects(contact, gap, change, aside, allowed):
+    """Nodes that release more energy than smooth steps do: of those aside of their prediction, or of all; None where none do.
+
+    A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies beyond the jump.
+    """
+    near = np.minimum(gap[0], gap[0] + change[0]) < REACH
+    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near):
+        if contact.grid.count(nodes) and _released(contact, gap[:, nodes], change[:, nodes]) > RELEASED:
+            return nodes
+    return None
 
 
 def _compared(contact, guess, last, found):
@@ -81,15 +97,17 @@ def _released(contact, gap, change):
 
     The body balances the law's tractions at both ends and linearly in between; what the law does beyond that is of third order
     in the step on a smooth branch, but the energy that a jump dissipates where its barrier, a softening law, is crossed.
-    Negative where energy is taken up or nothing softens.
+    -inf where that is little, or nothing softens.
     """
     first, last = contact.law.traction(gap), contact.law.traction(gap + change)
     inner, weighted = contact.grid.inner, weights(contact, len(change))[:, None] * change
-    work, softest = 0.0, np.inf
-    for place, share in zip(*np.polynomial.legendre.leggauss(5)):
-        part = 0.5 * (1.0 + place)
-        between = gap + part * change
-        work += 0.5 * share * inner(contact.law.traction(between) - first - part * (last - first), weighted)
-        softest = min(softest, inner(np.einsum("ijn,jn->in", contact.law.tangent(between), change), weighted))
-    springs = inner(np.abs(last - first), np.abs(weighted))
-    return -work / max(springs, 1e-300) if softest < 0.0 else -np.inf
+    # Where a body slides freely tractions change by rounding.
+    springs, work, softest = inner(np.maximum(np.abs(last - first), TRIFLE), np.abs(weighted)), 0.0, np.inf
+    for place, share in RULE:
+        work += share * inner(contact.law.traction(gap + place * change) - first - place * (last - first), weighted)
+    if -work <= RELEASED * springs:
+        return -np.inf
+    for place, _ in RULE:
+        softening = np.einsum("ijn,jn->in", contact.law.tangent(gap + place * change), change)
+        softest = min(softest, inner(softening, weighted))
+    return -work / springs if softest < 0.0 else -np.inf

@@ -48,7 +48,7 @@ def test_steps_of_any_size_and_predictor_meet_the_same_jump(case):
     scene, start, end, form = APPROACHES[case]
     runs = [walked(scene, f"normal_displacement={end}", size / 40.0 * (end - start), size / 20.0 * (end - start),
                    f"normal_displacement={start}", Form(**form), predictor=predictor)
-            for size, predictor in ((1.0, "edge"), (4.0, "tangent"), (2.0, "none"))]
+            for size, predictor in ((1.0, "edge"), (10.0, "edge"), (4.0, "tangent"), (2.0, "none"))]
     for points in runs:
         assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
         np.testing.assert_allclose(folds(points), folds(runs[0]), rtol=1e-8)
@@ -113,7 +113,8 @@ def test_energy_released_on_the_way_tells_of_a_jump(contact):
     guess = uniform(contact, 0.6)
     apart, near, pressed = (uniform(contact, gap) for gap in (3.0, 0.0, -1.0))
     assert doubtful(contact, guess, apart, near)
-    assert not doubtful(contact, near, apart, near)
+    # A prediction may lead beyond the jump by chance.
+    assert doubtful(contact, near, apart, near)
     assert not doubtful(contact, uniform(contact, -0.6), near, pressed)
     # The branch behind a jump leads back by what the load moves it only.
     assert detached(contact, guess, apart, near, uniform(contact, 0.2))
