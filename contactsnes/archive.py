@@ -21,8 +21,8 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
-from . import resuming
-from .devices import Lenient, reason
+from . import checksums, resuming
+from .devices import failure, Lenient, reason
 
 FORMAT = "contactsnes 1"
 UNITS = {
@@ -132,9 +132,8 @@ class Archive:
         if not archive.path.is_file():
             return cls.create(path, **content)
         _check_folder(archive.path)
-        with _open_archive(archive.path) as file:
-            if file.attrs["points"]:
-                archive._take_over(file)
+        if read(archive.path).points:
+            _safely(archive.path, archive._take_over)
         return archive if archive.points else cls.create(path, overwrite=True, **content)
 
     def append(self, row, state, displacement=None, traction=None, mode=None):
@@ -167,8 +166,7 @@ class Archive:
 
     def states(self):
         """States of the last points (up to four), oldest first, as they were given to `append`."""
-        with _open_archive(self.path) as file:
-            states = [_unpack(state) for state in self._kept(file).values()]
+        states = _safely(self.path, lambda file: [_unpack(state) for state in self._kept(file).values()])
         if self.points and not states:
             raise ArchiveError(f"{self.path} cannot be resumed: the state of its last point is lost.")
         return states
@@ -193,6 +191,9 @@ class Archive:
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines() if line not in told)])
         if "mode" in file.get("fields", ()) and "mode" not in self._arrays:
             self._arrays = (*self._arrays, "mode")
+        for name in set(file.get("fields", ())) & {"displacement", "traction", "mode"}:
+            for point in _field_points(file):
+                _field(file, name, point)  # what is copied later on has to be whole
 
     def _refuse(self, differences):
         """Raise for the first of some differences, (name, there, here)."""
@@ -288,6 +289,9 @@ class Archive:
             file[f"states/{number}"] = np.zeros(slot, "u1")
         if self._coordinates:
             self._write_grid(file.create_group("fields"), chunk)
+        sums = 1 + len(self._arrays)
+        file.create_dataset("checksums", (0, sums), "u4", chunks=(chunk * _CHUNKS, sums), maxshape=(None, sums))
+        file.attrs["frame"] = checksums.frame(file)
 
     def _write_grid(self, group, chunk):
         """Coordinates, initial gap and empty fields."""
@@ -320,7 +324,19 @@ class Archive:
                 new["fields"][name][point] = old["fields"][name][point]
         if self._fields == "last":
             new["fields"].attrs.modify("point", old["fields"].attrs["point"])
+        self._copy_checksums(old, new)
         new.attrs.modify("points", self.points)
+
+    def _copy_checksums(self, old, new):
+        """Copy the checksums of the points that count; make those that an older program did not."""
+        known = old["checksums"][: self.points] if "checksums" in old else np.zeros((self.points, 0), "u4")
+        sums = np.zeros((self.points, 1 + len(self._arrays)), "u4")
+        sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self._columns})
+        for place, point in enumerate(_field_points(old)):
+            sums[point, 1:] = [checksums.of(new["fields"][name][place]) for name in self._arrays]
+        sums[:, : known.shape[1]] = known
+        new["checksums"].resize(self.points, axis=0)
+        new["checksums"][:] = sums
 
     def _put(self, file, row, state, fields):
         """Write the next point; what makes it safe is the order, held by the flushes."""
@@ -332,6 +348,10 @@ class Archive:
             if self._fields == "all":
                 file["fields"][name].resize(point, axis=0)
             file["fields"][name][-1] = fields.get(name, np.nan)
+        file["checksums"].resize(point, axis=0)
+        line = {name: np.array([row[name]], "i1" if column.names else column.kind) for name, column in self._columns.items()}
+        whole = (np.broadcast_to(np.asarray(fields.get(name, np.nan), "f8"), self._shape) for name in self._arrays)
+        file["checksums"][-1] = [checksums.rows(line)[0], *map(checksums.of, whole)]
         branch, scalar = file["branch"].id, h5py.h5s.create(h5py.h5s.SCALAR)
         for name, value in row.items():  # HDF5's own calls: many columns, and half the time
             column = h5py.h5d.open(branch, name.encode())
@@ -387,11 +407,14 @@ class Record(Mapping):
         self.units = {name: dataset.attrs["unit"] for name, dataset in [*branch.items(), *fields.items()]}
         self.names = {name: tuple(branch[name].attrs["names"]) for name in branch if "names" in branch[name].attrs}
         self._columns = {name: branch[name][: self.points] for name in branch}
-        for name, names in self.names.items():
-            self._columns[name] = np.array(names)[self._columns[name]]
         self.coordinates = tuple(fields[name][:] for name in "xy" if name in fields)
         self.initial_gap = fields["initial_gap"][...] if "initial_gap" in fields else None
         self.field_points = _field_points(file)
+        if "checksums" in file and (file.attrs["frame"] != checksums.frame(file) or not np.array_equal(
+                file["checksums"][: self.points, 0], checksums.rows(self._columns))):
+            raise ArchiveError(f"{self.path} is damaged: its checksums are not those of what it holds.")
+        for name, names in self.names.items():
+            self._columns[name] = np.array(names)[self._columns[name]]
 
     def __getitem__(self, name):
         return self._columns[name]
@@ -404,11 +427,7 @@ class Record(Mapping):
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of `field_points`, from the file."""
-        with _open_archive(self.path) as file:
-            stored = _field_points(file)
-            if point not in stored:
-                raise ArchiveError(f"{self.path} keeps no fields of point {point}.")
-            return file["fields"][name][stored.index(point)]
+        return _safely(self.path, lambda file: _field(file, name, point))
 
 
 def read(path):
@@ -417,10 +436,38 @@ def read(path):
     Raises
     ------
     ArchiveError
-        If there is no such file, or it is no archive.
+        If there is no such file, or it is no archive, or damaged.
     """
-    with _open_archive(path) as file:
-        return Record(file)
+    return _safely(path, Record)
+
+
+def _safely(path, take):
+    """What a function takes from the archive at a path; ArchiveError where it is damaged, tried in another process before."""
+    def taken():
+        with _open_archive(path) as file:
+            return take(file)
+
+    why = failure(taken)
+    if why.startswith("ArchiveError: "):
+        raise ArchiveError(why.removeprefix("ArchiveError: "))
+    try:
+        if not why:
+            return taken()
+    except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, AttributeError, UnicodeError) as error:
+        why = f"{type(error).__name__}: {error}"
+    raise ArchiveError(f"{path} is damaged ({why}): what it holds cannot be read.")
+
+
+def _field(file, name, point):
+    """A field of a point, in an open archive."""
+    stored = _field_points(file)
+    if point not in stored:
+        raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
+    found = file["fields"][name][stored.index(point)]
+    sums = dict(zip(("displacement", "traction", "mode"), file["checksums"][point, 1:])) if "checksums" in file else {}
+    if sums.get(name, checksums.of(found)) != checksums.of(found):
+        raise ArchiveError(f"{file.filename} is damaged: the checksum of {name} at point {point} is not that of what it holds.")
+    return found
 
 
 def _field_points(file):

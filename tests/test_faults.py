@@ -219,3 +219,59 @@ def test_heights_that_jump_at_the_seam_are_told(tmp_path):
     done = shell(f"CONTACTSNES run STILL {scene} -archive_file run.h5", tmp_path)
     words = "along the line they step by 0.04922 u_n,r across the seam of the cell, 63 times the typical step between neighbours, 0.0007813"
     assert words in done.stderr and done.stderr.startswith("contactsnes: warning") and words in archive.read(tmp_path / "run.h5").warnings[0]
+
+
+# Damaged archives
+
+
+def test_damaged_archives_are_refused_or_read_right(tmp_path):
+    """Flipped bits, cut ends and holes: whatever they hit, there is a sentence, or nothing that counts has changed."""
+    columns = {"leg": archive.Column("", "i8"), "normal_force": archive.Column("w_n,r"), "event": archive.Column("", "i1", ("none", "fold"))}
+    whole = archive.Archive.create(tmp_path / "run.h5", scene={"normal_maugis": 1.0, "law": "modified"}, options="-a 1", versions={},
+                                   columns=columns, fields="all", coordinates=(np.arange(16.0),), initial_gap=np.ones(16))
+    for number in range(3):
+        field = np.full((1, 16), float(number))
+        whole.append({"leg": number, "normal_force": 2.5 * number, "event": "fold"}, {"load": 1.0}, field, -field)
+    content, good, random = (tmp_path / "run.h5").read_bytes(), archive.read(tmp_path / "run.h5"), np.random.default_rng(1)
+    refused = 0
+    for _ in range(15):
+        bad, place = bytearray(content), random.integers(len(content))
+        kind = random.integers(4)
+        if kind == 0:
+            bad = bad[:place]
+        elif kind == 1:
+            bad[place:place + 500] = bytes(len(bad[place:place + 500]))
+        else:
+            bad[place] ^= 1 << random.integers(8)
+        (tmp_path / "bad.h5").write_bytes(bad)
+        try:
+            found = archive.read(tmp_path / "bad.h5")
+            assert found.points == 3 and all(np.array_equal(found[name], good[name]) for name in good) and found.scene == good.scene
+            assert np.array_equal(found.field("traction", 1), good.field("traction", 1))
+        except archive.ArchiveError as error:
+            refused += 1
+            assert "bad.h5" in str(error)
+    assert 2 < refused < 15
+
+
+def test_a_changed_number_is_damage(tmp_path):
+    columns = {"normal_force": archive.Column("w_n,r"), "event": archive.Column("", "i1", ("none", "fold"))}
+    for name, change in (("row", lambda file: file["branch/normal_force"].write_direct(np.array([1.0]))),
+                         ("frame", lambda file: file["scene"].attrs.modify("poisson", 0.25)),
+                         ("unit", lambda file: file["branch/event"].attrs.modify("unit", "m"))):
+        path = tmp_path / f"{name}.h5"
+        made = archive.Archive.create(path, scene={"poisson": 0.5}, options="", versions={}, columns=columns)
+        made.append({"normal_force": 2.0, "event": "none"}, {})
+        archive.read(path)
+        with h5py.File(path, "r+") as file:
+            change(file)
+        for attempt in (archive.read, lambda path: archive.Archive.resume(path, scene={"poisson": 0.5}, options="", versions={},
+                                                                          columns=columns)):
+            with pytest.raises(archive.ArchiveError, match="is damaged"):
+                attempt(path)
+
+
+def test_what_crashes_or_does_not_end_is_told():
+    assert devices.failure(lambda: None) == "" and devices.failure(lambda: 1 / 0) == "ZeroDivisionError: division by zero"
+    assert devices.failure(lambda: os.kill(os.getpid(), signal.SIGSEGV)) == "reading it crashes"
+    assert devices.failure(lambda: time.sleep(60), patience=0.1) == "reading it does not end"
