@@ -233,7 +233,7 @@ def refuse_too_large(scene, load, form):
     waves = math.prod(FINE[cell.dimension] * period / scene.rough_shortest for period in cell.periods) if cell.roughness else 0
     room, whole = memory(), form.form == "force" or form.window == "off"
     needed, unknowns = memory_of_solve(nodes, nodes) + 60 * waves, nodes
-    if needed > room and not whole:
+    if not whole and (needed > room or nodes > MOST_UNKNOWNS):
         unknowns = nodes * _least_part(cell, load)
         needed = memory_of_solve(unknowns, nodes) + 60 * waves
     share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
@@ -242,8 +242,8 @@ def refuse_too_large(scene, load, form):
 
 
 def _least_part(cell, load):
-    """`window_part`; 0 for a surface that is known on its own grid only."""
-    if cell.geometry == "file":
+    """`window_part`; 0 for a surface that is known on its own grid only, or made of too many waves."""
+    if cell.geometry in ("file", "rough"):
         return 0.0
     try:
         return window_part(cell, load)

@@ -1,18 +1,24 @@
 """What can go wrong around a run: outputs, signals, launchers, files and disks. One sentence each, and nothing is lost."""
 
+import dataclasses
 import io
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive, cli, devices, geometry, options, session, streams
+from contactsnes import archive, cli, devices, geometry, grid_choice, options, session, streams
+from contactsnes.load import Load
+from contactsnes.run import Branch
+from contactsnes.scene import Form, OPTION_CLASSES, Scene
 from contactsnes.settings import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -275,3 +281,53 @@ def test_what_crashes_or_does_not_end_is_told():
     assert devices.failure(lambda: None) == "" and devices.failure(lambda: 1 / 0) == "ZeroDivisionError: division by zero"
     assert devices.failure(lambda: os.kill(os.getpid(), signal.SIGSEGV)) == "reading it crashes"
     assert devices.failure(lambda: time.sleep(60), patience=0.1) == "reading it does not end"
+
+
+# Numbers and grids that are too large
+
+
+@pytest.mark.parametrize("scene, load, words", [
+    (dict(points=2 ** 31), {}, "-scene_points is '2147483648': the grid of 2.1474836e+09 nodes takes about"),
+    (dict(points=(200000, 200000), dimension=2), {}, "200000 x 200000 nodes"),
+    (dict(points=10 ** 18), {}, "1e+18 nodes"),
+    (dict(period=math.inf, spacing=1e-9), dict(path="normal_force=1"), "-scene_spacing is '1e-09'"),
+    (dict(period=math.inf), dict(path="normal_force=1e30"), "-scene_spacing is not set"),
+    (dict(geometry="rough", rough_slope=1.0, rough_shortest=1e-9, points=2 ** 40, period=10.0), {}, "-scene_points")])
+def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words):
+    with pytest.raises(InputError) as refusal:
+        Branch(Scene(**scene), Load(**{"path": "normal_displacement=1", **load}))
+    assert words in str(refusal.value) and "would fit" in str(refusal.value)
+
+
+def test_what_is_said_to_fit_does(monkeypatch):
+    monkeypatch.setattr(grid_choice, "memory", lambda: 3e8)
+    load, form = Load(path="normal_displacement=1"), Form()
+    for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
+        with pytest.raises(InputError, match="would fit") as refusal:
+            grid_choice.refuse_too_large(scene, load, form)
+        points = int(str(refusal.value).split("; ")[1].split()[0].split(",")[0])
+        grid_choice.refuse_too_large(replace(scene, points=points), load, form)
+        assert 100 * points ** scene.dimension > 3e7
+    monkeypatch.setattr(grid_choice, "memory", lambda: 1e15)
+    grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form())
+    with pytest.raises(InputError, match="PETSc counts 2147483647"):
+        grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form(form="force"))
+
+
+def test_memory_is_what_limits_leave(monkeypatch):
+    assert 0 < grid_choice.memory() <= 0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    monkeypatch.setattr(grid_choice, "_group_limits", lambda: [5e8])
+    assert grid_choice.memory() == 4e8
+
+
+def test_numbers_beyond_computing_are_refused_with_the_option():
+    """Every number that an option takes, at sizes whose powers overflow or vanish."""
+    for cls in (*OPTION_CLASSES, *cli.solver_options()):
+        for field in dataclasses.fields(cls):
+            if field.metadata["kind"] == "number" and field.metadata["choices"] is None:
+                for value in (1e300, -1e300, 5e-324, math.nan, -math.inf):
+                    with pytest.raises(InputError, match=f"-{cls.prefix}{field.name} is "):
+                        cls(**{field.name: value})
+    for value in ("1e300", "-1e31", "1e-300", "nan", "inf"):
+        with pytest.raises(InputError, match="-load_path has no number"):
+            Load(path=f"normal_force={value}").legs(1)
