@@ -19,6 +19,9 @@ from .settings import as_text, InputError
 FINE = {1: 8, 2: 4}
 """Nodes within the shortest wave of the grid on which the lowest point of a gap is looked for, by dimension."""
 
+MOST_WAVES = 10 ** 8
+"""Waves of a surface, at most: they take a hundred bytes each."""
+
 CANDIDATES = 32
 """Local minima of that grid that are followed down to those of the surface, at most."""
 
@@ -103,6 +106,9 @@ def surface(periods, hurst, slope, longest, shortest, seed):
 def _numbers(periods, shortest):
     """Whole numbers of half of all waves longer than the shortest, and some more: (directions, waves), by their largest number."""
     most = math.ceil(max(periods) / shortest)
+    if (2 * most) ** len(periods) > 2 * MOST_WAVES:
+        raise InputError(f"-scene_rough_shortest leaves about {0.5 * (2.0 * most) ** len(periods):.2g} waves, and {MOST_WAVES:.0e} are the "
+                         "most that can be computed with: take a longer one, or a smaller -scene_period")
     if len(periods) == 1:
         return np.arange(1, most + 1)[None]
     x, y = np.meshgrid(np.arange(most + 1), np.arange(-most, most + 1), indexing="ij")
