@@ -6,6 +6,7 @@ computed or told cannot be written, 2 bad input, 128 + the signal's number for a
 
 import argparse
 import dataclasses
+import errno
 import gc
 import os
 import re
@@ -68,6 +69,9 @@ def _ended(words, interrupts):
         return 1 if isinstance(error, WriteError) else 2
     except MemoryError as error:
         _complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
+    except OSError as error:
+        _complain("error", f"a file cannot be read or written: {error}")
+        return 1
     except ArithmeticError as error:
         _complain("error", f"{UNCOMPUTABLE} ({error}): see what contactsnes info tells of it with more usual values")
     except KeyboardInterrupt as interrupt:
@@ -360,7 +364,8 @@ def plot(arguments):
         try:
             figures = plots.plot(path, asked.output, asked.pdf, asked.points)
         except OSError as error:
-            raise InputError(f"the figures of {path} cannot be written: {error}") from None
+            kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO) else InputError
+            raise kind(f"the figures of {path} cannot be written: {error}") from None
         print(*figures.files, *(f"no figure {name} of {path}: {why}" for name, why in figures.skipped.items()), sep="\n")
     return 0
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from .devices import Lenient
+
 
 def markdown(heading, rows):
     """Lines of a table in Markdown, from lists of texts."""
@@ -43,9 +45,10 @@ def write_hdf5(path, attributes, content):
     content : nested mapping; a value may be a pair (data, unit), the unit then is the dataset's attribute ``unit``
     """
     def write(partial):
-        with h5py.File(partial, "w") as file:
+        with Lenient(partial) as device, h5py.File(device, "w") as file:
             file.attrs.update(attributes)
             _fill(file, content)
+        device.check()
     _replace(path, write)
 
 
