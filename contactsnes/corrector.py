@@ -140,8 +140,11 @@ class Corrector:
 
         A cold solve finds it where the gap is convex; elsewhere, and where that fails, motion decides.
         """
-        why = self._ambiguous()
+        why = self.ambiguous()
         if why is None:
+            if not self.contact.convex:
+                self.log("the gap is not convex: inertial motion leads to the first point, and where "
+                         "several equilibria exist it may be another one than overdamped motion reaches")
             try:
                 return self.cold(controls, load)
             except NotConverged as error:
@@ -150,13 +153,10 @@ class Corrector:
         undeformed = coldstart.beginning(self.contact, controls, load)
         return self.settle(undeformed, controls, load, f"at {self.told(controls, load)} from the undeformed body")
 
-    def _ambiguous(self):
+    def ambiguous(self):
         """Why a cold solve may end elsewhere than the undeformed body, in words; None if not."""
         relaxed = self.settings.form == "force"
         if relaxed and solver_type() == "python":
-            if not self.contact.convex:
-                self.log("the gap is not convex: inertial motion leads to the first point, and where "
-                         "several equilibria exist it may be another one than overdamped motion reaches")
             return None
         if not self.contact.convex:
             return "the gap is not convex, so that several equilibria may exist"

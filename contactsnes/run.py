@@ -168,11 +168,17 @@ class Branch:
                                   **{name: packed[name] for name in KEPT})
 
     def _start(self):
-        """The first point, at -load_start: a cold solve without tangential load, then steps to the one asked for."""
+        """The first point, at -load_start: without tangential load, then in steps to the one asked for.
+
+        Where motion decides, it begins with the undeformed body under all loads.
+        """
         initial = self.scene.initial(self.load)
         count = self.scene.components if self._sheared[0] else 1
-        controls = (initial[0].control, *[self._resting] * (count - 1))
-        values = np.array([initial[0].value, *[0.0] * (count - 1)])
+        at_once = count if self.corrector.ambiguous() else 1
+        controls = (*[initial[component].control for component in range(at_once)],
+                    *[self._resting] * (count - at_once))
+        values = np.array([initial[component].value if component < at_once else 0.0
+                           for component in range(count)])
         point = replace(self.corrector.start(controls, values), spent=self.corrector.account())
         leg = self._leg_to(0, initial, count, [point], lambda length: (0.1 * length, 0.25 * length, 1e-6 * length))
         if leg is None:

@@ -9,6 +9,7 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes import coldstart, jumps, states  # noqa: E402
+from contactsnes import Branch, Load  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.fourier import Grid, Window  # noqa: E402
@@ -199,6 +200,23 @@ def test_relaxation_that_is_asked_for_says_that_it_is_not_the_reference(self_aff
     options(snes_type="python", snes_python_type="contactsnes.relaxation.Fire", snes_max_it=100000)
     _, point = on_heights(heights, LINE, log=said.append, form="force")
     assert any("inertial motion" in sentence and "another one" in sentence for sentence in said)
+
+
+def test_a_sheared_rough_line_starts_where_motion_under_all_loads_leads(tmp_path, self_affine, options):
+    """With inertia, too; by steps of the shear, spot by spot, it would cost ten times as much."""
+    np.save(tmp_path / "heights.npy", self_affine(256, 24.0, 12.0, 0.75, 1.0, 0))
+    scene = Scene(**{**LINE, "tangential": "on", "tangential_maugis": 1.0, "residual_friction": 0.5,
+                     "poisson": 0.3, "geometry_file": str(tmp_path / "heights.npy")})
+    found = []
+    for kind in ("overdamped", "inertial"):
+        options(jump_motion_type=kind)
+        start = "normal_displacement=0, tangential_displacement=2"
+        branch = Branch(scene, Load(start=start, path="normal_displacement=hold"))
+        found.append((next(iter(branch)), branch.contact.grid.transforms))
+    (point, cost), (other, _) = found
+    np.testing.assert_allclose(point.displacements, (0.0, 2.0), atol=1e-12)
+    np.testing.assert_allclose(point.forces, other.forces, rtol=1e-6)
+    assert cost < 4000
 
 
 # A motion is handed over to Newton's method where that leads to the same state, at every node
