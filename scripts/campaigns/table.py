@@ -43,6 +43,17 @@ def write(results, path):
     Path(path).write_text(before + BEGIN + "\n".join(lines(results)) + "\n" + END + rest.split(END)[1], encoding="utf-8")
 
 
+def lost(rows, results):
+    """Write rows (name, file, found by, seconds) of faults planted in the sources; whether more than one in twenty was not found."""
+    with open(Path(results) / "faults.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(("name", "file", "found_by", "seconds"))
+        writer.writerows(rows)
+    missed = [row for row in rows if not row[2]]
+    print(f"{len(rows) - len(missed)} of {len(rows)} faults were found", *(f"  not found: {row[0]} ({row[1]})" for row in missed), sep="\n")
+    return len(missed) > 0.05 * len(rows)
+
+
 def failed(results, parts):
     """Whether an outcome of some parts is forbidden."""
     found = rows(results)
