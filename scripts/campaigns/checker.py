@@ -485,9 +485,9 @@ class Checker:
             if np.any(wrong & known):
                 point = int(np.argmax(wrong & known))
                 self.say(column, point + 1, f"is {told[point]:.9g}, recomputed {values[point]:.9g}")
-        self._balance(energies.sum(axis=1), scale)
+        self._balance(energies.sum(axis=1), np.abs(energies[:, 0]), scale)
 
-    def _balance(self, energy, scale):
+    def _balance(self, energy, elastic, scale):
         """Works between neighbours where all energy is known: the loads' work is stored, but for what a jump loses."""
         loads = [[self.path[name] for name in names(self.dimension, kind)] for kind in ("displacement", "force")]
         lost = self.path["dissipated_work"]
@@ -504,7 +504,7 @@ class Checker:
                 continue
             if not is_jump and abs(change) > 1e-9 * scale:
                 self.say("dissipation", point + 1, f"{change:.3g} is lost in a step")
-            if is_jump and change < -1e-6 * scale:
+            if is_jump and change < -1e-5 * (1.0 + elastic[point]):
                 self.say("dissipation", point + 1, f"a jump gains {-change:.3g}")
             if np.isnan(balance):
                 continue

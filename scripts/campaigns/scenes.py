@@ -108,7 +108,9 @@ def _cell(scene, draw, plane):
     maugis = _log(draw, 0.6, 2.5 if plane else 5)
     fineness = draw.uniform(0.3, 1.2) if draw.random() < 0.85 else draw.uniform(1.2, 3)
     # Contact ends within the cell, with some room.
-    period = round(float(np.clip(fineness * points / maugis ** 2, 1.6 * math.sqrt(8 * math.e / maugis), 60)), 3)
+    # A soft law reaches far, but a contact has nodes enough only where the gap of a parabola changes little from one to the next.
+    widest = min(60.0, 0.5 / math.sqrt(maugis) * points) if fineness < 1.2 else 60.0
+    period = round(float(np.clip(fineness * points / maugis ** 2, 1.6 * math.sqrt(8 * math.e / maugis), max(widest, 1.0))), 3)
     geometry = _choice(draw, *(["sphere"] * 3 if plane else []), *["cylinder"] * 3, "sinusoid", "sinusoid", "flat", "file", "file", "rough")
     options = {"scene_points": points, "scene_period": period, "scene_normal_maugis": maugis, "scene_geometry": geometry, **_body(draw)}
     if plane:
