@@ -56,7 +56,7 @@ def jumped(system, leg, fold, starts, where, check_end):
         except (NotConverged, NoEquilibrium) as error:
             if not failures:
                 check_end()
-            failures.append(error)
+            failures.append(str(error))
             if len(failures) == MISHAPS:
                 break
             system.log(f"{error}; trying again from elsewhere")

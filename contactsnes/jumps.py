@@ -84,7 +84,7 @@ def settle(system, state, controls, load, where, origin=None):
         except Leaving:
             raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
         except (Unsettled, NotConverged) as error:
-            failure = error
+            failure = str(error)
             system.log(f"the overdamped motion {where} cannot be followed ({error}): following motion "
                        "with inertia on the whole cell, which may lead to another equilibrium")
     try:
@@ -132,8 +132,8 @@ def handover(system, flow, controls, load):
         try:
             return polished(system, flow.state(), controls, load)
         except NotConverged as error:
-            reason = error
-    raise reason
+            reason = str(error)
+    raise NotConverged(reason)
 
 
 def polished(system, rest, controls, load):
@@ -160,7 +160,7 @@ def fallen(system, state, controls, load, where):
         try:
             return polished(system, system._state(form, unknown), controls, load)
         except NotConverged as error:
-            reason = error
+            reason = str(error)
     raise NotConverged(f"the motion {where} settled, but {reason}")
 
 

@@ -1,5 +1,8 @@
 """First points by way of coarser grids: the state that the undeformed body reaches, for a fraction of the transforms."""
 
+import gc
+import weakref
+
 import numpy as np
 import petsc4py
 import pytest
@@ -242,7 +245,20 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
             raise NotConverged("not yet")
         return polished(system, rest, controls, load)
 
+    class Seen(jumps.Flow):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            motions.append(weakref.ref(self))
+
+    motions = []
     monkeypatch.setattr(jumps, "polished", doubtful)
-    again = system.start((DISPLACEMENT,), np.array([0.0]))
+    monkeypatch.setattr(jumps, "Flow", Seen)
+    gc.disable()
+    try:
+        again = system.start((DISPLACEMENT,), np.array([0.0]))
+        # No failure keeps a motion with its solvers alive: PETSc may be gone when cycles are collected.
+        assert motions and all(motion() is None for motion in motions)
+    finally:
+        gc.enable()
     assert len(speeds) == 3 and speeds[2] < speeds[0] and speeds[2] < 1e-6
     np.testing.assert_allclose(again.forces, point.forces, rtol=1e-7)
