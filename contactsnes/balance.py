@@ -61,7 +61,7 @@ class FullForm(DisplacementForm):
 class Balance:
     """Imbalances of states of a contact, from their displacements and means alone: tractions and residuals of all nodes.
 
-    The first state in which the law acts on so many components is asked by whole transforms in any case.
+    The first state in which the law acts on a window is asked by whole transforms in any case.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Balance:
     """
 
     def __init__(self, contact):
-        self.contact, self._form, self._proved = contact, None, set()
+        self.contact, self._form, self._proved = contact, None, None
 
     def __call__(self, state, controls, load, solver):
         """The Imbalance of a state under controlled values, ranges of the law, that a form of the ``solver`` led to."""
@@ -79,7 +79,7 @@ class Balance:
         residual = form.residual(unknown, np.empty(form.size))
         acts = form.gap(unknown)[0] < CUTOFF
         if isinstance(solver, EvenForm) and acts.any():
-            self._proved.add(len(controls))
+            self._proved = state.window, len(controls)
         field = np.abs(form.displacement(residual))
         return Imbalance(form.grid.norm(residual), float(form.grid.maximum(field, where=acts, initial=0.0)))
 
@@ -89,8 +89,8 @@ class Balance:
             if isinstance(form, DisplacementForm) and form.window == window and form.controls == controls:
                 return form
         half = solver.half.convolution if isinstance(solver, EvenForm) and solver.window == window else None
-        if half is not None and len(controls) not in self._proved:
-            # The first time halves themselves are on trial.
+        if half is not None and self._proved != (window, len(controls)):
+            # On each window halves themselves are on trial the first time.
             return FullForm(self.contact, window, controls, None)
         self._form = FullForm(self.contact, window, controls, half)
         return self._form
