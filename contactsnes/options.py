@@ -106,6 +106,15 @@ def read_file(path, above=()):
     return _with_files(arguments, (*above, path))
 
 
+def refuse_circles(text):
+    """InputError where options in a text, or the files that PETSc reads by itself, name files that include themselves."""
+    words = text.split()
+    paths = [value for name, value in zip(words, words[1:]) if name.lower() == "-options_file"]
+    for path in (*paths, Path.home() / ".petscrc", ".petscrc", "petscrc"):
+        if Path(path).is_file() and "-options_file" in Path(path).read_text(encoding="utf-8", errors="replace").lower():
+            read_file(path)
+
+
 def _with_files(arguments, above=()):
     """Arguments with those of the files that -options_file names in their place; YAML is PETSc's to read."""
     found, words = [], iter(arguments)

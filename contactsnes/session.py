@@ -14,7 +14,7 @@ from . import __version__, methods, scene as scenes
 from .archive import read as read_archive
 from .grid_choice import chosen, on
 from .load import Load
-from .options import check_names, check_values, database, install, petsc_arguments, read
+from .options import check_names, check_values, database, install, petsc_arguments, read, refuse_circles
 from .scene import OPTION_CLASSES
 from .settings import InputError
 
@@ -90,7 +90,9 @@ def start_petsc(arguments):
         os.getcwd()
     except OSError as error:
         raise InputError(f"the working folder cannot be used ({error.strerror}): change into one that exists") from None
-    begin_petsc(petsc_arguments(arguments)[1:])
+    words = petsc_arguments(arguments)[1:]
+    refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
+    begin_petsc(words)
     check_names(solver_options())
     check_values(solver_options())
     check_classes()
@@ -144,7 +146,10 @@ def _check_files(stem, overwrite):
     """InputError unless a comparison can write its files."""
     if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
         raise InputError(f"-compare_file is '{stem}': its folder does not exist or cannot be written; name another")
-    there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png")) if path.exists()]
+    try:
+        there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png")) if path.exists()]
+    except OSError as error:
+        raise InputError(f"-compare_file is '{stem}', which cannot be the name of a file: {error.strerror}") from None
     if there and not overwrite:
         raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, another -compare_file leaves it alone")
 

@@ -132,7 +132,7 @@ def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
 # Files of options, names and folders
 
 
-def test_a_file_that_includes_itself_is_refused(tmp_path):
+def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
     first, second = tmp_path / "first.opts", tmp_path / "second.opts"
     first.write_text(f"-a 1\n-options_file {second}\n-c 3\n")
     second.write_text("\ufeff-b 2\r\n", encoding="utf-8")
@@ -142,6 +142,11 @@ def test_a_file_that_includes_itself_is_refused(tmp_path):
     for arguments in ([str(first)], ["-options_file", str(second)]):
         with pytest.raises(InputError, match="includes itself"):
             options.petsc_arguments(arguments)
+    (tmp_path / ".petscrc").write_text("-options_file .petscrc")
+    monkeypatch.chdir(tmp_path)
+    for text in (f"-a 1 -options_file {first}", ""):
+        with pytest.raises(InputError, match="includes itself"):
+            options.refuse_circles(text)
 
 
 @pytest.mark.parametrize("arguments, words", [
