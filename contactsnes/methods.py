@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
-from .options import is_option, read_file, split_arguments
+from .files import is_option, read_file
+from .options import split_arguments
 from .settings import InputError, Options, option
 
 

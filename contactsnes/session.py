@@ -12,9 +12,10 @@ import numpy as np
 
 from . import __version__, methods, scene as scenes
 from .archive import read as read_archive
+from .files import refuse_circles
 from .grid_choice import chosen, on
 from .load import Load
-from .options import check_names, check_values, database, install, petsc_arguments, read, refuse_circles
+from .options import check_names, check_values, database, install, petsc_arguments, read
 from .scene import OPTION_CLASSES
 from .settings import InputError
 

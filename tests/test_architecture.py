@@ -74,6 +74,7 @@ TABLE = (
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
     Row("arcs", "points along a path by arc length, whatever is solved",
         ("scene", "fourier", "states", "observables", "forms", *PHYSICS)),
+    Row("files", "files of options as arguments", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("options", "the options database and the dataclasses", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("resuming", "what an earlier run's points and this one must have in common", ("fourier", "states", "observables", "forms", *PHYSICS)),
     Row("motion", "the dynamics of the balance in Fourier space, without PETSc", (*LOAD_PATH, "continuation")),
@@ -120,7 +121,7 @@ HOMES = {
 """The only modules that may import a package, anywhere in them."""
 
 FREE_OF_PETSC = ("settings", "load", "si", "shapes", "alone", "cohesive", "scene", "laws", "levels", "fourier", "geometry", "elasticity", "freespace", "spots", "symmetry", "rough", "contact", "isolated", "forms", "arclength", "states", "following", "mirrored", "balance",
-                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "departures", "modes", "continuation", "arcs", "options", "motion", "stepping", "resuming", "archive", "tables", "methods")
+                 "reference", "grid_choice", "observables", "points", "energies", "limit_points", "event_points", "folds", "failures", "bifurcations", "departures", "modes", "continuation", "arcs", "files", "options", "motion", "stepping", "resuming", "archive", "tables", "methods")
 """Modules that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [row.name for row in TABLE]

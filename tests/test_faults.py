@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive, cli, devices, geometry, grid_choice, options, session, streams
+from contactsnes import archive, cli, devices, files, geometry, grid_choice, options, session, streams
 from contactsnes.load import Load
 from contactsnes.run import Branch
 from contactsnes.scene import Form, OPTION_CLASSES, Scene
@@ -146,7 +146,7 @@ def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for text in (f"-a 1 -options_file {first}", ""):
         with pytest.raises(InputError, match="includes itself"):
-            options.refuse_circles(text)
+            files.refuse_circles(text)
 
 
 @pytest.mark.parametrize("arguments, words", [
