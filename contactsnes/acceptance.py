@@ -18,8 +18,8 @@ TRIFLE = 1e-6
 """Traction, in units of the law, that counts as none."""
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
-LEFT = 1.0 / 3.0
-"""Part of its way that a node goes back at the rate where it ended, below which a jump made most of it; one half behind a fold."""
+LEFT = 0.5
+"""Part of its way that a node goes back at the rate where it ended, below which a jump made much of it; a parabola just behind its fold has one half."""
 
 
 def strayed(contact, guess, last, found):
