@@ -12,6 +12,8 @@ DOUBTFUL = 0.5
 """Part of that from which on the law is asked whether the step released energy."""
 RELEASED = 0.05
 """Energy released on the way, over the work that linear springs would do, that few smooth steps come up to."""
+ABRUPT = 0.15
+"""The same for a step that is too long to tell, whatever the tangent behind it says."""
 RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial.legendre.leggauss(5)[1]))
 """Places on the way, and weights, of a quadrature along it."""
 TRIFLE = 1e-6
@@ -56,8 +58,8 @@ def detached(contact, guess, last, found, back):
     compared = _compared(contact, guess, last, found)
     nodes = _suspects(contact, *compared)
     window, inner = max(guess.window, found.window, key=lambda window: window.size), contact.grid.inner
-    change, returned = compared[1][:, nodes], (onto(found, window) - onto(back, window))[:, nodes]
-    return inner(returned, change) < LEFT * inner(change, change)
+    gap, change, returned = (field[:, nodes] for field in (*compared[:2], onto(found, window) - onto(back, window)))
+    return _released(contact, gap, change) > ABRUPT or inner(returned, change) < LEFT * inner(change, change)
 
 
 def _suspects(contact, gap, change, aside, allowed):
