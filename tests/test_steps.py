@@ -117,5 +117,8 @@ def test_energy_released_on_the_way_tells_of_a_jump(contact):
     assert doubtful(contact, near, apart, near)
     assert not doubtful(contact, uniform(contact, -0.6), near, pressed)
     # The branch behind a jump leads back by what the load moves it only.
-    assert detached(contact, guess, apart, near, uniform(contact, 0.2))
-    assert not detached(contact, guess, apart, near, uniform(contact, 2.8))
+    far, close = uniform(contact, 2.0), uniform(contact, 1.0)
+    assert doubtful(contact, close, far, close)
+    assert detached(contact, close, far, close, uniform(contact, 1.2))
+    assert not detached(contact, close, far, close, uniform(contact, 1.9))
+    assert detached(contact, near, apart, near, uniform(contact, 2.8))
