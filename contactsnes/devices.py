@@ -83,8 +83,9 @@ def _try(read, pipe):
     try:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, signal.SIG_DFL)
-        for name in ("RLIMIT_CORE", "RLIMIT_CPU"):
-            resource.setrlimit(getattr(resource, name), ((0, 0), (100, 100))[name == "RLIMIT_CPU"])
+        for limit, wanted in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, 100)):
+            most = resource.getrlimit(limit)[1]  # which nobody may raise
+            resource.setrlimit(limit, (wanted if most == resource.RLIM_INFINITY else min(wanted, most), most))
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, 1)
         os.dup2(null, 2)

@@ -336,3 +336,10 @@ def test_numbers_beyond_computing_are_refused_with_the_option():
     for value in ("1e300", "-1e31", "1e-300", "nan", "inf"):
         with pytest.raises(InputError, match="-load_path has no number"):
             Load(path=f"normal_force={value}").legs(1)
+
+
+def test_files_are_read_under_limits_that_nobody_may_raise():
+    program = ("import resource; resource.setrlimit(resource.RLIMIT_CPU, (50, 50)); from contactsnes import devices; "
+               "print(repr(devices.failure(lambda: None)))")
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "''", done.stderr

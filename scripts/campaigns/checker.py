@@ -307,7 +307,7 @@ class Checker:
             self.say("traction", point + 1, f"is off the law's by {missed:.3g}")
         forces = self.ranges * self.node * law.reshape(len(law), -1).sum(axis=1) * np.array([-1.0, *[1.0] * self.dimension])
         for name, force in zip(names(self.dimension, "force"), forces):
-            self._same(name, point, force, 2.0 * self.tolerance + 1e-9 * self.area * largest * self.ranges.max())
+            self._same(name, point, force, 2.0 * self.tolerance * max(1.0, abs(force)) + 1e-9 * self.area * largest * self.ranges.max())
         if not self.isolated:
             means = path.displacement[point].reshape(len(law), -1).mean(axis=1) * np.array([-1.0, *[1.0] * self.dimension])
             soft = physics.mean_compliance(self.scene["poisson"], self.scene["height"])
@@ -478,10 +478,12 @@ class Checker:
             return
         energies = np.array([self.stored(point) for point in range(self.count)])
         scale = 1.0 + np.abs(energies[:, 0]).max()
+        work = sum(w * np.abs(self.path[d] * self.path[f]) for w, d, f in zip(self.weights, *(names(self.dimension, kind) for kind in (
+            "displacement", "force"))))
         for column, values in zip(("elastic_energy", "interfacial_energy"), energies.T):
             told = self.path[column]
             known = ~np.isnan(values) & ~np.isnan(told)
-            wrong = np.abs(told - values) > 1e-6 * scale
+            wrong = np.abs(told - values) > 1e-6 * scale + 2.0 * self.tolerance * work
             if np.any(wrong & known):
                 point = int(np.argmax(wrong & known))
                 self.say(column, point + 1, f"is {told[point]:.9g}, recomputed {values[point]:.9g}")
