@@ -117,8 +117,9 @@ def _root(system, stability, leg, ends, index):
     value(place)
     if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
         return None
-    return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation", stable=0,
-                   unstable_modes=index)
+    # A bifurcation next to a fold, whose copy this may be, is none.
+    return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation",
+                   fold_kind="", fold_precision=0.0, tangents=(), stable=0, unstable_modes=index)
 
 
 def _solved(system, leg, known, position, far):

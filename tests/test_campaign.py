@@ -98,7 +98,7 @@ def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
 # A sample
 
 
-@pytest.mark.parametrize("number", [3, 26])
+@pytest.mark.parametrize("number", [3, 26, 58])
 def test_a_scene_and_its_variants_tell_the_same(worker, tmp_path, number):
     verdict = judge.judged(scenes.create(1, number), worker, tmp_path, budget=1.0)
     assert verdict.outcome not in judge.FORBIDDEN, verdict.found

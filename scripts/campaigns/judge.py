@@ -247,7 +247,7 @@ def compared(verdict, name, base, other, finished):
     resolved, stable = (all(story.known(column) for story in (base, other)) for column in ("resolved", "stable"))
     finer = name == "twice the points"
     # On one grid a jump of few nodes (resolved 0) is the same jump; what only a warning covers are grids too coarse for the law.
-    told = not resolved if finer else any("resolve" in story.path.warnings for story in (base, other))
+    told = finer and not resolved or any("resolve" in story.path.warnings for story in (base, other))
     precise = all(np.max(story.path.get("fold_precision", [0.0])) <= 1e-6 for story in (base, other))
     kind = "unresolved" if told or not precise else "silent" if stable else "unstable"
     tolerance, fold = (_expected(base), 0.03) if finer else (1e-6, 1e-6)
