@@ -10,11 +10,9 @@ import numpy as np
 
 from . import bifurcations, departures
 from .event_points import further_events, pulled_off, with_events
-from .folds import Turn
+from .folds import SHORT, Turn
 from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
 
-SHORT = 1.0 / 40.0
-"""Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that they stay in place."""
 
@@ -88,7 +86,7 @@ class Walk:
                 if searched != position and (step < self.leg.smallest or step < 0.1 * short or failures > 1 and step < short):
                     searched, before = position, self.history[-1][1]
                     try:
-                        yield from self._fold(error)
+                        yield from self._fold(error, 4.0 * step)
                     except NoFold as lost:
                         if step < self.leg.smallest:
                             self._give_up(lost, f"at {self._place(1.0)}")
@@ -216,12 +214,12 @@ class Walk:
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 
-    def _fold(self, error):
-        """Find out what stops the walk; yield the fold and, by default, the point after the jump."""
+    def _fold(self, error, refused):
+        """Find out what stops the walk before the end of a refused step; yield the fold and, by default, the point after the jump."""
         place, last = self.history[-1]
         fold, passed = self.system.let_go(last, self.leg, place), None
         if fold is None:
-            fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error)
+            fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error, refused)
             starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
             lowered = self.system.lowered(fold)

@@ -8,14 +8,20 @@ from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .points import NoFold, NotConverged, lagrange_weights
 
 
+SHORT = 1.0 / 40.0
+"""Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
+
+
 class Turn:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown of the solve."""
 
     def __init__(self, system, leg, history, most=60):
         self.system, self.leg, self.most = system, leg, most
         self.history = [(place, replace(point, position=place)) for place, point in history]
+        # Whatever steps a user asks for: those that look for a fold must not pass it.
+        self.initial, self.largest = min(leg.initial, SHORT), min(leg.largest, 2.0 * SHORT)
 
-    def search(self, error):
+    def search(self, error, refused=np.inf):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past the trouble.
 
         Raises NoFold (``error`` again) where no solution can be followed any further.
@@ -25,8 +31,8 @@ class Turn:
             trail = self.trail()
         except NotConverged as second:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
-        end = min(begin + self.leg.largest, 1.0)
-        first = length = self.system.chord_length(trail[0][1].state, trail[1][1].state)
+        end = min(begin + self.largest, 1.0)
+        first = length = self._short_of(refused, trail)
         for _ in range(self.most):
             try:
                 point = self._ahead(trail, length)
@@ -51,14 +57,19 @@ class Turn:
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
             place = trail[-1][0]
-            if place >= end or (steady and place > begin + self.leg.initial):
+            if place >= end or (steady and place > begin + self.initial):
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
-                length *= min(1.7, self.leg.largest / (place - trail[-2][0]))
+                length *= min(1.7, self.largest / (place - trail[-2][0]))
         ahead = trail[-1][0]
         if ahead > begin + 2.0 * self.leg.smallest:
             return None, None, self._natural(trail, min(ahead, 1.0))
         raise NoFold(f"{error}; arc length made no headway either")
+
+    def _short_of(self, refused, trail):
+        """Length of the first arc step: of the last one, but no farther than to what the walk could not reach."""
+        (before, first), (here, last) = trail[-2:]
+        return self.system.chord_length(first.state, last.state) * min(1.0, refused / abs(here - before))
 
     def _slopes(self, trail):
         """Places on the arc of three points, and d(position)/d(arc length) there by the parabola through them."""
@@ -73,7 +84,7 @@ class Turn:
         if len(self.history) > 1:
             return [(position, point) for position, point in self.history[-2:]]
         here, last = self.history[-1]
-        step = max(self.leg.smallest, 1e-3 * self.leg.initial)
+        step = max(self.leg.smallest, 1e-3 * self.initial)
         try:
             # Backwards, since the trouble may be nearer than the step.
             return [self._tiny(last, here, -step), (here, last)]
@@ -137,7 +148,7 @@ class Turn:
 
     def _passed(self, point, place):
         """A point with which the walk goes on."""
-        reached = min(self.leg.initial, place - self.history[-1][0])
+        reached = min(self.initial, place - self.history[-1][0])
         return replace(point, leg=self.leg.number, position=place, step=max(reached, self.leg.smallest))
 
     def _locate(self, trail):

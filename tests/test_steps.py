@@ -56,6 +56,16 @@ def test_steps_of_any_size_and_predictor_meet_the_same_jump(case):
         assert abs(points[-1].energy_imbalance) < 0.1 * points[-1].dissipated_work
 
 
+def test_the_search_for_a_fold_passes_none():
+    """Next to the softest law that jumps, where two folds are 0.003 apart on ways of 8, in steps of the whole way and small ones."""
+    scene, path = {**HALF_SPACE, "points": 256, "normal_maugis": 1.5}, "normal_displacement=0.7; normal_displacement=-8"
+    runs = [walked(scene, path, sizes, sizes, "normal_displacement=-7") for sizes in ((7.7, 8.7), (0.4, 0.4))]
+    for points in runs:
+        assert kinds(points) == [("fold", "jump_in"), ("jump", ""), ("fold", "pull_off"), ("jump", "")]
+        np.testing.assert_allclose(folds(points), folds(runs[0]), rtol=1e-8)
+        np.testing.assert_allclose(losses(points), losses(runs[0]), rtol=1e-3)
+
+
 @pytest.mark.parametrize("scene, way, first, largest, steps", [
     (STICKY, 80, (0.06, 2.0, 4.0), (0.6, 16.0, 32.0), {}),
     (SMOOTH, 50, (0.25, 5.0, 10.0), (0.5, 10.0, 20.0), {"type": "arclength"})])
