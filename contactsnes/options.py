@@ -186,7 +186,7 @@ def _number(convert):
 
 
 def check_names(classes=()):
-    """InputError for names in the database under a prefix of ours that no one knows, each with the nearest valid one.
+    """InputError for names in the database under a prefix of ours, or one much like it, that no one knows; each with the nearest.
 
     Parameters
     ----------
@@ -207,6 +207,9 @@ def check_names(classes=()):
             # Others may use our solvers under prefixes of their own, but hardly under one that is so much like ours.
             guess = nearest(head[:-1], NESTED, cutoff=0.7)
             sentences += [f"-{name} is no option: did you mean -{guess}_{inner}?"] * bool(guess)
+        elif not head and not inner.startswith(prefixes) and not SOLVER.match(name):
+            guess = nearest(name, names, cutoff=0.85)
+            sentences += [f"-{name} is no option: did you mean -{guess}?"] * bool(guess)
     if sentences:
         raise InputError("; ".join(sentences))
 
@@ -226,15 +229,15 @@ def check_values(classes):
 
 
 def unused_options(classes=()):
-    """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those that look like one of ours.
+    """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those of our own solvers.
 
     Solvers inside others have their own: -npc_snes_ and so on (`NESTS`).
 
     To be called after the solves, since PETSc's objects ask for their options when they are set up.
     """
-    names, own = known_options(classes), tuple(cls.prefix for cls in classes)
+    own = tuple(cls.prefix for cls in classes)
     return ["-" + name for name in database()
-            if (SOLVER.match(name) or _head(name, own) or nearest(name, names, cutoff=0.85)) and not _used(name)]
+            if (SOLVER.match(name) or _head(name, own)) and not _used(name)]
 
 
 def _used(name):
