@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from .points import NotConverged, lagrange_weights
+from .points import NoEquilibrium, NotConverged, lagrange_weights
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
@@ -139,25 +139,37 @@ def followed(system, stability, leg, critical, beyond):
     slow. Where it leads to a state that is another one at the bifurcation's load, too, that is a jump there (event ``jump``); else
     it is the branch that begins there.
 
-    Raises NotConverged or NoEquilibrium as motion does.
+    Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to another equilibrium.
     """
     where = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch that has lost its stability"
+    failure = None
     for kick in KICKS:
         start = system.kicked(beyond, stability.aside(replace(beyond, mode=critical.mode)), kick)
-        reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
-        away = system.missed(beyond.state, reached.state)
-        if away < 0.3 * system.missed(beyond.state, start):
-            continue
-        reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
         try:
-            there = system.solve(reached.state, leg.controls, leg.load(critical.position))
-        except NotConverged:
-            return reached
-        if system.missed(critical.state, there.state) < 0.5 * away:
-            return reached
-        return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
+            reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
+        except (NotConverged, NoEquilibrium) as error:
+            # A body that leaves to one side may stay on the other.
+            system.log(f"{error}; trying again from elsewhere")
+            failure = failure or error
+            continue
+        if system.missed(beyond.state, reached.state) >= 0.3 * system.missed(beyond.state, start):
+            return _branched(system, leg, critical, beyond, reached)
+    if failure is not None:
+        raise failure
     system.log(f"the motion {where} led back to it")
     return None
+
+
+def _branched(system, leg, critical, beyond, reached):
+    """What a motion beside a branch reached: a point of another branch that begins at the bifurcation, or a jump there."""
+    reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
+    try:
+        there = system.solve(reached.state, leg.controls, leg.load(critical.position))
+    except NotConverged:
+        return reached
+    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state, reached.state):
+        return reached
+    return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
 
 
 def settled(system, stability, point, where):

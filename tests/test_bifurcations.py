@@ -16,6 +16,7 @@ from contactsnes.arcs import ArcWalk  # noqa: E402
 from contactsnes.continuation import Walk  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.modes import NEUTRAL  # noqa: E402
+from contactsnes.points import NoEquilibrium  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
@@ -158,6 +159,28 @@ def test_the_stable_branch_is_followed_on_request(problem, branch, event):
     assert points[place + 1].event == event
     for point in points[place + 1:]:
         assert abs(point.state[1]) == pytest.approx(branch(max(point.load[-1], 0.5)), rel=1e-6) and point.stable == 1
+
+
+def test_a_motion_that_leaves_to_one_side_says_nothing_of_the_other():
+    """Of the two sides of a pitchfork one has no equilibrium that motion reaches."""
+    def leaving(left):
+        system = System(pitchfork())
+        settle = system.settle
+
+        def settled(state, controls, load, where, origin=None):
+            if left(state[1]):
+                raise NoEquilibrium(f"no equilibrium {where}")
+            return settle(state, controls, load, where, origin)
+
+        system.settle = settled
+        return followed(path(system, (0.0, 1.0), (0.0, 0.0), certify=Dense(system), at_bifurcation="follow"))
+
+    _, error = leaving(lambda aside: True)
+    assert isinstance(error, NoEquilibrium)
+    for sign in (1.0, -1.0):
+        points, error = leaving(lambda aside: sign * aside > 0.0)
+        assert error is None and points[-1].stable == 1
+        assert -sign * points[-1].state[1] == pytest.approx(np.sqrt(0.5), rel=1e-6)
 
 
 def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
