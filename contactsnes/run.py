@@ -124,6 +124,7 @@ class Branch:
         try:
             for point in map(grid.marked, map(ledger.entered, points)):
                 self._say_what_cannot_be_held(point)
+                self._say_where_none_is_stable(point)
                 self._last = point
                 self._say_what_is_diluted(point)
                 yield point
@@ -244,6 +245,17 @@ class Branch:
             self._log(f"leg {leg.number} begins on an unstable part of the branch: at {self.corrector.told(leg.controls, leg.start)} "
                       f"{found.unstable_modes} modes are unstable now that a force holds what a displacement held; "
                       "-continuation_stability sign certifies points")
+
+    def _say_where_none_is_stable(self, point):
+        """Say of a first point or the end of a jump that it is not stable, if nobody checks: its linear solves tell at no cost."""
+        examiner = self.corrector.examiner
+        if self.stability is not None or examiner is None or not point.softest < 0.0 or not (point.leg == 0 or point.event == "jump"):
+            return
+        modes = examiner(replace(point, event="none", tangents=())).unstable_modes
+        if modes > 0:
+            what = "the end of a jump" if point.event == "jump" else "the first point"
+            self._log(f"{what}, at {self.corrector.told(point.controls, point.load)}, is not stable: {modes} modes are unstable; "
+                      "-continuation_stability sign certifies points, and follows jumps on")
 
     def _say_what_cannot_be_held(self, point):
         """Say of a leg whether it begins where the forces that it moves do not hold the body, if nobody checks stability.

@@ -1,5 +1,7 @@
 """Legs of a load path: what controls each component follows from the path, also where a leg moves nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import petsc4py
 import pytest
@@ -110,6 +112,18 @@ def test_an_interrupted_path_keeps_the_switch(at_fold):
         assert [point.controls for point in rest] == [point.controls for point in points[done:]]
         assert rest[-1].load == pytest.approx(points[-1].load, abs=1e-12)
         assert rest[-1].displacements == pytest.approx(points[-1].displacements, abs=1e-6)
+
+
+@pytest.mark.parametrize("softest, modes, told", [(-1e-3, 2, True), (-1e-3, 0, False), (1e-3, 2, False), (np.nan, 2, False)])
+def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monkeypatch):
+    """Its linear solves say where to look; the modes themselves decide."""
+    sentences = []
+    branch = Branch(Scene(points=128, normal_maugis=1.0, period=20.0), Load(path="normal_displacement=0.1"), log=sentences.append)
+    start = branch.corrector.start
+    monkeypatch.setattr(branch.corrector, "start", lambda *load: replace(start(*load), softest=softest))
+    monkeypatch.setattr(branch.corrector, "examiner", lambda point: replace(point, stable=int(not modes), unstable_modes=modes))
+    next(iter(branch))
+    assert any("the first point, at normal_displacement 0, is not stable: 2 modes" in sentence for sentence in sentences) is told
 
 
 def test_what_was_stable_under_other_controls_is_checked_anew():
