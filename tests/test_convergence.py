@@ -215,8 +215,10 @@ def test_stiffness_of_a_bonded_strip(strip):
 
 def test_strength_of_a_bonded_strip(strip):
     """Law of McGarry et al., short range: the first maximum of T is that of a brittle crack in mode II, lambda_t^-1.7."""
-    period, ranges, errors = 50.0, [2.5, 5.0, 10.0], []
-    for maugis, points in zip(ranges, (2048, 4096, 16384)):
+    period, ranges = 50.0, [2.5, 5.0, 10.0]
+
+    def weaker(maugis, points):
+        """By what part the strip is weaker than a brittle one."""
         scene, half_width = strip(5.0, points, period=period)
         strength = reference.ligament_force(half_width, period)
         brittle = strength / reference.ligament_stiffness(half_width, period)
@@ -224,17 +226,15 @@ def test_strength_of_a_bonded_strip(strip):
                         Load(start="normal_displacement=0", path=f"tangential_displacement={0.8 * brittle}; "
                              f"tangential_displacement={1.3 * brittle}"),
                         Steps(initial_step=(0.2 * brittle, 0.02), largest_step=(0.2 * brittle, 0.02), at_fold="stop"))
-        largest = 0.0
-        for point in branch:
-            force = point.forces[-1] if len(point.controls) == 2 else 0.0
-            if force < largest:
-                break
-            largest = force
-        errors.append(1 - largest / strength)
+        return 1 - max(point.forces[-1] for point in branch if len(point.controls) == 2) / strength
+
+    errors = [weaker(maugis, points) for maugis, points in zip(ranges, (2048, 4096, 16384))]
     assert 1.3 < decay(ranges, errors) < 2.1
+    # The maximum is located, so that only the grid is left: it moves the half width by a part of a spacing.
+    assert errors[2] == pytest.approx(weaker(ranges[2], 8192), rel=0.1)
     # 5.586 and 5.6136 against 5.6282 in a cell of 100, by another implementation, whose own grid error is part of the second.
     assert errors[1] == pytest.approx(1 - 5.586 / 5.6282, rel=0.1)
-    assert errors[2] == pytest.approx(1 - 5.6136 / 5.6282, rel=0.2)
+    assert errors[2] == pytest.approx(1 - 5.6136 / 5.6282, rel=0.25)
 
 
 def test_slip_zone_of_constant_traction(strip):
