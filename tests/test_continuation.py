@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from contactsnes import departures
 from contactsnes.arcs import ArcWalk, Trace
 from contactsnes.continuation import Walk, branch, fold_kind, grown, leg_history, predict, with_events
 from contactsnes.folds import Turn
-from contactsnes.limit_points import FOLD_TOLERANCE
+from contactsnes.limit_points import FOLD_TOLERANCE, LimitPoint
 from contactsnes.points import Direction, Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
@@ -556,6 +557,112 @@ def test_another_branch_is_not_taken_for_the_next_point():
     assert events(points) == ["fold", "jump"]
     before = [point.state[0] for point in points[:[point.event for point in points].index("jump")]]
     assert max(before) <= -1 / np.sqrt(3) + 2e-3
+
+
+class Landing(System):
+    """A system whose solves all end in one state, so that what is asked of a step decides alone."""
+
+    def __init__(self, end, problem=None, softest=np.nan, jumped=False):
+        super().__init__(problem or explicit(lambda load: load, lambda load: 1.0))
+        self.end, self.softest, self.jumped = np.array(end), softest, jumped
+
+    def solve(self, guess, controls, load):
+        return replace(self._point(self.end, load, 3), softest=self.softest)
+
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
+        return replace(self.solve(guess, leg.controls, leg.load(position)), position=position)
+
+    def settle(self, state, controls, load, where, origin=None):
+        return self.solve(state, controls, load)
+
+    def doubtful(self, *_):
+        return self.jumped
+
+    detached = doubtful
+
+    def points(self, *states):
+        """[(position, point), ...] of states a tenth of a leg apart."""
+        found = enumerate(map(np.array, states))
+        return [(0.1 * k, replace(self._point(state, np.array([0.1 * k]), 3), position=0.1 * k, softest=0.5)) for k, state in found]
+
+
+UNIT_LEG = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+NODES = np.ones(100)
+ONE_ASIDE = 0.4 * NODES + np.where(np.arange(100) == 3, 0.6, 0.0)
+LATE = explicit(lambda load: 4 * load, lambda load: 4.0 if load < 0.05 else 0.0)
+
+
+@pytest.mark.parametrize("states, predictor, end, refused", [
+    ([[0.0], [0.05]], "none", [0.2], False), ([[0.0], [0.05]], "none", [0.45], True),
+    ([[0.0], [0.2]], "secant", [0.5], False), ([[0.0], [0.2]], "secant", [0.7], True),
+    ([0.0 * NODES, 0.2 * NODES], "secant", 0.4 * NODES, False), ([0.0 * NODES, 0.2 * NODES], "secant", ONE_ASIDE, True)])
+def test_a_step_that_ends_off_its_prediction_is_refused(states, predictor, end, refused):
+    """Of natural steps: four times as far as the last one, off by half of the way, or with one node that jumped."""
+    system = Landing(end)
+    history = system.points(*states)
+    walk = Walk(system, UNIT_LEG, history, predictor, "jump")
+    if refused:
+        with pytest.raises(NotConverged, match="another branch"):
+            walk._step(0.2, predictor)
+    else:
+        assert walk._step(0.2, predictor).position == 0.2
+
+
+def test_what_a_step_released_is_asked_where_its_end_was_foretold():
+    for jumped in (False, True):
+        system = Landing([0.4], jumped=jumped)
+        walk = Walk(system, UNIT_LEG, system.points([0.0], [0.2]), "secant", "jump")
+        assert (followed(walk._step(0.2, "secant") for _ in range(1))[1] is not None) is jumped
+
+
+@pytest.mark.parametrize("problem, refused", [(None, False), (LATE, True)])
+def test_the_tangent_at_a_far_first_point_leads_back(problem, refused):
+    system = Landing([4.0], problem or explicit(lambda load: 4 * load, lambda load: 4.0))
+    walk = Walk(system, replace(UNIT_LEG, end=np.array([10.0])), system.points([0.0]), "tangent", "jump")
+    assert (followed(walk._step(0.1, "tangent") for _ in range(1))[1] is not None) is refused
+
+
+@pytest.mark.parametrize("states, guess, end, position, sentence", [
+    ([[0.0], [0.2]], [0.4], [0.45], 0.2, ""), ([[0.0], [0.2]], [0.4], [0.7], 0.2, "another branch"),
+    ([0.0 * NODES, 0.2 * NODES], 0.4 * NODES, ONE_ASIDE, 0.2, "another branch"),
+    ([[0.0], [0.2]], [0.05], [0.05], 0.2, "back along the branch"), ([[0.0], [0.2]], [0.4], [0.4], 0.35, "more than twice")])
+def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end, position, sentence):
+    system = Landing(end)
+    walk = ArcWalk(system, UNIT_LEG, system.points(*states), "secant", "jump")
+    point = replace(system.solve(None, ("displacement",), np.array([position])), position=position)
+    found = followed(walk._check(np.array(guess), point) for _ in range(1))[1]
+    assert sentence in str(found) if sentence else found is None
+
+
+@pytest.mark.parametrize("states, end, softest, sentence", [
+    ([[0.0], [0.2]], [0.45], 0.1, ""), ([[0.0], [0.2]], [0.65], 0.1, "another branch"),
+    ([0.0 * NODES, 0.2 * NODES], ONE_ASIDE, 0.1, "another branch"), ([[0.0], [0.2]], [0.4], -0.1, "lost its stability")])
+def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence):
+    system = Landing(end, softest=softest)
+    trail = system.points(*states)
+    found = followed(Turn(system, UNIT_LEG, trail)._ahead(trail, 0.2) for _ in range(1))[1]
+    assert sentence in str(found) if sentence else found is None
+
+
+@pytest.mark.parametrize("end, softest, tight, sentence", [
+    (-0.6, 0.1, False, ""), (-0.45, 0.1, False, "strayed"), (-0.6, -0.1, False, "another mode"), (-0.6, -0.1, True, "")])
+def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
+    system = Landing([end], cubic(), softest)
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    before, beyond = (replace(system._point(np.array([u]), leg.load(0.5 * (u ** 3 - u + 1.0)), 3), position=0.5 * (u ** 3 - u + 1.0),
+                              softest=0.5) for u in (-0.7, -0.5))
+    limit = LimitPoint(system, leg, before, beyond)
+    found = followed(limit._station(0.5 * limit.right.place, tight) for _ in range(1))[1]
+    assert sentence in str(found) if sentence else found is None
+
+
+@pytest.mark.parametrize("end, back", [(0.001, True), (0.01, False), (-0.2, False), (-0.01, True)])
+def test_a_jump_leads_away_from_its_fold(end, back):
+    """A motion that began a tenth beside a fold has left it a twentieth ahead of it, or half of that distance on any side."""
+    system = Landing([end])
+    fold = replace(system.points([0.0])[0][1], event="fold", fold_kind="jump_in")
+    found = followed(departures.jumped(system, UNIT_LEG, fold, [lambda: np.array([0.1])], "there", lambda: None) for _ in range(1))[1]
+    assert "led back" in str(found) if back else found is None
 
 
 def test_the_walk_starts_a_leg_next_to_its_fold():
