@@ -7,6 +7,7 @@ import petsc4py
 import pytest
 
 petsc4py.init()
+from contactsnes.cohesive import resolution
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps, states
 from contactsnes.failures import NARROW, critical, explained, narrow, steepest
 
@@ -108,3 +109,30 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
         raise ValueError("no modes")
 
     assert "a failure of the solver" in str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, broken))
+
+
+@pytest.mark.parametrize("scene, displacement", [
+    ({"normal_maugis": 1.0, "period": 30.0}, 2.0), ({"normal_maugis": 3.0, "period": 20.0}, 10.0),
+    ({"dimension": 2, "geometry": "sphere", "normal_maugis": 1.0, "period": 16.0}, 1.0)])
+def test_points_whose_traction_alternates_from_node_to_node_are_not_resolved(scene, displacement):
+    """A soft law on a grid that is too coarse for the contact, though it is not for the law: by the error of the force."""
+    load = Load(path=f"normal_displacement={displacement}", start=f"normal_displacement={displacement}")
+    exact = None
+    for points in (192, 96, 48, 24, 16):
+        said = []
+        branch = Branch(Scene(points=points, **scene), load, log=said.append)
+        point = next(iter(branch))
+        exact = point.forces[0] if exact is None else exact
+        error = abs(point.forces[0] / exact - 1.0)
+        # Marked where the error is large, not where it is small, and between as it comes.
+        assert point.resolved == 0 or error < 0.02
+        assert point.resolved == 1 or error > 1e-4
+        assert point.resolved or any("alternates" in sentence or "resolve" in sentence for sentence in said) \
+            or max(resolution(branch.scene, False)) > 1.0
+    assert point.resolved == 0
+
+
+def test_a_full_contact_and_a_body_off_the_flat_do_not_alternate():
+    for geometry, path in (("flat", "normal_displacement=0.3; normal_displacement=-3"), ("sinusoid", "normal_displacement=3")):
+        points = list(Branch(Scene(points=64, period=8.0, normal_maugis=2.0, geometry=geometry), Load(path=path)))
+        assert all(point.resolved for point in points)
