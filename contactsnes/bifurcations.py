@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
+from .modes import NEUTRAL
 from .points import NoEquilibrium, NotConverged, lagrange_weights
 
 PRECISION = 2e-9
@@ -53,9 +54,10 @@ def _doubt(system, leg, last, point):
 def between(system, stability, leg, before, after):
     """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
 
-    None where it is not known. Each by a bracketed root of its eigenvalue (Brent's method) along the branch,
-    which is solved for in between. NotConverged where that fails and an odd number changes: that happens at folds and bifurcations
-    only (the index of a branch stays), so that the neighbours lie on two branches. Else what is not located is told of.
+    None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a bracketed root of its eigenvalue
+    (Brent's method) along the branch, which is solved for in between. NotConverged where that fails and an odd number changes:
+    that happens at folds and bifurcations only (the index of a branch stays), so that the neighbours lie on two branches. Else what
+    is not located is told of.
 
     Parameters
     ----------
@@ -76,6 +78,8 @@ def between(system, stability, leg, before, after):
                     f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
                     "but no bifurcation was located there")
         try:
+            if any(_fades(stability, point, index) for _, point in (before, after)):
+                continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
             if (before[1].unstable_modes - after[1].unstable_modes) % 2:
@@ -89,6 +93,15 @@ def between(system, stability, leg, before, after):
         if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _fades(stability, point, index):
+    """Whether a mode is neutral since forces move a body that the law no longer holds: off the flat, or sliding.
+
+    As the law fades its eigenvalue goes to zero, which it does not cross.
+    """
+    free = not point.in_contact and point.controls[0] == "force" or point.sliding and "force" in point.controls[1:]
+    return free and abs(stability.critical(point, index)[0]) <= NEUTRAL
 
 
 def _precision(leg, position):

@@ -247,6 +247,19 @@ def test_a_body_off_the_flat_lets_go_where_its_force_vanishes(changes):
     assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
+@pytest.mark.parametrize("stability", ["sign", "eigenvalue"])
+def test_the_mode_of_a_free_body_fades_and_crosses_nothing(stability):
+    """Off the flat a force holds no body: one unstable mode, whose eigenvalue goes with the force to zero and not through it."""
+    steps = Steps(initial_step=1.0 / 40.0, largest_step=1.0 / 20.0, stability=stability)
+    scene = Scene(**{**LINE, "points": 64, "geometry": "flat"})
+    points = list(Branch(scene, Load(start="normal_displacement=-4", path="normal_force=-2e-6; normal_force=0.5"), steps))
+    events = [point.event for point in points]
+    assert "bifurcation" not in events and events.count("fold") == events.count("jump") == 1
+    before = points[1:events.index("fold")]
+    assert before and not any(point.stable for point in before)
+    assert points[-1].stable and points[-1].forces[0] == 0.5
+
+
 def test_a_window_grows_with_the_motion():
     """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
     contact = Contact(Scene(**{**LINE, "points": 2048, "normal_maugis": 8.0}))
