@@ -8,7 +8,7 @@ from . import departures
 from .continuation import Walk, fold_kind, grown
 from .event_points import events_between, locate
 from .folds import Turn
-from .limit_points import LimitPoint
+from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .points import NoEquilibrium, NotConverged, lagrange_weights
 from .settings import InputError
 
@@ -19,14 +19,17 @@ TURNING = 0.5
 BRIEF = 1e-4
 """A step along the arc below this part of the last ones has failed, if the load hardly moves in it."""
 
+LONG = 0.1
+"""Ranges of the law in which the load of a smooth branch that turns changes by more than rounding."""
+
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
 NEARBY = 0.05
 """Steps below this part of the last one do not tell folds apart any better if they are shorter still."""
 SWINGS, SWING = 3, 1e-2
 """Folds after the first that, within so small a part of the load, are likely to be those of a grid."""
-PACE = 0.1
-"""What the position counts in the length of a branch, over what the state does."""
+PACE, STILL = 0.1, 1e-12
+"""What the position counts in the length of a branch, over what the state does, and how little of it is rounding."""
 
 
 class ArcWalk(Walk):
@@ -101,7 +104,7 @@ class ArcWalk(Walk):
         """Length that a unit of position counts, so that the branch has a direction where its state stands still, too."""
         pairs = [(first, last) for (_, first), (_, last) in zip(self.history, self.history[1:])]
         moved = sum(self.system.chord_length(first.state, last.state) for first, last in pairs)
-        return PACE * moved / max(sum(abs(last.position - first.position) for first, last in pairs), 1e-300)
+        return PACE * moved / max(sum(abs(last.position - first.position) for first, last in pairs), STILL)
 
     def _way(self, first, last):
         """Length of the way from one point to another."""
@@ -224,6 +227,8 @@ class ArcWalk(Walk):
         slope, mean = self._slopes(point)
         (_, before), (_, last) = self.history[-2:]
         heading = self.heading
+        if self._stands_still(last, point):
+            return None, False
         if min(slope * heading, mean * heading) > TURNING * abs(mean):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point)
@@ -239,6 +244,12 @@ class ArcWalk(Walk):
             self.system.log(f"folds at {self._place(last.position)} are too near to each other to be told apart: going on")
             return None, False
         return replace(limit.locate(), fold_kind=fold_kind(self.leg, heading)), late
+
+    def _stands_still(self, last, point):
+        """Whether the load changes by rounding only in a long step: where the law is exhausted it turns by chance."""
+        change = np.abs(point.load - last.load)[self.leg.moving]
+        reached = max(abs(last.load[self.leg.moving]), 1e-3)
+        return change < 0.1 * FOLD_TOLERANCE * reached and self.system.chord_length(last.state, point.state) > LONG
 
     def _next_length(self, point):
         """Length of the step after a point, which is not accepted yet."""

@@ -17,6 +17,7 @@ from functools import partial
 
 from . import __version__, observables, resuming, scene as scenes, summary
 from .archive import Archive, ArchiveError, Column, WriteError
+from .failures import uncomputable
 from .grid_choice import reason
 from .methods import CompareOptions
 from .points import new_points, NoEquilibrium, NotConverged, TooCoarse, unfinished_fold
@@ -42,9 +43,6 @@ Files are read from left to right, then the options of the command line; the lat
 
 BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
 """PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown type, no factorisation."""
-
-
-UNCOMPUTABLE = "numbers of the scene or the load are too large or too small to compute with"
 
 
 def main(argv=None):
@@ -73,7 +71,9 @@ def _ended(words, interrupts):
         _complain("error", f"a file cannot be read or written: {error}")
         return 1
     except ArithmeticError as error:
-        _complain("error", f"{UNCOMPUTABLE} ({error}): see what contactsnes info tells of it with more usual values")
+        status, reason = uncomputable(error, database())
+        _complain("error", reason)
+        return status
     except KeyboardInterrupt as interrupt:
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     except Exception:  # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
@@ -247,7 +247,8 @@ class Run:
         if isinstance(error, MemoryError):
             return 2 if early else 1, f"there is not enough memory ({error}): take fewer points of the grid"
         if isinstance(error, ArithmeticError):
-            return 2 if early else 1, f"{UNCOMPUTABLE} ({error})"
+            status, reason = uncomputable(error, database())
+            return status if early else 1, reason
         if isinstance(error, KeyboardInterrupt):
             number = self.interrupts.number or signal.SIGINT
             return 128 + number, f"interrupted by {signal.Signals(number).name}"

@@ -31,6 +31,13 @@ def _names(cls):
 SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
 
 
+def finite(state):
+    """A state from which a solve may begin; NotConverged for one that holds infinite values or NaN."""
+    if not (np.isfinite(state.displacement).all() and np.isfinite(state.means).all()):
+        raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
+    return state
+
+
 class Corrector:
     """Makes converged points: owns the load, the window, the form on it and its SNES, and the count of what was spent.
 
@@ -181,7 +188,7 @@ class Corrector:
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows when a solution asks."""
-        guess = states.with_components(guess, len(controls))
+        guess = states.with_components(finite(guess), len(controls))
         if self.settings.first == "relaxation" and self.settings.form == "displacement":
             guess = jumps.handed_over(self, guess, controls, load)
         for _ in range(6):

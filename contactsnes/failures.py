@@ -1,5 +1,6 @@
 """Which points the grid resolves, and what stops a branch, in words."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,10 @@ TRACTIONLESS = 1e-9
 """Traction, over the scale of the law, that counts as none."""
 ALTERNATING = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0]) / 256.0
 """The eighth difference: waves of two nodes as they are, those of eight nodes or more by less than a thousandth."""
+USUAL = 1e9
+"""Numbers of scene and load up to this size, or down to its inverse, are no reason why a computation should overflow."""
+NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+"""What a number without its sign looks like in the text of an option."""
 TRY = "try smaller steps (-continuation_initial_step, -continuation_smallest_step) or another -continuation_predictor"
 
 
@@ -163,3 +168,19 @@ def critical(contact, sheared):
     components = contact.scene.components if sheared else 1
     give = contact.rigid_compliance(components) * contact.mean_mass(components)
     return CRITICAL / max(1.0, 0.2 * give.max())
+
+
+def uncomputable(error, options):
+    """Exit status and sentence on an overflow, an ArithmeticError: bad input only where numbers that were given are extreme.
+
+    Parameters
+    ----------
+    error : ArithmeticError
+    options : name -> text of all options
+    """
+    given = {name: [number for number in re.findall(NUMBER, text) if float(number) and not 1.0 / USUAL <= float(number) <= USUAL]
+             for name, text in options.items() if name.startswith(("scene_", "load_"))}
+    extreme = "; ".join(f"-{name} {', '.join(numbers)}" for name, numbers in given.items() if numbers)
+    if extreme:
+        return 2, f"numbers of the scene or the load are too large or too small to compute with ({error}): {extreme}"
+    return 1, f"a number became too large or too small to compute with on the way ({error}): a failure of the solver; {TRY}"

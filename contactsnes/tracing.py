@@ -9,7 +9,7 @@ from . import states
 from .arclength import ArcLength
 from .cohesive import PINNING, resolution
 from .contact import FORCE
-from .corrector import KSP_REASONS, WARM, Corrector
+from .corrector import KSP_REASONS, WARM, Corrector, finite
 from .forms import DisplacementForm
 from .laws import CUTOFF, MOVING_STIFFNESS, SLIP
 from .points import Direction, NotConverged
@@ -40,7 +40,7 @@ class Tracer(Corrector):
         By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
         """
         share, rate = border
-        length = share * length + rate * position
+        length, guess = share * length + rate * position, finite(guess)
         for _ in range(6):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
             tolerance = snes.getTolerances()[1]
@@ -84,6 +84,8 @@ class Tracer(Corrector):
         change = direction.state
         ahead = states.State(change.window, states.onto(point.state, change.window) + change.displacement, point.state.means)
         length = self.chord_length(point.state, ahead)
+        if length == 0.0:
+            raise NotConverged("no direction of the branch: its state stands still")
         return Direction(states.State(change.window, change.displacement / length, change.means / length), direction.rate / length)
 
     def margin(self, point, event):
@@ -184,4 +186,7 @@ class Tracer(Corrector):
         self.totals["linear_iterations"] += ksp.getIterationNumber()
         if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
             raise NotConverged(f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
-        return change.getArray().copy()
+        change = change.getArray().copy()
+        if not np.isfinite(change).all():
+            raise NotConverged("no direction of the branch: it is infinite")
+        return change

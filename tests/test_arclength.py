@@ -1,5 +1,7 @@
 """Arc length on contacts: folds against independent values, lengths that know no grid, what a traced branch costs, bad input."""
 
+from dataclasses import replace
+
 import numpy as np
 import petsc4py
 import pytest
@@ -7,10 +9,11 @@ import pytest
 petsc4py.init([])
 
 from contactsnes import observables, states  # noqa: E402
+from contactsnes.arcs import ArcWalk  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, Contact  # noqa: E402
 from contactsnes.forms import DisplacementForm  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
-from contactsnes.points import NoEquilibrium  # noqa: E402
+from contactsnes.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
@@ -222,6 +225,29 @@ def test_gross_sliding_is_located():
     assert sliding.sliding and 0.0 <= branch.corrector.margin(sliding, "gross_sliding") < 1e-6
     slip = observables.observe(branch.contact, sliding)["maximum_tangential_gap"]
     assert slip * 1.5 > np.sqrt(0.5)
+
+
+def test_a_load_that_stands_still_turns_nowhere():
+    """The whole contact slides at its residual friction: what the load still changes by is rounding, whatever its sign."""
+    scene = {"points": 96, "period": 60.0, "normal_maugis": 0.759, "geometry": "rough", "poisson": 0.5, "rough_slope": 0.224,
+             "rough_shortest": 5.0, "rough_hurst": 0.8, "rough_seed": 349, "residual_friction": 0.5, "tangential_maugis": 0.2}
+    steps = {"type": "natural", "predictor": "tangent", "initial_step": (3.65467, 1.09333), "largest_step": (3.65467, 1.09333)}
+    _, points, error = followed(scene, "normal_displacement=-0.5", "normal_displacement=2.241; tangential_force=0.82", **steps)
+    assert isinstance(error, NoEquilibrium) and "slides without end" in str(error)
+    assert abs(points[-1].forces[1] / points[-3].forces[1] - 1.0) < 1e-8
+    assert [point.event for point in points if point.event != "none"] == ["fold", "gross_sliding"]
+
+
+def test_nothing_infinite_is_followed():
+    branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-0.2")
+    walk = ArcWalk(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])], "edge", "trace")
+    walk.history = [(0.5, replace(point, position=0.5)) for point in points[:2]]
+    assert np.isfinite(walk._pace ** 2)
+    lost = replace(points[1].state, displacement=np.full_like(points[1].state.displacement, np.inf))
+    for solve in (lambda: branch.corrector.solve(lost, points[1].controls, points[1].load),
+                  lambda: branch.corrector.solve_arc((points[0].state, points[1].state), 0.1, lost, 0.5, walk.leg)):
+        with pytest.raises(NotConverged, match="its start holds NaN or infinite"):
+            solve()
 
 
 @pytest.mark.parametrize("steps", [{"type": "arclength"}, {"type": "natural", "at_fold": "trace"}])

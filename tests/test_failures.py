@@ -9,7 +9,7 @@ import pytest
 petsc4py.init()
 from contactsnes.cohesive import resolution
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps, states
-from contactsnes.failures import NARROW, critical, explained, narrow, steepest
+from contactsnes.failures import NARROW, critical, explained, narrow, steepest, uncomputable
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
 
@@ -136,3 +136,12 @@ def test_a_full_contact_and_a_body_off_the_flat_do_not_alternate():
     for geometry, path in (("flat", "normal_displacement=0.3; normal_displacement=-3"), ("sinusoid", "normal_displacement=3")):
         points = list(Branch(Scene(points=64, period=8.0, normal_maugis=2.0, geometry=geometry), Load(path=path)))
         assert all(point.resolved for point in points)
+
+
+@pytest.mark.parametrize("options, status, words", [
+    ({"scene_period": "30", "scene_range_normal": "7.4e-07", "load_path": "normal_force=-1.5e2; normal_displacement=.5"}, 1, "on the way (e"),
+    ({"scene_period": "1e20", "load_path": "normal_force=1"}, 2, "-scene_period 1e20"),
+    ({"load_path": "normal_force=-3e-15", "snes_atol": "1e-12"}, 2, "-load_path 3e-15")])
+def test_only_numbers_that_were_given_are_called_too_large_or_too_small(options, status, words):
+    found, sentence = uncomputable(OverflowError("e"), options)
+    assert found == status and words in sentence and "snes_atol" not in sentence
