@@ -275,7 +275,9 @@ class Body:
             blocks[0, 0] = 1 / blocks[0, 0]
         else:
             surface = layer_stiffness(waves.wavenumber, self.poisson, self.height)
-            blocks = self._blocks(surface, -1.0, waves, components, self._nonzero(waves))
+            coupled, sheared = self._nonzero(waves)
+            # What is coupled to the normal direction is stiffer: where compliances of x and y are equal, stiffnesses are not.
+            blocks = self._blocks(surface, -1.0, waves, components, (coupled, coupled or sheared))
             self._invert_nyquist(blocks, waves, components)
         return self._without_zero_mode(blocks, waves)
 

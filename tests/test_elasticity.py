@@ -186,10 +186,11 @@ def test_rigid_compliance_vanishes_where_the_mean_follows_the_top():
 
 @pytest.mark.parametrize("shape, components", (((8,), 1), ((8,), 2), ((9,), 2), ((8, 6), 1),
                                                ((8, 6), 3), ((7, 6), 3), ((8, 9), 3), ((2, 2), 3)))
-@pytest.mark.parametrize("work_ratio", (1.0, 3.0))
-def test_stiffness_inverts_compliance_at_every_wave(shape, components, work_ratio):
+@pytest.mark.parametrize("work_ratio, poisson, height", ((1.0, 0.3, 0.8), (3.0, 0.3, 0.8), (1.0, 0.0, math.inf), (2.0, 0.0, 0.8),
+                                                         (1.0, 0.5, math.inf), (1.0, 0.5, 0.8), (1.0, 0.2, 2000.0)))
+def test_stiffness_inverts_compliance_at_every_wave(shape, components, work_ratio, poisson, height):
     waves = wave_numbers(shape, (5.0, 7.0)[:len(shape)])
-    body, even = Body(0.3, 0.8, work_ratio), shape[-1] % 2 == 0
+    body, even = Body(poisson, height, work_ratio), shape[-1] % 2 == 0
     compliance = matrices(body.compliance(waves, components, last_even=even), components)
     stiffness = matrices(body.stiffness(waves, components, last_even=even), components)
     product = (stiffness @ compliance).reshape(-1, components, components)
@@ -302,11 +303,11 @@ def test_what_vanishes_is_left_out(poisson, height, couples):
 
 
 def test_isotropic_half_space_keeps_no_shear_block():
-    """nu = 0: longitudinal and transverse compliance of the half-space are equal."""
+    """nu = 0: longitudinal and transverse compliance of the half-space are equal; stiffnesses are not, by what couples."""
     waves = wave_numbers((8, 6), (5.0, 5.0))
     for height, keeps in ((math.inf, False), (2.0, True)):
         assert ((1, 2) in Body(0.0, height).compliance(waves, 3)) is keeps
-        assert ((1, 2) in Body(0.0, height).stiffness(waves, 3)) is keeps
+        assert (1, 2) in Body(0.0, height).stiffness(waves, 3)
 
 
 def test_components_must_fit_the_interface():
