@@ -10,6 +10,8 @@ from .points import NoEquilibrium, NotConverged, lagrange_weights
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
+PARTED = 0.01
+"""Part of a step by which states are apart on either side of a place if they lie on two branches."""
 KICKS = (1.0, -1.0, 5.0, -5.0)
 """How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
 
@@ -111,7 +113,7 @@ def _precision(leg, position):
 
 
 def _root(system, stability, leg, ends, index):
-    """The point where an eigenvalue vanishes, None where it jumps; NotConverged where a solve fails or leaves the branch."""
+    """The point where an eigenvalue vanishes, None where it jumps and the state does not; NotConverged where a solve leaves the branch."""
     known, values = dict(ends), {}
     far = system.missed(ends[0][1].state, ends[1][1].state)
 
@@ -129,10 +131,20 @@ def _root(system, stability, leg, ends, index):
     place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
     value(place)
     if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
+        if _apart(system, known, values) > PARTED * far:
+            raise NotConverged("an eigenvalue jumps through zero, and the state with it")
         return None
     # A bifurcation next to a fold, whose copy this may be, is none.
     return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation",
                    fold_kind="", fold_precision=0.0, tangents=(), stable=0, unstable_modes=index)
+
+
+def _apart(system, known, values):
+    """How far states are apart where an eigenvalue changes its sign, at the nearest places with either: little at a corner."""
+    places = sorted(values)
+    changes = [pair for pair in zip(places, places[1:]) if values[pair[0]] * values[pair[1]] < 0.0]
+    below, above = min(changes, key=lambda pair: pair[1] - pair[0])
+    return system.missed(known[below].state, known[above].state)
 
 
 def _solved(system, leg, known, position, far):

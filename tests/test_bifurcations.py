@@ -13,10 +13,12 @@ from test_continuation import Problem, System, assert_solutions, events, followe
 from test_stability import Cell  # noqa: E402
 
 from contactsnes.arcs import ArcWalk  # noqa: E402
+from contactsnes.bifurcations import between  # noqa: E402
 from contactsnes.continuation import Walk  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.modes import NEUTRAL  # noqa: E402
 from contactsnes.points import NoEquilibrium  # noqa: E402
+from contactsnes.points import Leg, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
 from contactsnes.scene import Form, Scene, Steps  # noqa: E402
 from contactsnes.settings import InputError  # noqa: E402
@@ -203,6 +205,30 @@ def test_all_modes_that_change_in_a_step_are_found(second):
     found = [point for point in points if point.event == "bifurcation"]
     assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
     assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.05])
+def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apart):
+    """Solves in between that end on two branches have eigenvalues of either sign, and no root; so has a corner on one branch."""
+    said = []
+
+    class Halves(System):
+        def solve(self, guess, controls, load):
+            return replace(self._point(np.array([load[0], apart * (load[0] > 0.3)]), load, 1), position=load[0])
+
+    class Signs:
+        def critical(self, point, index):
+            return (1.0 if point.load[0] <= 0.3 else -1.0), point
+
+    system, leg = Halves(pitchfork()), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    system.log = said.append
+    ends = [(place, replace(system.solve(None, leg.controls, leg.load(place)), unstable_modes=modes))
+            for place, modes in ((0.0, 0), (1.0, 1))]
+    if apart:
+        with pytest.raises(NotConverged, match="and the state with it"):
+            between(system, Signs(), leg, *ends)
+    else:
+        assert between(system, Signs(), leg, *ends) == [] and "an eigenvalue jumps through zero" in said[0]
 
 
 def test_a_complex_pair_is_one_bifurcation():
