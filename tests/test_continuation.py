@@ -469,6 +469,13 @@ def test_where_nothing_lies_beyond_the_fold_the_path_ends():
     assert points[-1].event == "fold" and points[-1].load[0] == pytest.approx(1.0, rel=2 * FOLD_TOLERANCE)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_path_that_is_to_stop_at_pull_off_does_not_end_well_at_another_fold(way):
+    """What moves is a displacement: no force pulls the body off, and that nothing lies beyond is told."""
+    points, error = followed(path(System(circle()), [0.5 * way, 2.0 * way], [0.8], stops=("pull_off",)))
+    assert isinstance(error, NoEquilibrium) and points[-1].event == "fold"
+
+
 def test_an_unstable_branch_is_left_backwards():
     """From the middle of the cubic to its fold: beyond it, motion leads back to it, and before it on to the far branch."""
     points, error = followed(path(System(cubic()), [0.0, 2.0], [0.0]))

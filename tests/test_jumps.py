@@ -397,6 +397,22 @@ def test_a_drift_that_never_ends_is_given_up():
         motion.follow()
 
 
+@pytest.mark.parametrize("away", [0.5, 2.0])
+def test_a_body_off_the_flat_is_where_its_motion_led(away, monkeypatch):
+    """There the law hardly acts, and the balance hardly tells one place from another."""
+    system = Branch(Scene(**{**LINE, "points": 64}), Load(path="normal_displacement=1")).corrector
+    rest = states.apart(system.contact)
+    found = states.State(rest.window, rest.displacement + away, rest.means + away)
+    point = system.solve(found, (F,), np.array([0.0]))
+    monkeypatch.setattr(system, "solve", lambda *_: point)
+    assert not point.in_contact and states.missed(system.contact, rest, point.state) == 0.0
+    if away < 1.0:
+        assert jumps.polished(system, rest, (F,), np.array([0.0])) is point
+    else:
+        with pytest.raises(NotConverged, match="not where the motion led"):
+            jumps.polished(system, rest, (F,), np.array([0.0]))
+
+
 @pytest.mark.parametrize("wrong", (np.nan, np.inf))
 def test_a_motion_cannot_begin_from_what_is_no_number(wrong, jumped):
     branch, points, _ = jumped["pull-off"]

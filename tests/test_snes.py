@@ -422,7 +422,7 @@ def test_gaps_beyond_the_laws_continuation_are_an_error():
     contact = Contact(Scene(points=64, period=20.0, normal_maugis=3.0, geometry="flat"))
     made = Corrector(contact, Form())
     deep = states.State(contact.grid.whole, np.full((1, 64), -35.0), np.array([-35.0]))
-    with pytest.raises(NotConverged):
+    with pytest.raises(NotConverged, match="gap of -35 delta_n .* only a continuation"):
         made.solve(deep, (DISPLACEMENT,), np.array([35.0 / 3.0]), 50)
 
 
