@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-from campaigns import checker, comparison, judge, physics, planted, scenes, table  # noqa: E402
+from campaigns import checker, comparison, faults, judge, physics, planted, scenes, table  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -113,3 +113,29 @@ def test_the_table_counts_each_case_once_by_its_worst_outcome(tmp_path):
     (tmp_path / "campaign-scenes.csv").write_text("part,number,seed,outcome,points,runs,left_out,seconds,found,command\n" + "\n".join(rows) + "\n")
     assert "| scenes | 2 | 4 | 2 |" in "\n".join(table.lines(tmp_path))
     assert not table.failed(tmp_path, ["scenes"])
+
+
+# Faults planted in the sources
+
+
+def test_faults_and_their_tests_stand_in_the_sources():
+    listed = faults.read_faults()
+    assert faults.stale(listed) == []
+    assert len(set(listed)) == len(listed) == 100
+    assert all(fault.area and fault.text != fault.fault for fault in listed)
+    for file, _, test in (argument.partition("::") for fault in listed for argument in faults.arguments(fault)):
+        assert f"def {test or 'test_'}" in (ROOT / file).read_text(encoding="utf-8")
+
+
+def test_a_fault_is_planted_in_a_copy_and_found_there():
+    """The law's tangent with a wrong sign; what changes nothing is not found."""
+    fault = next(fault for fault in faults.read_faults() if fault.text.strip() == "np.multiply(slope - secant, direction")
+    fault = fault._replace(tests="laws::test_taylor_remainder_is_of_second_order")
+    assert "test_taylor_remainder" in faults.tried(fault)[0] and faults.tried(fault._replace(fault=fault.text))[0] == ""
+    assert faults.stale([fault]) == []
+
+
+def test_faults_have_a_table_of_their_own(tmp_path):
+    rows = [f"faults,{number},1,{outcome},0,1,0,1.0,,x" for number, outcome in ((0, "silent"), (1, "agreed"))]
+    (tmp_path / "campaign-faults.csv").write_text("part,number,seed,outcome,points,runs,left_out,seconds,found,command\n" + "\n".join(rows) + "\n")
+    assert table.lines(tmp_path)[-1] == "| all | 2 | 1 |" and table.lost(tmp_path)

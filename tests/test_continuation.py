@@ -705,6 +705,35 @@ def test_an_arc_that_turns_on_a_straight_branch_is_no_fold():
         assert trail[3][0] < trail[2][0] and Turn(system, leg, trail[:2])._returns(trail) is back
 
 
+@pytest.mark.parametrize("aside, back", [(0.005, True), (0.012, False)])
+def test_an_arc_has_turned_where_it_is_nearer_to_its_way_than_to_its_end(aside, back):
+    system = System(cubic())
+    places, states = (0.1, 0.2, 0.3, 0.27), (0.1, 0.2, 0.3, 0.27 + aside)
+    trail = [(place, system._point(np.array([u]), np.array([place]), 3)) for place, u in zip(places, states)]
+    assert Turn(system, UNIT_LEG, trail[:2])._returns(trail) is back
+
+
+def test_an_arc_is_followed_until_the_load_falls():
+    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    places = [(0.5 * (u ** 3 - u + 1.0), u) for u in (-0.62, -0.61, -0.6)]
+    trail = [(place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)), position=place)) for place, u in places]
+    found = Turn(system, leg, trail)._bracketed(trail)
+    assert len(found) > 6 and found[-1][0] < found[-2][0] and found[-1][1].state[0] > -1 / np.sqrt(3.0)
+
+
+@pytest.mark.parametrize("drop, located", [(1e-9, True), (1e-4, False)])
+def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, located):
+    class Pinned(Landing):
+        def direction(self, point, chord, leg):
+            return Direction(np.ones(1), 1.0)
+
+    system = Pinned([0.0])
+    trail = [(place, replace(system._point(np.array([u]), np.array([place]), 3), position=place))
+             for place, u in ((0.3, 0.2), (0.4 - 1e-10, 0.3), (0.4, 0.4), (0.4 - drop, 0.5))]
+    found = followed(Turn(system, UNIT_LEG, trail)._locate(trail)[0] for _ in range(1))
+    assert found[0][0].fold_precision < FOLD_TOLERANCE if located else "slope did not" in str(found[1])
+
+
 def test_a_point_of_the_arc_serves_where_no_solve_does():
     """The places of a trail are points of the branch: the last one before the place in question, or none beyond the leg's last."""
     system, leg = System(explicit(np.sin, np.cos)), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)

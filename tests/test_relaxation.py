@@ -237,6 +237,18 @@ def test_energies_are_sums_over_nodes(equilibria):
     assert motion.energies() == pytest.approx(expected, rel=1e-10)
 
 
+def test_a_law_that_stiffens_leaves_the_kinetic_energy(equilibria):
+    """Masses grow with the tangent where surfaces overlap, and a motion slows down by as much."""
+    form, start, _ = equilibria("coupled")
+    motion = Motion(form)
+    motion.start(start)
+    motion.velocity[...] = np.fft.rfft(np.random.default_rng(3).standard_normal(form.shape))
+    stiffening, kinetic = motion.stiffening, motion.energies()[1]
+    motion.displacement[0, 0] -= 3.0 * form.grid.size
+    motion.advance(0.0, 1.0, 0.0)
+    assert motion.stiffening > 2.0 * stiffening and motion.energies()[1] == pytest.approx(kinetic, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_norm_bounds_the_residual_on_the_window_from_above(equilibria, name):
     form, start, _ = equilibria(name)
