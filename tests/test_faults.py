@@ -139,7 +139,8 @@ def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
     assert options.petsc_arguments([str(first)])[1:] == ["-a", "1", "-b", "2", "-c", "3"]
     assert options.petsc_arguments(["-x", "-options_file", str(second), "-y"])[1:] == ["-x", "-b", "2", "-y"]
     second.write_text(f"-Options_File {first}")
-    for arguments in ([str(first)], ["-options_file", str(second)]):
+    (tmp_path / "third.opts").write_text(f"-options_file {first}")  # outside of the circle
+    for arguments in ([str(first)], ["-options_file", str(second)], [str(tmp_path / "third.opts")]):
         with pytest.raises(InputError, match="includes itself"):
             options.petsc_arguments(arguments)
     (tmp_path / ".petscrc").write_text("-options_file .petscrc")
@@ -263,6 +264,24 @@ def test_damaged_archives_are_refused_or_read_right(tmp_path):
             refused += 1
             assert "bad.h5" in str(error)
     assert 2 < refused < 15
+
+
+def test_a_number_changed_anywhere_is_damage(tmp_path):
+    """In any column, of any point, in what no point changes, and in fields, which are read for themselves."""
+    columns = {name: archive.Column("") for name in ("approach", "normal_force", "stable")}
+    made = archive.Archive.create(tmp_path / "run.h5", scene={}, options="", versions={}, columns=columns, fields="all",
+                                  coordinates=(np.arange(4.0),), initial_gap=np.ones(4))
+    for value in (1.0, 2.0):
+        made.append(dict.fromkeys(columns, value), {}, np.full((1, 4), value), np.full((1, 4), -value))
+    names = [*(f"branch/{name}" for name in columns), "fields/x", "fields/initial_gap", "fields/displacement", "fields/traction", "runs/first"]
+    assert archive.read(tmp_path / "run.h5").field("displacement", 1).max() == 2.0
+    for name, place in ((name, place) for name in names for place in ((0,) if name == "runs/first" else (0, 1))):
+        bad = tmp_path / "bad.h5"
+        bad.write_bytes((tmp_path / "run.h5").read_bytes())
+        with h5py.File(bad, "r+") as file:
+            file[name][place] = 7.0
+        with pytest.raises(archive.ArchiveError, match="is damaged"):
+            archive.read(bad).field(name[7:] if name in ("fields/displacement", "fields/traction") else "displacement", place)
 
 
 def test_a_changed_number_is_damage(tmp_path):

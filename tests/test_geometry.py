@@ -147,7 +147,8 @@ UNEVEN = {"wave": lambda x, y: 1 - np.cos(2 * np.pi * x / 12.0),
           "two apices": lambda x, y: np.abs(np.abs(x) - 2) ** 2,
           "flat": lambda x, y: 0 * x,
           "waves on a parabola": lambda x, y: x ** 2 / 2 + 0.03 * np.cos(8 * x),
-          "saddle": lambda x, y: x ** 2 - 2.0 * x * y + 0.8 * y ** 2}
+          "saddle": lambda x, y: x ** 2 - 2.0 * x * y + 0.8 * y ** 2,
+          "star": lambda x, y: (x ** 2 + y ** 2) / 2 + x ** 2 * y ** 2}
 
 
 @pytest.mark.parametrize("name", [*CONVEX, *UNEVEN])
@@ -156,7 +157,7 @@ def test_convexity_is_a_property_of_the_gap_wherever_its_apex_lies(name, directi
     x, y = FINE[1] if directions == 2 else (FINE[0][0], 0.0)
     shape = np.broadcast_shapes(np.shape(x), np.shape(y))
     gap = np.broadcast_to({**CONVEX, **UNEVEN}[name](x, y), shape)
-    expected = name in CONVEX or (name == "saddle" and directions == 1)
+    expected = name in CONVEX or (name in ("saddle", "star") and directions == 1)
     assert is_convex(np.roll(gap, shift, tuple(range(directions)))) == expected
     if expected:
         dented = gap.copy()

@@ -1,6 +1,7 @@
 """Newton's method under PETSc: defaults and the user's options, reasons, convergence, and how many iterations it takes."""
 
 import math
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,6 +19,7 @@ from contactsnes import states  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.corrector import Corrector  # noqa: E402
 from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.grid_choice import memory_of_solve  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.options import database  # noqa: E402
 from contactsnes.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
@@ -70,6 +72,12 @@ def test_defaults(tmp_path):
     assert ksp.getType() == "fgmres" and ksp.getPC().getType() == "python"
     assert 0.0 < ksp.getTolerances()[1] <= 0.5e-8
     assert "type: basic" in viewed(snes, tmp_path)
+
+
+def test_a_solve_keeps_the_vectors_that_it_is_said_to_take(tmp_path):
+    """FGMRES holds two for each iteration until it restarts: a direction, and what the preconditioner made of it."""
+    restart = int(re.search(r"restart=(\d+)", viewed(snes_of(), tmp_path))[1])
+    assert memory_of_solve(10 ** 6, 0) > 8 * 2 * restart * 10 ** 6
 
 
 @pytest.mark.parametrize("given, found", [
@@ -263,6 +271,14 @@ def test_the_window_grows_on_demand():
     found = made.solve(small, point.controls, point.load, 200)
     assert states.covers(made.contact, found.state)
     assert made.distance(point.state, found.state) < 1e-6
+
+
+def test_the_window_grows_with_what_a_solve_finds():
+    """The contact spreads beyond the window that its guess asks for."""
+    made, point = solved(0.0)
+    found = made.solve(point.state, point.controls, np.array([9.0]), 200)
+    assert found.state.window.size > point.state.window.size and states.covers(made.contact, found.state)
+    np.testing.assert_allclose(found.forces, solved(9.0)[1].forces, rtol=1e-7)
 
 
 def two_spots(folder):
