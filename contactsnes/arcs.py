@@ -69,8 +69,9 @@ class ArcWalk(Walk):
             try:
                 point = self._ahead(self.length, self.predictor if failures < 1 else "secant")
                 fold, point = self._met(point)
+                examined = None
                 if fold is None and last.event != "fold":
-                    point, _ = self._examined(self._marked(point))
+                    examined = point, _ = self._examined(self._marked(point))
             except NotConverged as error:
                 failures, self.length = failures + 1, (1.0 if failures == 0 and self.predictor == "edge" else 0.25) * self.length
                 self.system.log(f"a step along the branch from {self._place(here)} failed ({error}): trying another one")
@@ -89,7 +90,7 @@ class ArcWalk(Walk):
                 self.history[-2:] = self.history[-2:][::-1]
                 continue
             self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
-            yield from self._reach(point)
+            yield from self._reach(point, examined)
             if self.stopped:
                 return
 
@@ -265,23 +266,25 @@ class ArcWalk(Walk):
         worth = self.length >= BRIEF * behind or self.length * abs(here - before) >= self.leg.smallest * behind
         return self.patience == 0 or not worth
 
-    def _reach(self, point):
-        """Accept a point after those before it at which events happen."""
+    def _reach(self, point, examined=None):
+        """Accept a point after those before it at which events happen; where none do, what was found with it holds."""
         for event in events_between(self.history[-1][1], point):
             found = locate(self.system, self.leg, event, self.history[-1][1], point)
             if found is not point:
+                examined = None
                 yield from self._certified(found)
                 if self.stopped:
                     return
-        yield from self._certified(point)
+        yield from self._certified(point, examined)
 
-    def _certified(self, point):
+    def _certified(self, point, examined=None):
         """Accept a point; next to a fold, where an eigenvalue crosses zero, too, nothing bifurcates."""
         point = self._marked(point)
         if "fold" in (self.history[-1][1].event, point.event):
             yield self._accept(point)
         else:
-            yield from self._arrive(*self._examined(point))
+            point, critical = examined or self._examined(point)
+            yield from self._arrive(self._marked(point), critical)
 
     def _marked(self, point):
         """A point with the steps to try next."""

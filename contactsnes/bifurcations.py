@@ -42,7 +42,8 @@ def _doubt(system, leg, last, point):
 
     before, after = system.examiner(last[1]), system.examiner(point)
     if min(before.unstable_modes, after.unstable_modes) > 0:
-        system.log(f"the branch is not stable at {place(last[0])}: a bifurcation was passed before, which -continuation_stability finds")
+        system.log(f"the branch is not stable at {place(last[0])}: a fold or a bifurcation was passed before; "
+                   "-continuation_stability certifies points")
     change = after.unstable_modes - before.unstable_modes
     if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
         system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} and {place(point.position)}: "

@@ -13,6 +13,8 @@ from .points import NotConverged
 
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge has six."""
+ROOMY = 0.5
+"""``resolution`` up to which no edge sticks between nodes: whatever jumps or turns there, however small, is no work of the grid."""
 CRITICAL = 0.05
 """Leading eigenvalue (over that of the free surface, 1) below which a state is next to a critical point."""
 SHORT_WAVES = 0.05
@@ -47,10 +49,13 @@ class Resolution:
 
     def marked(self, point):
         """The point with ``resolved``."""
-        jumped = point.event == "jump" and self.last is not None and narrow(self.contact, self.last.state, point.state)
         sheared = slips(self.contact, point)
         scene = self.contact.scene
         bound, found = (max(resolution(scene, len(point.controls) > 1, soft)) for soft in (None, steepest(self.contact, point)))
+        roomy = max(bound, found) <= ROOMY
+        jumped = (point.event == "jump" and self.last is not None and not roomy
+                  and narrow(self.contact, self.last.state, point.state))
+        crowded = point.event == "fold" and not point.resolved and not roomy
         # Where it is steeper than it can be without overlap, the state has lost the margin that spacings are judged by.
         sharpened = found > max(1.0, 1.05 * bound)
         alternating = short_waves(self.contact, point) if point.in_contact else 0.0
@@ -63,7 +68,7 @@ class Resolution:
             self._say("sharpened", f"friction softens faster than the grid resolves, by {found:.3g}, at "
                                    f"{self.contact.scene.loads(point.controls, point.load)}: rims of contact sink, and edges may stick "
                                    "between nodes; a grid twice as fine goes farther")
-        elif point.event == "fold" and not point.resolved:
+        elif crowded:
             self._say("crowded", f"this fold ({point.fold_kind}) may be one of several, which the grid makes of one: the branch bends "
                                  "unevenly while an edge passes a node; see how far it moves on a grid twice as fine")
         elif pinned and point.event == "fold":
@@ -73,7 +78,7 @@ class Resolution:
             self._say("coarse", f"the traction alternates from node to node by {alternating:.2g} of its largest value, at "
                                 f"{scene.loads(point.controls, point.load)}: the grid does not resolve it; take more -scene_points")
         self.last = point
-        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
+        return replace(point, resolved=int(not (jumped or pinned or crowded or coarse)))
 
     def _say(self, kind, sentence):
         """Log a sentence, once of each kind."""

@@ -1,11 +1,15 @@
 """Progress of a run in lines and a bar: what a point has to say in one line, events, counts and the closing table."""
 
+import math
 import time
 
 from tqdm import tqdm
 
 from .energies import energy_unit
 from .scene import tangential_legs
+
+INEXACT = 0.01
+"""Part of the largest work of the loads by which the balance of energies may miss without a word."""
 
 
 class Progress:
@@ -33,6 +37,7 @@ class Progress:
                         "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
         self.points, self.events, self.lost, self.began = 0, [], 0.0, time.monotonic()
+        self.missing, self.work = 0.0, 0.0
         self.stable = {}
         self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
         self.energy_unit = scene.scale(energy_unit(scene))[1]
@@ -56,6 +61,8 @@ class Progress:
         self.points += 1
         self.counts = {name: count + row[name] for name, count in self.counts.items()}
         self.lost = row["dissipated_work"]
+        self.missing = max(self.missing, abs(row["energy_imbalance"]))
+        self.work = max(self.work, abs(row["external_work"]))
         self.stable[row["stable"]] = self.stable.get(row["stable"], 0) + 1
         if row["event"]:
             self.events.append(f"{row['event']} at {loads}")
@@ -95,7 +102,11 @@ class Progress:
             lines.append(f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
         lines += [f"  {'event':13} {event}" for event in self.events]
         if any(event.startswith("jump") for event in self.events):
-            lines.append(f"  {'dissipated':13} {self.lost:.6g} {self.energy_unit} in jumps")
+            lost = "not known" if math.isnan(self.lost) else f"{self.lost:.6g} {self.energy_unit}"
+            lines.append(f"  {'dissipated':13} {lost} in jumps")
+        if self.missing > INEXACT * self.work:
+            lines.append(f"  {'works':13} {self.missing:.2g} of at most {self.work:.3g} {self.energy_unit} is missing in the balance of "
+                         "energies (energy_imbalance): the work of the loads is integrated over steps, shorter ones know it better")
         for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
             lines.append(f"  {unit:13} {self.counts[name]} iterations")
         lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")

@@ -267,3 +267,13 @@ def test_a_run_ends_with_what_its_jumps_dissipated():
         progress.point(branch.observe(point), point.position)
     assert f"dissipated    {point.dissipated_work:.6g} w_n,r u_n,r in jumps" in progress.summary(0) and point.dissipated_work > 0.1
     assert "dissipated" not in Progress(Scene(**LINE), path, [].append, live=False).summary(0)
+
+
+@pytest.mark.parametrize("part, told", [(0.05, True), (-0.05, True), (1e-3, False), (math.nan, False)])
+def test_a_run_says_where_its_works_are_not_known(part, told):
+    path = Load(start="normal_displacement=1", path="normal_displacement=2")
+    branch, progress = Branch(Scene(**LINE), path), Progress(Scene(**LINE), path, [].append, live=False)
+    for point in branch:
+        row = branch.observe(point)
+        progress.point({**row, "energy_imbalance": part * row["external_work"]}, point.position)
+    assert ("is missing in the balance of energies" in progress.summary(0)) is told
