@@ -228,9 +228,7 @@ class ArcWalk(Walk):
         slope, mean = self._slopes(point)
         (_, before), (_, last) = self.history[-2:]
         heading = self.heading
-        if self._stands_still(last, point):
-            return None, False
-        if min(slope * heading, mean * heading) > TURNING * abs(mean):
+        if self._stands_still(last, point) or min(slope * heading, mean * heading) > TURNING * abs(mean):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point)
         late = last.event != "fold" and limit.left.slope * heading < 0.0

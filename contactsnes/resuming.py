@@ -133,7 +133,7 @@ def _ends(found, event):
     return event in stops or at.get(event) == "stop"
 
 
-def on_path(points, initial, path, controls):
+def on_path(points, initial, path, controls, told):
     """Points of an earlier run with their places on a path whose legs may end elsewhere than they did.
 
     Parameters
@@ -142,6 +142,7 @@ def on_path(points, initial, path, controls):
     initial : component -> Control at the start
     path : the legs, load.Leg
     controls : what controls each component at the start and along each leg (``load.controls_along``)
+    told : function (controls, load) -> str, loads in words and in the scene's units
 
     Raises
     ------
@@ -159,7 +160,7 @@ def on_path(points, initial, path, controls):
         if placed:
             _check_between(placed[-1], point, path)
         named = initial if point.leg == 0 else path[point.leg - 1].controls
-        placed.append(_placed(point, named))
+        placed.append(_placed(point, named, told))
     return placed
 
 
@@ -176,7 +177,7 @@ def _check_between(last, point, path):
                                  "legs that are done must be the same")
 
 
-def _placed(point, named):
+def _placed(point, named, told):
     """A point with its place in a leg that ends at named values."""
     load = np.asarray(point.load)
     origin = load if point.leg == 0 or point.origin is None else np.asarray(point.origin)
@@ -192,8 +193,7 @@ def _placed(point, named):
     aside = not all(_same(*pair) for pair in zip(load, end if point.leg == 0 else origin + position * way))
     if aside or position > 1.0 or position * point.position < 0.0:
         where = "beside it" if aside else "beyond its end" if position > 1.0 else "behind its beginning"
-        values = ", ".join(f"{value:.8g}" for value in load)
-        raise InputError(f"a point to go on from lies at {values} in leg {point.leg} of -load_path, {where}: "
+        raise InputError(f"a point to go on from lies at {told(point.controls, load)} in leg {point.leg} of -load_path, {where}: "
                          "legs that are begun must lead through their points")
     if position == point.position:
         return point

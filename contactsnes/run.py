@@ -100,7 +100,7 @@ class Branch:
     @history.setter
     def history(self, points):
         """Take the points of an earlier run."""
-        self._history = resuming.on_path(points, self.scene.initial(self.load), self.legs, self._controls)
+        self._history = resuming.on_path(points, self.scene.initial(self.load), self.legs, self._controls, self.scene.loads)
 
     def attributes(self):
         """Name -> value of what decides the states besides the load: the scene's, and what is made of it and its files."""
