@@ -12,6 +12,9 @@ PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
 PARTED = 0.01
 """Part of a step by which states are apart on either side of a place if they lie on two branches."""
+SOFT, LONG, PROBES = 0.05, 0.3, 2
+"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a step is asked in between, and how
+often: a mode that softens so fast may be unstable there."""
 KICKS = (1.0, -1.0, 5.0, -5.0)
 """How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
 
@@ -33,6 +36,32 @@ def examined(system, certify, leg, last, point):
     if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
         _doubt(system, leg, last, point)
     return point, between(system, certify, leg, last, (point.position, point))
+
+
+def probe(system, leg, history, point):
+    """NotConverged where a mode is stable at both ends of a long step, but not in between (`Point.softest`).
+
+    Solves in between tell, where at the rate of the last step a mode would hardly be stable any more.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    history : [(position, Point), ...] of the leg, before the point
+    """
+    if len(history) < 2 or system.examiner is None:
+        return
+    (before, first), (here, last) = history[-2:]
+    ahead = last.softest + (last.softest - first.softest) * (point.position - here) / (here - before)
+    if not (ahead < SOFT and last.softest >= 0.0 and point.softest >= 0.0):
+        return
+    known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
+    for _ in range(PROBES if far > LONG else 0):
+        places = sorted(known)
+        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest for place in pair))
+        position = 0.5 * sum(pair)
+        known[position] = _solved(system, leg, known, position, far)
+        if known[position].softest < 0.0:
+            raise NotConverged(f"a mode that is stable at both ends of the step is not at {system.told(leg.controls, leg.load(position))}")
 
 
 def _doubt(system, leg, last, point):

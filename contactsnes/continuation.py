@@ -166,7 +166,9 @@ class Walk:
         if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
             raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
-        return replace(point, leg=self.leg.number, position=target)
+        point = replace(point, leg=self.leg.number, position=target)
+        bifurcations.probe(self.system, self.leg, self.history, point)
+        return point
 
     def _strayed(self, guess, target, point):
         """Whether some node ended where no prediction has it, however the solve began: part of the contact has jumped."""

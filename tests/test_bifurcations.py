@@ -13,7 +13,7 @@ from test_continuation import Problem, System, assert_solutions, events, followe
 from test_stability import Cell  # noqa: E402
 
 from contactsnes.arcs import ArcWalk  # noqa: E402
-from contactsnes.bifurcations import between  # noqa: E402
+from contactsnes.bifurcations import between, probe  # noqa: E402
 from contactsnes.continuation import Walk  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.modes import NEUTRAL  # noqa: E402
@@ -205,6 +205,28 @@ def test_all_modes_that_change_in_a_step_are_found(second):
     found = [point for point in points if point.event == "bifurcation"]
     assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
     assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
+
+
+@pytest.mark.parametrize("least, solves", [(-0.05, 2), (0.01, 2), (1.0, 0)])
+def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
+    """v has the stiffness 4 (load - 0.6)^2 + ``least``: lost and regained in one step where that is negative in between."""
+    def stiffness(load):
+        return 4.0 * (load - 0.6) ** 2 + least
+
+    problem = Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load) + x[1] ** 3]),
+                      lambda x, load: np.diag([1.0, stiffness(load) + 3 * x[1] ** 2]), lambda x, load: np.array([-1.0, 0.0]))
+    system, leg = Seeing(problem), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    *history, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)), position=place)
+                       for place in (0.1, 0.3, 0.95)]
+    assert min(point.softest, history[-1].softest) > 0.0
+    system.attempts.clear()
+    history = [(found.position, found) for found in history]
+    if least < 0.0:
+        with pytest.raises(NotConverged, match="stable at both ends of the step"):
+            probe(system, leg, history, point)
+    else:
+        probe(system, leg, history, point)
+    assert len(system.attempts) <= solves and bool(system.attempts) == bool(solves)
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.05])
