@@ -287,3 +287,9 @@ def test_automatic_spacing_and_its_errors(tmp_path, more):
     assert error < 1e-5 and abs(area / exact - 1) < max(3 * error, 1e-7)
     again = call(tmp_path, "run", *words, "-scene_points", "auto", "-archive_file", "auto.h5", "-archive_resume")
     assert again.returncode == 0 and "complete" in again.stdout, again.stderr
+
+
+def test_the_mass_of_a_mean_is_that_of_a_cell():
+    """In overdamped motion on a line, the stiffness of a cell's softest wave over its length: pi E* for any cell."""
+    contact = Branch(LINE, still(5.0)).contact
+    np.testing.assert_allclose(contact.mean_mass(1), contact.periodic.mean_mass(1), rtol=1e-12)

@@ -7,7 +7,7 @@ import shutil
 import threading
 import time
 
-from . import bad_input, judge, kills, planted, scenes
+from . import bad_input, faults, judge, kills, planted, scenes
 
 COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found", "command")
 
@@ -162,5 +162,21 @@ def roundings_part(asked, end):
     run(asked, end, "roundings", asked.roundings, judged)
 
 
+def faults_part(asked, end):
+    """One-line faults in the sources: the outcome is that of a test that finds it, and of none."""
+    listed = faults.read_faults()
+
+    def judged(number, worker, folder):
+        fault, verdict = listed[number], judge.Verdict(runs=1)
+        for _, count in faults.stale([fault]):
+            raise ValueError(f"in {fault.file} this stands {count} times: {fault.text.strip()}")
+        finder, verdict.seconds = faults.tried(fault)
+        if not finder:
+            verdict.add("silent", fault.file, f"not found by {fault.tests}")
+        return verdict, f"{fault.file}: {fault.text.strip()} => {fault.fault.strip()}" + (f": {finder}" if finder else "")
+
+    run(asked, end, "faults", len(listed), judged)
+
+
 PARTS = {"scenes": scene_part, "bad-input": bad_input_part, "kills": kills_part, "roundings": roundings_part,
-         "planted": planted_part}
+         "planted": planted_part, "faults": faults_part}

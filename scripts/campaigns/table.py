@@ -4,7 +4,7 @@ import csv
 from collections import Counter, defaultdict
 from pathlib import Path
 
-from . import judge
+from . import faults, judge
 
 BEGIN, END = "<!-- scripts/campaign writes from here -->\n", "<!-- scripts/campaign: as far as here -->\n"
 SHORT = {"agreed": "as it should be", "unresolved": "differs, told by `resolved`", "unstable": "differs, told by `stable`",
@@ -26,11 +26,28 @@ def lines(results):
     """The table in Markdown, and how much was computed for it."""
     heading = ["", "cases", "runs", *SHORT.values()]
     counted = []
-    for part, own in rows(results).items():
+    found = rows(results)
+    sources = found.pop("faults", [])
+    for part, own in found.items():
         own = {row["number"]: row for row in own}.values()
         counts = Counter(row["outcome"] for row in own)
         counted.append([part, str(len(own)), str(sum(int(row["runs"] or 0) for row in own)), *(str(counts[name]) for name in SHORT)])
-    return [f"| {' | '.join(line)} |" for line in (heading, ["---"] * len(heading), *counted)]
+    return [*_table([heading, *counted]), *fault_lines(sources)]
+
+
+def _table(lines):
+    """A table in Markdown, its heading the first of lines of words."""
+    return [f"| {' | '.join(line)} |" for line in (lines[0], ["---"] * len(lines[0]), *lines[1:])]
+
+
+def fault_lines(rows):
+    """How many of the faults planted in the sources were found, by what they are about; nothing where none were planted."""
+    own, listed = {int(row["number"]): row["outcome"] for row in rows}, faults.read_faults()
+    planted = Counter(fault.area for number, fault in enumerate(listed) if number in own)
+    found = Counter(fault.area for number, fault in enumerate(listed) if own.get(number) == "agreed")
+    counts = [[area, str(planted[area]), str(found[area])] for area in planted]
+    total = [["all", str(sum(planted.values())), str(sum(found.values()))]]
+    return ["", *_table([["faults in the sources", "planted", "found by the tests"], *counts, *total])] if own else []
 
 
 def write(results, path):
@@ -43,15 +60,10 @@ def write(results, path):
     Path(path).write_text(before + BEGIN + "\n".join(lines(results)) + "\n" + END + rest.split(END)[1], encoding="utf-8")
 
 
-def lost(rows, results):
-    """Write rows (name, file, found by, seconds) of faults planted in the sources; whether more than one in twenty was not found."""
-    with open(Path(results) / "faults.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(("name", "file", "found_by", "seconds"))
-        writer.writerows(rows)
-    missed = [row for row in rows if not row[2]]
-    print(f"{len(rows) - len(missed)} of {len(rows)} faults were found", *(f"  not found: {row[0]} ({row[1]})" for row in missed), sep="\n")
-    return len(missed) > 0.05 * len(rows)
+def lost(results):
+    """Whether the tests did not find more than one in twenty of the faults planted in the sources."""
+    outcomes = list({row["number"]: row["outcome"] for row in rows(results)["faults"]}.values())
+    return len(outcomes) - outcomes.count("agreed") > 0.05 * len(outcomes)
 
 
 def failed(results, parts):
