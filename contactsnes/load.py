@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from .settings import computable, InputError, LARGEST, Options, nearest, option
+from .settings import computable, InputError, LARGEST, Options, nearest, option, number
 
 
 class Quantity(NamedTuple):
@@ -81,7 +81,7 @@ def _value(text, piece, source, hold):
     if text == "hold" and hold:
         return None
     try:
-        value = float(text)
+        value = number(text)
         if not math.isfinite(value) or not computable(value):
             raise ValueError
     except ValueError:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from .files import is_option, read_file, with_files
 from .scene import OPTION_CLASSES
-from .settings import allowed, InputError, nearest
+from .settings import allowed, InputError, nearest, number
 from .si import UNITS
 
 BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromkeys(("false", "no", "off", "0"), False)}
@@ -179,7 +179,7 @@ def _number(convert):
     """A conversion that returns the text where it is no number."""
     def converted(text):
         try:
-            return convert(text)
+            return number(text, convert)
         except ValueError:
             return text
     return converted

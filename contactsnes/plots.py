@@ -423,7 +423,8 @@ def names(record, chosen):
     columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force", "normal_displacement",
                *(f"tangential_force{axis}" for axis in directions(record))]
     name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
-    values = [(number(record[name][point], 4), record["event"][point]) for point in chosen]
+    loads = np.where(np.abs(record[name]) > 1e-9 * np.abs(record[name][chosen]).max(), record[name], 0.0)  # not what is rounding
+    values = [(number(loads[point], 4), record["event"][point]) for point in chosen]
     texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
     return label("", word_and_symbol(name)[1], record.units[name]), texts
 

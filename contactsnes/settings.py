@@ -72,6 +72,13 @@ def allowed(rule):
     return text + several[rule["many"]] + (f"; or {rule['word']}" if rule["word"] else "")
 
 
+def number(text, convert=float):
+    """The number that a text stands for; ValueError, too, for other digits than 0 to 9 and for underscores, which Python reads."""
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"{text!r} is no number")
+    return convert(text)
+
+
 def nearest(name, names, cutoff=0.4):
     """The one of `names` that looks most like `name`, or an empty text where none is as alike as `cutoff` (0 to 1)."""
     return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")

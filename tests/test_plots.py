@@ -242,3 +242,11 @@ def test_bad_input(tmp_path):
 )
 def test_labels_have_symbol_and_unit(unit, text):
     assert plots.label("force", "W", unit) == text
+
+
+def test_loads_of_rounding_are_none_in_titles():
+    class Record(dict):
+        units, coordinates = {"tangential_displacement": "u_t,r"}, [None]
+
+    record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]), event=np.array(["none", "jump", "none"]))
+    assert plots.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
