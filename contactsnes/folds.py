@@ -11,6 +11,9 @@ from .points import NoFold, NotConverged, lagrange_weights
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
 
+AHEAD = 0.01
+"""Ranges of the law within which a load that still rises, by its slope, would tell it from a plateau."""
+
 
 class Turn:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown of the solve."""
@@ -56,6 +59,7 @@ class Turn:
                     continue
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
+                length *= 2.0
             place = trail[-1][0]
             if place >= end or (steady and place > begin + self.initial):
                 return None, None, self._natural(trail, min(place, end))
@@ -161,16 +165,22 @@ class Turn:
             return None, None, trail
         if self._returns(trail):
             return None, None, trail[:-1]
-        beyond = trail[-1][1]
-        for after in (len(trail) - 1, len(trail) - 2):
+        beyond, last = trail[-1][1], None
+        for after in range(len(trail) - 1, 0, -1):
             peak = LimitPoint(self.system, self.leg, trail[after - 1][1], trail[after][1])
+            last = last or peak
             if peak.bracketed and peak.sign > 0.0:
                 fold = peak.locate()
                 return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, [*trail[:after], (fold.position, fold)]
+            # Next to the peak loads are as accurate as residuals: by its slope it may have been passed before, or lie ahead.
+            if peak.left.slope > 0.0 and after < len(trail) - 1:
+                break
         place, fold = max(trail[-3:], key=lambda item: item[0])
         width = peak.relative(place - min(trail[-3][0], trail[-1][0]))
         if not width <= FOLD_TOLERANCE:
             raise NotConverged("the load turned, but its slope did not: edges that stick between nodes give way one by one")
+        if min(last.left.slope, last.right.slope) > 0.0 and last.relative(last.right.slope * AHEAD) > FOLD_TOLERANCE:
+            return None, None, trail[:-1]
         # A plateau: the load neither rises nor falls.
         fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=max(width, np.finfo(float).eps))
         return fold, beyond.state, trail

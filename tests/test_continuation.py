@@ -721,17 +721,36 @@ def test_an_arc_is_followed_until_the_load_falls():
     assert len(found) > 6 and found[-1][0] < found[-2][0] and found[-1][1].state[0] > -1 / np.sqrt(3.0)
 
 
-@pytest.mark.parametrize("drop, located", [(1e-9, True), (1e-4, False)])
-def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, located):
+@pytest.mark.parametrize("drop, slope, located", [(1e-9, 1e-9, True), (1e-9, 1.0, False), (1e-4, 1e-9, False), (1e-4, 1.0, False)])
+def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, slope, located):
+    """Loads that fall by no more than residuals leave open are no fold either while they rise by their slope."""
     class Pinned(Landing):
         def direction(self, point, chord, leg):
-            return Direction(np.ones(1), 1.0)
+            return Direction(np.ones(1), slope)
 
     system = Pinned([0.0])
     trail = [(place, replace(system._point(np.array([u]), np.array([place]), 3), position=place))
              for place, u in ((0.3, 0.2), (0.4 - 1e-10, 0.3), (0.4, 0.4), (0.4 - drop, 0.5))]
-    found = followed(Turn(system, UNIT_LEG, trail)._locate(trail)[0] for _ in range(1))
-    assert found[0][0].fold_precision < FOLD_TOLERANCE if located else "slope did not" in str(found[1])
+    found, error = followed(Turn(system, UNIT_LEG, trail)._locate(trail) for _ in range(1))
+    if drop > FOLD_TOLERANCE:
+        assert not found and "slope did not" in str(error)
+    else:
+        fold, _, left = found[0]
+        assert fold.fold_precision < FOLD_TOLERANCE if located else fold is None and left == trail[:-1]
+
+
+def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
+    """Short steps beyond a peak, whose loads rise by rounding still: it lies before the last two pairs of points."""
+    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    trail = []
+    for k, u in enumerate((-0.6, -0.57, -0.5695, -0.569, -0.5685)):
+        place = 0.5 * (u ** 3 - u + 1.0)
+        point = system.solve(np.array([u]), ("displacement",), leg.load(place))
+        trail.append((place, replace(point, position=place)))
+    high = trail[1][0]
+    trail = trail[:2] + [(high + rise, replace(point, position=high + rise)) for rise, (_, point) in zip((1e-9, 2e-9, 1e-9), trail[2:])]
+    fold, _, kept = Turn(system, leg, trail)._locate(trail)
+    assert fold.fold_precision < FOLD_TOLERANCE and abs(leg.load(fold.position)[0] / CUBIC_FOLD - 1.0) < 1e-8 and len(kept) == 2
 
 
 def test_a_point_of_the_arc_serves_where_no_solve_does():
