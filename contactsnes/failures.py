@@ -13,8 +13,8 @@ from .points import NotConverged
 
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge has six."""
-ROOMY = 0.5
-"""``resolution`` up to which no edge sticks between nodes: whatever jumps or turns there, however small, is no work of the grid."""
+ROOMY = 1.0 / 3.0
+"""``resolution`` up to which no edge sticks between nodes: what jumps there, however small it is, is no work of the grid."""
 CRITICAL = 0.05
 """Leading eigenvalue (over that of the free surface, 1) below which a state is next to a critical point."""
 SHORT_WAVES = 0.05
@@ -52,10 +52,10 @@ class Resolution:
         sheared = slips(self.contact, point)
         scene = self.contact.scene
         bound, found = (max(resolution(scene, len(point.controls) > 1, soft)) for soft in (None, steepest(self.contact, point)))
-        roomy = max(bound, found) <= ROOMY
-        jumped = (point.event == "jump" and self.last is not None and not roomy
+        jumped = (point.event == "jump" and self.last is not None and max(bound, found) > ROOMY
                   and narrow(self.contact, self.last.state, point.state))
-        crowded = point.event == "fold" and not point.resolved and not roomy
+        # Also on fine grids: a region that sticks may vanish over few nodes.
+        crowded = point.event == "fold" and not point.resolved
         # Where it is steeper than it can be without overlap, the state has lost the margin that spacings are judged by.
         sharpened = found > max(1.0, 1.05 * bound)
         alternating = short_waves(self.contact, point) if point.in_contact else 0.0
@@ -78,7 +78,7 @@ class Resolution:
             self._say("coarse", f"the traction alternates from node to node by {alternating:.2g} of its largest value, at "
                                 f"{scene.loads(point.controls, point.load)}: the grid does not resolve it; take more -scene_points")
         self.last = point
-        return replace(point, resolved=int(not (jumped or pinned or crowded or coarse)))
+        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
 
     def _say(self, kind, sentence):
         """Log a sentence, once of each kind."""

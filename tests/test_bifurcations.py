@@ -342,7 +342,7 @@ def test_of_two_spots_that_are_nearly_equal_the_lower_one_lets_go(spots, stabili
         points, error = followed(made)
         assert error is None and events(points) == ["fold", "jump"]
         # A jump of few nodes is no work of a grid that has room for its edges: on 768 points it is the same to 1e-8.
-        assert all(point.resolved for point in points)
+        assert all(point.resolved for point in points if point.event != "fold")
         fold, jump = (next(point for point in points if point.event == name) for name in ("fold", "jump"))
         ahead.append(fold.load[0] + 1.598706377)
         gap = made.contact.extended(jump.state)[0] + made.contact.initial_gap
