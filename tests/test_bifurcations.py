@@ -9,9 +9,10 @@ from scipy.optimize import brentq
 
 petsc4py.init([])
 
-from test_continuation import Problem, System, assert_solutions, events, followed, path, pitchfork  # noqa: E402
+from test_continuation import UNIT_LEG, Landing, Problem, System, assert_solutions, curve, events, followed, path, pitchfork  # noqa: E402
 from test_stability import Cell  # noqa: E402
 
+from contactsnes import bifurcations  # noqa: E402
 from contactsnes.arcs import ArcWalk  # noqa: E402
 from contactsnes.bifurcations import between, probe  # noqa: E402
 from contactsnes.continuation import Walk  # noqa: E402
@@ -183,6 +184,15 @@ def test_a_motion_that_leaves_to_one_side_says_nothing_of_the_other():
         points, error = leaving(lambda aside: sign * aside > 0.0)
         assert error is None and points[-1].stable == 1
         assert -sign * points[-1].state[1] == pytest.approx(np.sqrt(0.5), rel=1e-6)
+
+
+@pytest.mark.parametrize("end, back", [(0.005, True), (0.2, False)])
+def test_a_motion_that_leads_back_is_no_other_branch(end, back):
+    """Beside a branch that has lost its stability: it ended nearer to the branch than three tenths of where it began, or farther away."""
+    system = Landing([end], curve(lambda u: -u, lambda u: -np.ones_like(u)))
+    (_, critical), (_, beyond) = system.points([0.0], [0.0])
+    found = bifurcations.followed(system, Dense(system), UNIT_LEG, replace(critical, mode=np.ones(1)), beyond)
+    assert (found is None) == back and any("led back" in sentence for sentence in system.sentences) == back
 
 
 def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
