@@ -216,7 +216,7 @@ class Walk:
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 
-    def _fold(self, error, refused):
+    def _fold(self, error, refused=np.inf):
         """Find out what stops the walk before the end of a refused step; yield the fold and, by default, the point after the jump."""
         place, last = self.history[-1]
         fold, passed = self.system.let_go(last, self.leg, place), None

@@ -240,7 +240,7 @@ class Branch:
         if self.stability is not None or last.leg == leg.number or not (freed and pulled and self._has_tangent()):
             return
         begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event="none", tangents=())
-        found = self.corrector.examiner(begun)
+        found = (self.corrector.examiner or Stability(self.corrector, SIGN, told=True))(begun)
         if found.unstable_modes > 0:
             self._log(f"leg {leg.number} begins on an unstable part of the branch: at {self.corrector.told(leg.controls, leg.start)} "
                       f"{found.unstable_modes} modes are unstable now that a force holds what a displacement held; "

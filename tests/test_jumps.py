@@ -260,6 +260,12 @@ def test_the_mode_of_a_free_body_fades_and_crosses_nothing(stability):
     assert points[-1].stable and points[-1].forces[0] == 0.5
 
 
+def test_a_first_step_along_the_arc_too_long_for_a_free_body_leads_to_its_fold():
+    scene, load = Scene(**{**LINE, "points": 64, "geometry": "flat"}), Load(start="normal_displacement=-3", path="normal_force=2")
+    points = list(Branch(scene, load, Steps(type="arclength", initial_step=0.5, largest_step=0.5)))
+    assert [point.event for point in points if point.event != "none"] == ["fold", "jump"] and points[-1].forces[0] == 2.0
+
+
 def test_a_window_grows_with_the_motion():
     """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
     contact = Contact(Scene(**{**LINE, "points": 2048, "normal_maugis": 8.0}))

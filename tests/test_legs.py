@@ -126,6 +126,12 @@ def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monke
     assert any("the first point, at normal_displacement 0, is not stable: 2 modes" in sentence for sentence in sentences) is told
 
 
+def test_a_switch_of_controls_is_looked_at_on_grids_that_pin_too():
+    scene = Scene(points=64, normal_maugis=6.0, period=40.0, tangential="on")
+    points = followed("normal_force=hold, tangential_displacement=1", scene, start="normal_displacement=4")[1]
+    assert points[-1].controls[0] == "force" and points[-1].load[1] == 1.0
+
+
 def test_what_was_stable_under_other_controls_is_checked_anew():
     """Beyond the smallest force, -1.62 at -2.3, a displacement holds what a force does not."""
     path, scene = "normal_displacement=-2.5; normal_force=hold; normal_force=-1.5", Scene(points=256, normal_maugis=2.0, period=30.0)
