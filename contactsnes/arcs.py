@@ -55,14 +55,13 @@ class ArcWalk(Walk):
 
     def __iter__(self):
         self.history = [(place, replace(point, position=place)) for place, point in self.history]
+        yield from self._resumed()
         self.begun, self.steps, self.length = self.history[-1][1], 0, self.history[-1][1].arc
         failures, self.patience, self.turns, self.told = 0, PATIENCE, [], False
-        while self.history[-1][0] != 1.0:
+        while not self.stopped and self.history[-1][0] != 1.0:
             self._check_end()
             if len(self.history) == 1:
                 yield from self._begin()
-                if self.stopped:
-                    return
                 continue
             here, last = self.history[-1]
             self.length = self.length or self._way(self.history[-2][1], last)
@@ -82,17 +81,13 @@ class ArcWalk(Walk):
             failures, self.length = 0, self.length if point is None else self._next_length(point)
             if fold is not None:
                 yield from self._pass(fold, last if point is None else point)
-                if self.stopped:
-                    return
-                if self.at_fold != "trace":
+                if self.stopped or self.at_fold != "trace":
                     continue
             if point is None:
                 self.history[-2:] = self.history[-2:][::-1]
                 continue
             self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
             yield from self._reach(point, examined)
-            if self.stopped:
-                return
 
     @property
     def heading(self):

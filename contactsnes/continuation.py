@@ -13,6 +13,8 @@ from .event_points import further_events, pulled_off, with_events
 from .folds import SHORT, Turn
 from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
 
+SAME = 1e-6
+"""Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that they stay in place."""
 
@@ -67,6 +69,9 @@ class Walk:
         self.stopped = False
 
     def __iter__(self):
+        yield from self._resumed()
+        if self.stopped:
+            return
         position, point = self.history[-1]
         step = point.step if point.leg == self.leg.number and point.step > 0.0 else self.leg.initial
         failures, searched = 0, None
@@ -105,6 +110,12 @@ class Walk:
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _resumed(self):
+        """What follows a fold that the path goes on from, whose way out is not known any more."""
+        last = self.history[-1][1]
+        if last.event == "fold" and last.leg == self.leg.number and self.at_fold == "jump":
+            yield from self._fold(NotConverged(f"no way was found out of the fold at {self._place(last.position)}"), self.leg.initial)
 
     def _examined(self, point):
         """A point with its certificate, and what bifurcates on the way to it; NotConverged for one of another branch."""
@@ -227,6 +238,9 @@ class Walk:
             lowered = self.system.lowered(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=np.finfo(float).eps)
             starts = [lambda: lowered]
+        if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
+            yield from self._leave(replace(last, tangents=fold.tangents), starts)
+            return
         try:
             found = self._examined(passed if fold is None else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
         except NotConverged as second:

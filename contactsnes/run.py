@@ -212,8 +212,10 @@ class Branch:
 
     def _say_what_is_diluted(self, point):
         """Say once that a node is much worse balanced than the mean over the window's, which may be far more than the contact's."""
+        if self._diluted or self.corrector.snes is None:  # nothing is solved for further events at a point of an earlier run
+            return
         tolerance = self.corrector.snes.getTolerances()[1]
-        if not self._diluted and point.largest_residual > DILUTED * tolerance:
+        if point.largest_residual > DILUTED * tolerance:
             self._diluted = True
             self._log(f"a node where the law acts is out of balance by {point.largest_residual:.1e} ranges (largest_residual), at a "
                       f"residual_norm of {point.residual_norm:.1e} over a window of {point.state.window.size} nodes: the mean hides what "

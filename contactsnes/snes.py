@@ -150,7 +150,7 @@ def create_snes(form, prefix="", tolerance=None):
     database = PETSc.Options(prefix)
     _collect()
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
-    _alive[id(snes)] = snes
+    kept(snes)
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
     equip(snes, form)
@@ -198,6 +198,12 @@ def inner_solvers(snes, form):
 _alive = weakref.WeakValueDictionary()
 
 
+def kept(thing):
+    """A PETSc object that is destroyed when a script ends, whoever holds it still: an exception with its frames, for instance."""
+    _alive[id(thing)] = thing
+    return thing
+
+
 def _collect():
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the problem's size."""
     getattr(PETSc, "garbage_cleanup", lambda: None)()
@@ -206,8 +212,8 @@ def _collect():
 @atexit.register
 def _destroy_all():
     """Destroy what a script still holds when it ends: PETSc would do so when Python's contexts can be called no more."""
-    for snes in list(_alive.values()):
-        snes.destroy()
+    for thing in list(_alive.values()):
+        thing.destroy()
     _collect()
 
 

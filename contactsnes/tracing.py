@@ -13,7 +13,7 @@ from .corrector import KSP_REASONS, WARM, Corrector, finite
 from .forms import DisplacementForm
 from .laws import CUTOFF, MOVING_STIFFNESS, SLIP
 from .points import Direction, NotConverged
-from .snes import create_snes, solver_type
+from .snes import create_snes, kept, solver_type
 
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
@@ -166,9 +166,9 @@ class Tracer(Corrector):
 
     def _linear(self, snes, form, right, tolerance):
         """J^-1 right at the last linearisation of the form of a SNES, by its KSP."""
-        ksp = snes.getKSP()
+        ksp = kept(snes.getKSP())
         # The second of its matrices is ours, too, where the user has products by finite differences (-snes_mf_operator).
-        matrix = snes.getJacobian()[1]
+        matrix = kept(snes.getJacobian()[1])
         matrix.assemble()
         tolerances, forcing, kind = ksp.getTolerances(), snes.getUseEW(), ksp.getType()
         # Else the SNES would set the tolerance of this solve, too, by how its own last one went.

@@ -18,7 +18,7 @@ from .laws import CUTOFF
 from .mirrored import HalfForm
 from .motion import LEVELLED, slides
 from .options import read
-from .snes import NewtonOptions, RegularisedStep, create_snes
+from .snes import NewtonOptions, RegularisedStep, create_snes, kept
 from .symmetry import EvenWindow
 
 EXACTNESS = 1e-4
@@ -55,7 +55,7 @@ class Equations:
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
         self.snes = create_snes(self.form, "jump_")
-        self.matrix = self.snes.getJacobian()[0]
+        self.matrix = kept(self.snes.getJacobian()[0])
         # Else the SNES would set the tolerance of these solves by how its own last one went.
         self.snes.setUseEW(False)
         self.snes.getKSP().setOperators(self.matrix)
@@ -138,7 +138,7 @@ class Equations:
         free, start = (vector[:count] - self._spread(vector[count:]) for vector in (guess, known))
         right[:count] = (field + shift * free - start) / scale
         right[count:] = form.row_scale[self.moving] * drag * (shift * means - known[count:] - pull)
-        ksp = self.snes.getKSP()
+        ksp = kept(self.snes.getKSP())
         self.matrix.assemble()
         ksp.setTolerances(rtol=self._exactness, atol=tolerance / scale)
         ksp.solve(self._right, self._step)

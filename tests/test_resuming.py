@@ -52,6 +52,25 @@ def test_longer_legs_are_followed_to_their_new_ends(before, kind, done):
     assert np.all(np.diff(places) > 0.0) and np.diff(places).max() <= 0.4 + 1e-9
 
 
+@pytest.mark.parametrize("kind", ["natural", "arclength"])
+def test_a_path_goes_on_after_every_point_of_its_jumps(kind):
+    """From a fold to its jump, not to the fold again, and from a jump to a further event at its load, for which nothing is solved."""
+    scene, steps = Scene(points=128, normal_maugis=3.0, period=16.0, height=20.0), Steps(type=kind, initial_step=1.0, largest_step=2.0)
+    load = Load(start="normal_displacement=-3", path="normal_displacement=0.5; normal_displacement=-4")
+    branch = Branch(scene, load, steps)
+    points = list(branch)
+    events = [point.event for point in points]
+    assert [event for event in events if event != "none"] == ["fold", "jump", "fold", "jump", "pull_off"]
+    for done in (place + 1 for place, event in enumerate(events) if event in ("fold", "jump")):
+        history = [branch.restored(branch.packed(point)) for point in points[max(0, done - 4):done]]
+        rest = list(Branch(scene, load, steps, history=history))
+        assert [point.event for point in rest if point.event != "none"] == [event for event in events[done:] if event != "none"]
+        ends = [(found[-1].forces[0], found[-1].dissipated_work) for found in (points, rest)]
+        np.testing.assert_allclose(*ends, rtol=1e-6, atol=1e-8)
+        if events[done] == "jump":
+            assert (rest[0].load == history[-1].load).all() and rest[0].forces == pytest.approx(points[done].forces, abs=1e-7)
+
+
 def test_later_legs_may_be_added_and_changed(before):
     for path in ("normal_displacement=1; tangential_displacement=1; normal_displacement=0.5",
                  "normal_displacement=1; tangential_displacement=1; tangential_force=hold; normal_displacement=0.5"):

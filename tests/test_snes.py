@@ -408,18 +408,25 @@ def test_a_force_beyond_friction_ends_the_path_at_once():
     assert points[-1].event in ("fold", "gross_sliding") and sheared.contact.grid.transforms < 10000
 
 
-def test_a_script_that_holds_its_branch_ends_well(tmp_path):
-    """Objects of PETSc whose methods are Python's outlive the interpreter in a script's own variables."""
+@pytest.mark.parametrize("path", ["normal_displacement=1", "normal_force=-5"])
+def test_a_script_that_holds_its_branch_ends_well(path, tmp_path):
+    """Objects of PETSc whose methods are Python's outlive the interpreter in a script's own variables, or an exception's frames."""
     script = tmp_path / "script.py"
     script.write_text(f"""import sys
 sys.path.insert(0, {str(Path(__file__).resolve().parents[1])!r})
 import petsc4py
 petsc4py.init(sys.argv)
 from contactsnes import Branch, Load, Scene
-branch = Branch(Scene(points=256, period=30, normal_maugis=2.0), Load(start="normal_displacement=1", path="normal_displacement=1"))
-points = list(branch)
+branch = Branch(Scene(points=256, period=30, normal_maugis=2.0), Load(start="normal_displacement=1", path="{path}"))
+failure = None
+try:
+    points = list(branch)
+except RuntimeError as error:
+    failure = error
+print(type(failure).__name__)
 """)
-    assert subprocess.run([sys.executable, script], capture_output=True).returncode == 0
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.split() == ["NoEquilibrium" if "force" in path else "NoneType"]
 
 
 def test_a_force_controlled_start_is_found():
