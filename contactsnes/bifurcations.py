@@ -15,6 +15,9 @@ PARTED = 0.01
 SOFT, LONG, PROBES = 0.05, 0.3, 2
 """Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a step is asked in between, and how
 often: a mode that softens so fast may be unstable there."""
+SHORT, SOFTER, BACK = 0.05, 0.7, 0.5
+"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked, and what part of the way that has
+to lead back."""
 KICKS = (1.0, -1.0, 5.0, -5.0)
 """How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
 
@@ -39,9 +42,10 @@ def examined(system, certify, leg, last, point):
 
 
 def probe(system, leg, history, point):
-    """NotConverged where a mode is stable at both ends of a long step, but not in between (`Point.softest`).
+    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable part lies in between.
 
-    Solves in between tell, where at the rate of the last step a mode would hardly be stable any more.
+    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and where it would not be at the
+    rate of the last step, solves in between tell whether it loses its stability and regains it.
 
     Parameters
     ----------
@@ -52,10 +56,15 @@ def probe(system, leg, history, point):
         return
     (before, first), (here, last) = history[-2:]
     ahead = last.softest + (last.softest - first.softest) * (point.position - here) / (here - before)
-    if not (ahead < SOFT and last.softest >= 0.0 and point.softest >= 0.0):
+    softened = ahead < SOFT or point.softest < max(SOFT, SOFTER * last.softest)
+    if not softened or min(last.softest, point.softest) < 0.0:
         return
     known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
-    for _ in range(PROBES if far > LONG else 0):
+    if far > SHORT:
+        back = system.along_tangent(point, leg, point.position, here - point.position)
+        if system.progress(point.state, last.state, back) < BACK:
+            raise NotConverged("a mode softened, and the branch where the step ended hardly leads back")
+    for _ in range(PROBES if far > LONG and ahead < SOFT else 0):
         places = sorted(known)
         pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest for place in pair))
         position = 0.5 * sum(pair)

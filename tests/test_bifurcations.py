@@ -239,6 +239,17 @@ def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
     assert len(system.attempts) <= solves and bool(system.attempts) == bool(solves)
 
 
+@pytest.mark.parametrize("softest, back, refused", [(0.02, 0.2, True), (0.3, 0.2, True), (0.3, 1.0, False), (0.9, 0.2, False)])
+def test_where_a_mode_has_softened_the_tangent_leads_back_or_the_step_jumped(softest, back, refused):
+    """A jump that is small beside the step: rates behind it lead back a fifth of the way."""
+    system, leg = Seeing(pitchfork()), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    system.along_tangent = lambda point, leg, position, step: point.state + back * np.array([step, 0.0])
+    first, last, point = (replace(system._point(np.array([place, 0.0]), np.array([place]), 3), position=place, softest=soft)
+                          for place, soft in ((0.0, 1.0), (0.2, 1.0), (0.3, softest)))
+    found = followed(probe(system, leg, [(0.0, first), (0.2, last)], point) for _ in range(1))
+    assert ("hardly leads back" in str(found[1])) is refused
+
+
 @pytest.mark.parametrize("apart", [0.0, 0.05])
 def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apart):
     """Solves in between that end on two branches have eigenvalues of either sign, and no root; so has a corner on one branch."""
