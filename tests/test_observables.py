@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, Scene, Steps
+from contactsnes import Branch, Contact, Load, Scene, Steps
 from contactsnes.fourier import Grid
 from contactsnes.observables import Measurement
 from contactsnes.spots import Spots
@@ -51,6 +51,21 @@ def test_gross_sliding_is_when_every_node_in_contact_has_passed_the_peak(scene, 
     assert len(begins) == len(told) == 1
     # A jump into sliding is told as a jump first, and as the event once more.
     assert found[told[0]][2] == found[begins[0]][2] and told[0] - begins[0] == int(found[begins[0]][1] == "jump")
+
+
+def test_a_flat_slides_where_its_slip_passes_the_peak_and_not_a_tenth_before():
+    scene = Scene(points=16, period=10.0, height=math.inf, geometry="flat", residual_friction=1.0)
+    for part, sliding in ((0.95, False), (1.01, True)):
+        end = part * math.sqrt(0.5)
+        *_, point = Branch(scene, Load(path=f"tangential_displacement={end}"))
+        assert np.abs(point.state.displacement[1]) == pytest.approx(end, rel=1e-7) and point.sliding == sliding
+
+
+def test_one_node_that_sticks_is_no_gross_sliding():
+    scene = Scene(points=32, period=20.0, height=math.inf, normal_maugis=0.3, residual_friction=1.0)
+    *_, point = Branch(scene, Load(start="normal_displacement=-9.14", path="tangential_displacement=0.01"))
+    gap = point.state.displacement[0] + point.state.window.take(Contact(scene).initial_gap)
+    assert np.count_nonzero(gap < math.e) == 1 and point.in_contact and not point.sliding
 
 
 @pytest.mark.parametrize("scene, path", [
