@@ -68,7 +68,10 @@ def _suspects(contact, gap, change, aside, allowed):
     A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies beyond the jump.
     """
     near = np.minimum(gap[0], gap[0] + change[0]) < REACH
-    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near):
+    moved = np.abs(change).max(axis=0) * near
+    # What snaps may be a small part of a contact, whose other nodes hide what it releases.
+    most = moved > 0.5 * contact.grid.maximum(moved, initial=0.0)
+    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near, most):
         if contact.grid.count(nodes) and _released(contact, gap[:, nodes], change[:, nodes]) > RELEASED:
             return nodes
     return None

@@ -117,7 +117,7 @@ class ArcWalk(Walk):
         except NotConverged as error:
             self.system.log(f"step to {self._place(target)} failed ({error}): looking for the branch's direction")
             if self.system.let_go(last, self.leg, here) is not None:
-                yield from self._fold(error)
+                yield from self._fold(error, target - here)
                 return
             try:
                 trail = Turn(self.system, self.leg, self.history).trail()

@@ -132,3 +132,20 @@ def test_energy_released_on_the_way_tells_of_a_jump(contact):
     assert detached(contact, close, far, close, uniform(contact, 1.2))
     assert not detached(contact, close, far, close, uniform(contact, 1.9))
     assert detached(contact, near, apart, near, uniform(contact, 2.8))
+
+
+def test_a_small_part_of_a_contact_that_snaps_is_seen():
+    """The last gap of a shallow wave closes by a jump that loses little beside what the whole contact holds."""
+    wave = {"points": 128, "period": 52.923, "normal_maugis": 1.31, "geometry": "sinusoid", "amplitude": 0.313, "gap_offset": 0.63}
+    for size in (1.063, 4.25):
+        points = walked(wave, "normal_displacement=0.5", size, size, "normal_displacement=-2.29")
+        assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
+        np.testing.assert_allclose(folds(points), [[0.2576874]], rtol=1e-6)
+        assert losses(points) == pytest.approx([0.0315073], rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["arclength", "natural"])
+def test_a_body_off_the_flat_lets_go_along_the_arc_too(kind):
+    points = walked({**LAYER, "points": 256, "period": 30.0}, "normal_force=0.5", 1.0, 1.0, "normal_displacement=-3", type=kind)
+    fold = next(point for point in points if point.event == "fold")
+    assert fold.load[0] == fold.forces[0] == 0.0 and points[-1].load[0] == 0.5
