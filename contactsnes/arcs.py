@@ -18,10 +18,8 @@ TURNING = 0.5
 """Where the slope of the load falls below this part of its mean over the last step, a fold may be near."""
 BRIEF = 1e-4
 """A step along the arc below this part of the last ones has failed, if the load hardly moves in it."""
-
-LONG = 0.1
-"""Ranges of the law in which the load of a smooth branch that turns changes by more than rounding."""
-
+LONG, SAME = 0.1, 1e-4
+"""Ranges of the law in which a load that turns changes by more than rounding, and those up to which two folds are one."""
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
 NEARBY = 0.05
@@ -57,7 +55,7 @@ class ArcWalk(Walk):
         self.history = [(place, replace(point, position=place)) for place, point in self.history]
         yield from self._resumed()
         self.begun, self.steps, self.length = self.history[-1][1], 0, self.history[-1][1].arc
-        failures, self.patience, self.turns, self.told = 0, PATIENCE, [], False
+        failures, self.patience, self.turns, self.told, self.departed = 0, PATIENCE, [], False, None
         while not self.stopped and self.history[-1][0] != 1.0:
             self._check_end()
             if len(self.history) == 1:
@@ -237,13 +235,16 @@ class ArcWalk(Walk):
                 raise NotConverged("the load turns more than once in this step")
             self.system.log(f"folds at {self._place(last.position)} are too near to each other to be told apart: going on")
             return None, False
-        return replace(limit.locate(), fold_kind=fold_kind(self.leg, heading)), late
+        fold = limit.locate()
+        if self.departed is not None and self.system.missed(self.departed.state, fold.state) < SAME:
+            raise NotConverged("the step led back to the fold that a jump has left")
+        return replace(fold, fold_kind=fold_kind(self.leg, heading)), late
 
     def _stands_still(self, last, point):
         """Whether the load changes by rounding only in a long step: where the law is exhausted it turns by chance."""
         change = np.abs(point.load - last.load)[self.leg.moving]
-        reached = max(abs(last.load[self.leg.moving]), 1e-3)
-        return change < 0.1 * FOLD_TOLERANCE * reached and self.system.chord_length(last.state, point.state) > LONG
+        small = 0.1 * FOLD_TOLERANCE * max(abs(last.load[self.leg.moving]), 1e-3)
+        return change < small and self.system.chord_length(last.state, point.state) > LONG
 
     def _next_length(self, point):
         """Length of the step after a point, which is not accepted yet."""
@@ -289,6 +290,7 @@ class ArcWalk(Walk):
         yield from self._reach(fold)
         fold = self.history[-1][1]
         if self.at_fold != "trace" and not self.stopped:
+            self.departed = fold
             yield from self._leave(fold, departures.starts(self.system, fold, beyond.state))
 
     def _tell_of_swings(self, fold):

@@ -753,6 +753,20 @@ def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
     assert fold.fold_precision < FOLD_TOLERANCE and abs(leg.load(fold.position)[0] / CUBIC_FOLD - 1.0) < 1e-8 and len(kept) == 2
 
 
+def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
+    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    trail = []
+    for u in (-0.62, -0.6, -0.55):
+        place = 0.5 * (u ** 3 - u + 1.0)
+        trail.append((place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)), position=place)))
+    walk = ArcWalk(system, leg, trail[:1], "edge", "jump")
+    walk.history, walk.departed = trail[:2], None
+    walk.departed, _ = walk._fold_before(trail[2][1])
+    assert abs(leg.load(walk.departed.position)[0] / CUBIC_FOLD - 1.0) < 1e-8
+    with pytest.raises(NotConverged, match="led back to the fold"):
+        walk._fold_before(trail[2][1])
+
+
 def test_a_point_of_the_arc_serves_where_no_solve_does():
     """The places of a trail are points of the branch: the last one before the place in question, or none beyond the leg's last."""
     system, leg = System(explicit(np.sin, np.cos)), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
