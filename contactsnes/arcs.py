@@ -18,8 +18,8 @@ TURNING = 0.5
 """Where the slope of the load falls below this part of its mean over the last step, a fold may be near."""
 BRIEF = 1e-4
 """A step along the arc below this part of the last ones has failed, if the load hardly moves in it."""
-LONG, SAME = 0.1, 1e-4
-"""Ranges of the law in which a load that turns changes by more than rounding, and those up to which two folds are one."""
+LONG, SAME, BACK = 0.1, 1e-4, 0.45
+"""Ranges in which a load that turns changes by more than rounding, those up to which folds are one, part of a way to lead back."""
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
 NEARBY = 0.05
@@ -153,6 +153,10 @@ class ArcWalk(Walk):
             border = way / whole, self._pace ** 2 * (position - here) / whole
             point = self.system.solve_arc((last.state, guess), way, guess, position, self.leg, border)
         self._check(guess, point)
+        if len(self.history) == 2 and last.event != "fold":  # the first step: nothing tells yet how long it may be
+            back = self.system.along_tangent(point, self.leg, point.position, here - point.position)
+            if self.system.progress(point.state, last.state, back) < BACK:
+                raise NotConverged("the branch where the step ended hardly leads back")
         return point
 
     def _at_end(self, guess, end):
@@ -242,9 +246,8 @@ class ArcWalk(Walk):
 
     def _stands_still(self, last, point):
         """Whether the load changes by rounding only in a long step: where the law is exhausted it turns by chance."""
-        change = np.abs(point.load - last.load)[self.leg.moving]
-        small = 0.1 * FOLD_TOLERANCE * max(abs(last.load[self.leg.moving]), 1e-3)
-        return change < small and self.system.chord_length(last.state, point.state) > LONG
+        change, load = abs(point.load - last.load)[self.leg.moving], abs(last.load[self.leg.moving])
+        return change < 0.1 * FOLD_TOLERANCE * max(load, 1e-3) and self.system.chord_length(last.state, point.state) > LONG
 
     def _next_length(self, point):
         """Length of the step after a point, which is not accepted yet."""

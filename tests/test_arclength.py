@@ -238,6 +238,15 @@ def test_a_load_that_stands_still_turns_nowhere():
     assert [point.event for point in points if point.event != "none"] == ["fold", "gross_sliding"]
 
 
+def test_a_first_step_along_the_arc_passes_no_fold():
+    """The contact spreads over the cell at -0.3365; long steps of the load fail, and nothing tells how long one along the arc may be."""
+    scene = {"points": 192, "period": 60.0, "normal_maugis": 1.2, "geometry": "sinusoid", "height": 48.8, "amplitude": 0.413}
+    branch = Branch(Scene(**scene), Load(start="normal_displacement=-0.5", path="normal_displacement=3.497"),
+                    Steps(type="arclength", initial_step=0.99925, largest_step=0.99925))
+    found = [(point.event, point.load[0]) for point in branch if point.event != "none"]
+    assert [event for event, _ in found] == ["fold", "jump"] and found[0][1] == pytest.approx(-0.336494, abs=1e-5)
+
+
 def test_nothing_infinite_is_followed():
     branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-0.2")
     walk = ArcWalk(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])], "edge", "trace")
