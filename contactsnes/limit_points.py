@@ -104,6 +104,13 @@ class LimitPoint:
         inside = [root.real for root in roots if abs(root.imag) < 1e-9 and 0.0 <= root.real <= 1.0]
         return left.place + width * (inside[0] if inside else left.slope / (left.slope - right.slope))
 
+    def turns_between(self, heading):
+        """Whether the cubic between two ends that both lead on goes back in between: two folds near each other hide in a step."""
+        begin, end = heading * self.left.slope, heading * self.right.slope
+        rise = heading * (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
+        part = np.linspace(0.0, 1.0, 33)
+        return bool(np.any(begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2 < 0.0))
+
     def _corner(self):
         """Place a little beyond where the tangents of both points meet, seen from the nearer one: that closes the bracket."""
         left, right = self.left, self.right

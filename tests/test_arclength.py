@@ -1,6 +1,7 @@
 """Arc length on contacts: folds against independent values, lengths that know no grid, what a traced branch costs, bad input."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import petsc4py
@@ -8,10 +9,13 @@ import pytest
 
 petsc4py.init([])
 
+from test_continuation import Problem, System, followed as solved, path  # noqa: E402
+
 from contactsnes import observables, states  # noqa: E402
 from contactsnes.arcs import ArcWalk  # noqa: E402
 from contactsnes.contact import DISPLACEMENT, Contact  # noqa: E402
 from contactsnes.forms import DisplacementForm  # noqa: E402
+from contactsnes.limit_points import LimitPoint, Station  # noqa: E402
 from contactsnes.load import Load  # noqa: E402
 from contactsnes.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.run import Branch  # noqa: E402
@@ -264,3 +268,26 @@ def test_methods_without_a_tangent_are_refused(options, steps):
     options(snes_type="ngmres")
     with pytest.raises(InputError, match="no tangent"):
         Branch(Scene(**SOFT), Load(start="normal_displacement=1", path="normal_displacement=2"), Steps(**steps), Form())
+
+
+@pytest.mark.parametrize("heading", [1.0, -1.0])
+@pytest.mark.parametrize("back, turns", [(0.2, True), (-0.2, False)])
+def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
+    """On position = s^3 - back s, from -1 to 1, which leads on at both ends."""
+    def station(place):
+        point = SimpleNamespace(position=heading * (place ** 3 - back * place))
+        return Station(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
+
+    limit = LimitPoint.__new__(LimitPoint)
+    limit.left, limit.right = station(-1.0), station(1.0)
+    assert limit.turns_between(heading) is turns
+
+
+@pytest.mark.parametrize("back", [1e-2, 1e-3])
+def test_two_folds_near_each_other_are_found(back):
+    """load = u^3 - back u turns at -sqrt(back/3) and its opposite, much nearer to each other than steps are long."""
+    problem = Problem(lambda x, load: x ** 3 - back * x - load, lambda x, load: np.array([[3.0 * x[0] ** 2 - back]]),
+                      lambda x, load: np.array([-1.0]))
+    points, error = solved(path(System(problem), (-1.0, 1.0), (-1.1,), walker=ArcWalk, at_fold="trace"))
+    found = [point.state[0] for point in points if point.event == "fold"]
+    assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)], rel=1e-3)
