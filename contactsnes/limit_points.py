@@ -108,6 +108,8 @@ class LimitPoint:
         """Whether the cubic between two ends that both lead on goes back in between: two folds near each other hide in a step."""
         begin, end = heading * self.left.slope, heading * self.right.slope
         rise = heading * (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
+        if min(begin, end) <= rise:  # it levels off
+            return False
         part = np.linspace(0.0, 1.0, 33)
         return bool(np.any(begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2 < 0.0))
 
