@@ -19,6 +19,10 @@ CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
+LEVEL = 1e-4
+"""Part of a leg below which the load levels off in a step whose end is flatter than all of it."""
+
+
 class Station(NamedTuple):
     """A point with its place on the chord of a bracket and the branch's direction there."""
 
@@ -108,7 +112,7 @@ class LimitPoint:
         """Whether the cubic between two ends that both lead on goes back in between: two folds near each other hide in a step."""
         begin, end = heading * self.left.slope, heading * self.right.slope
         rise = heading * (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
-        if min(begin, end) <= rise:  # it levels off
+        if min(begin, end) <= rise < LEVEL / (self.right.place - self.left.place):
             return False
         part = np.linspace(0.0, 1.0, 33)
         return bool(np.any(begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2 < 0.0))

@@ -238,7 +238,7 @@ def test_a_load_that_stands_still_turns_nowhere():
     steps = {"type": "natural", "predictor": "tangent", "initial_step": (3.65467, 1.09333), "largest_step": (3.65467, 1.09333)}
     _, points, error = followed(scene, "normal_displacement=-0.5", "normal_displacement=2.241; tangential_force=0.82", **steps)
     assert isinstance(error, NoEquilibrium) and "slides without end" in str(error)
-    assert abs(points[-1].forces[1] / points[-3].forces[1] - 1.0) < 1e-8
+    assert abs(points[-1].forces[1] / points[-3].forces[1] - 1.0) < 1e-7
     assert [point.event for point in points if point.event != "none"] == ["fold", "gross_sliding"]
 
 
