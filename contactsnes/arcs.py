@@ -229,9 +229,7 @@ class ArcWalk(Walk):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point)
         late = last.event != "fold" and limit.left.slope * heading < 0.0
-        if not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0:
-            if limit.turns_between(heading):
-                raise NotConverged("the load turns there and back in this step")
+        if not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0 and not limit.turns_between(heading):
             return None, False
         if late:
             # It turns more sharply there than steps could tell.
