@@ -398,6 +398,7 @@ def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
     monkeypatch.setattr(Balance, "__call__", above)
     point = next(iter(branch))
     assert len(asked) == 2 and asked[1] <= 5e-9 and point.residual_norm == asked[1] and isinstance(branch.corrector.form, EvenForm)
+    assert branch.corrector.snes.getTolerances()[1] == 1e-8  # for the next point as before
 
 
 def test_the_state_that_is_stored_is_asked(monkeypatch):

@@ -105,6 +105,11 @@ def test_a_leg_that_was_put_between_is_refused(before):
         Branch(LINE, Load(path=same.format("2")), history=shifted)
 
 
+def test_a_leg_may_end_where_its_last_point_is(before):
+    (last,) = Branch(LINE, Load(path=f"normal_displacement={float(before[2].load[0])!r}"), history=before[2:3]).history
+    assert before[2].position < 1.0 == last.position
+
+
 def test_another_start_is_refused(before):
     with pytest.raises(InputError, match="in leg 0 of -load_path, beside it"):
         Branch(LINE, Load(start="normal_displacement=0.5", path="normal_displacement=1"), history=before[:1])

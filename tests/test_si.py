@@ -147,7 +147,8 @@ def test_scales_from_python_do_not_contradict_the_groups():
     scales = without("range_normal", "range_tangential")
     scene = Scene(**scales, work_ratio=PHI_T / PHI_N, normal_maugis=3.0, period=50.0)
     assert scene.periods == (50.0,) and scene.scale("p_n,r")[0] == pytest.approx(3 * PHI_N / U_N, rel=1e-13)
-    for contradiction in (dict(work_ratio=1.0), dict(work_ratio=PHI_T / PHI_N, range_normal=DELTA_N)):
+    ratio = PHI_T / PHI_N
+    for contradiction in (dict(work_ratio=1.0), dict(work_ratio=1.001 * ratio), dict(work_ratio=ratio, range_normal=DELTA_N)):
         with pytest.raises(InputError, match="but -scene_(range|work).* makes it .*give one of them"):
             Scene(**scales, **contradiction)
 
