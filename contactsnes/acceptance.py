@@ -18,6 +18,8 @@ RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.pol
 """Places on the way, and weights, of a quadrature along it."""
 TRIFLE = 1e-6
 """Traction, in units of the law, that counts as none."""
+HELD, OPEN, WHOLE = 1.0, 3.0, 0.9
+"""Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the held nodes that is nearly all."""
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
 LEFT = 0.5
@@ -37,6 +39,8 @@ def strayed(contact, guess, last, found):
     last, found : State, equilibria
     """
     gap, change, aside, allowed = _compared(contact, guess, last, found)
+    if _made_or_lost(contact.grid, gap[0], gap[0] + change[0]):
+        return np.inf
     touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
     if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:])):
         return np.inf
@@ -84,6 +88,18 @@ def _compared(contact, guess, last, found):
     gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
     gap[0] += window.take(contact.initial_gap)
     return gap, change, np.abs(aside) * near, STRAYS + SHARE * np.minimum(np.abs(change), LONG)
+
+
+def _made_or_lost(grid, begin, end):
+    """Whether nearly all of a contact is made or lost between two normal gaps (nodes).
+
+    A body that is rigid beside its law comes off as a whole: its tangent foretells where it is then, whatever happens on the way.
+    """
+    for first, last in ((begin, end), (end, begin)):
+        held = first < HELD
+        if grid.count(held & (last > OPEN)) > WHOLE * max(grid.count(held), 1):
+            return True
+    return False
 
 
 def _through_sticking(begin, end):

@@ -11,7 +11,7 @@ from .forms import ForceForm
 from .options import read
 from .overdamped import Flow, Leaving, MotionOptions, Unsettled
 from .points import NoEquilibrium, NotConverged
-from .snes import create_snes
+from .snes import create_snes, solver_type
 
 BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
@@ -57,8 +57,8 @@ def kicked(contact, fold, beyond, part):
 def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
-    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method knows no window, it
-    is inertial (FIRE on the whole cell).
+    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method is relaxation
+    itself, it is inertial (FIRE on the whole cell).
 
     Parameters
     ----------
@@ -76,7 +76,8 @@ def settle(system, state, controls, load, where, origin=None):
     if not np.isfinite(state.displacement).all():
         raise NotConverged(f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
-    overdamped = options.type == "overdamped" and system.settings.form == "displacement"
+    newton = system.settings.form == "displacement" or solver_type().startswith("newton")
+    overdamped = options.type == "overdamped" and newton
     failure = None
     if overdamped:
         try:

@@ -149,3 +149,15 @@ def test_a_body_off_the_flat_lets_go_along_the_arc_too(kind):
     points = walked({**LAYER, "points": 256, "period": 30.0}, "normal_force=0.5", 1.0, 1.0, "normal_displacement=-3", type=kind)
     fold = next(point for point in points if point.event == "fold")
     assert fold.load[0] == fold.forces[0] == 0.0 and points[-1].load[0] == 0.5
+
+
+def test_a_contact_is_not_made_or_lost_in_one_step():
+    """A shallow wave under a thick layer, in steps as long as the leg: the tangent foretells the body off the flat."""
+    wave = {"points": 128, "period": 12.0, "normal_maugis": 2.0, "geometry": "sinusoid", "amplitude": 0.2}
+    for ends in ((1.0, -4.0), (-4.0, 1.0)):
+        runs = [walked(wave, f"normal_displacement={ends[1]}", size, size, f"normal_displacement={ends[0]}", predictor=predictor)
+                for size, predictor in ((20.0, "secant"), (20.0, "none"), (0.1, "edge"))]
+        assert kinds(runs[2])[0][0] == "fold"
+        for points in runs[:2]:
+            assert kinds(points) == kinds(runs[2])
+            np.testing.assert_allclose(folds(points), folds(runs[2]), rtol=1e-7)

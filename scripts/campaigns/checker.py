@@ -401,7 +401,7 @@ class Checker:
         for i in range(1 + self.dimension if bonded else 1):
             part = difference[i]
             wrong = (part - (part.mean() if mean else part[active].mean())) * self.ranges[i]
-            floor = 1e-13 * self.ranges[i] * np.abs(self.path.displacement[point, i]).max() + 1e-10
+            floor = 1e-13 * self.ranges[i] * np.abs(self.path.displacement[point, i]).max() + 1e-10 + self._rounding(point)
             norm, largest = math.sqrt(np.mean(wrong[active] ** 2)), np.abs(wrong[active]).max()
             told = self.path["residual_norm"][point]
             if "largest_residual" in self.path and largest > self.path["largest_residual"][point] + 3.0 * told + floor:
@@ -410,6 +410,13 @@ class Checker:
             # The mean runs over the window's nodes, which may be the whole cell.
             if norm > 1.1 * told * math.sqrt((1 + self.dimension) * wrong.size / active.sum()) + floor or norm > 100.0 * self.tolerance + floor:
                 self.say("residual", point + 1, f"recomputed {norm:.3g} ranges (largest {largest:.3g}) in component {i}, told {told:.3g}")
+
+    def _rounding(self, point):
+        """What the last bit of stored displacements makes, in deep overlap, of those under the tractions: ranges."""
+        deepest = min(0.0, self.gaps[point, 0].min())
+        longest = max(points * spacing for points, spacing in zip(self.shape, self.spacings))
+        stiffest = (1.0 - deepest) * math.exp(-deepest) * self.ranges[0] ** 2 * longest / math.pi
+        return 2.0 * np.finfo(float).eps * self.ranges[0] * np.abs(self.path.displacement[point, 0]).max() * stiffest
 
     def _sheared(self, point):
         """Whether a point has tangential unknowns: where asked for, or where body or load make them."""
