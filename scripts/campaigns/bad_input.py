@@ -121,14 +121,15 @@ def judged(seed, number, worker, folder, seconds):
     """(`judge.Verdict`, command line): no traceback, no end by a signal, and a sentence where the status is not 0."""
     words = create(seed, number, folder)
     done, verdict = worker.run(words, folder / "output", seconds), judge.Verdict(runs=1)
+    command = words[0] if words else ""
     verdict.seconds = done.seconds
     errors = [line for line in done.err.splitlines() if "error: " in line]
     if done.crashed or (done.status not in (0, 1, 2) and done.status != -9):
-        verdict.add("crashed", words[0] if words else "", f"status {done.status}: {done.reason}")
+        verdict.add("crashed", command, f"status {done.status}: {done.reason}")
     elif done.status == -9:
-        verdict.add("time", words[0], f"after {done.seconds:.0f} s")
-    elif done.status in (1, 2) and len(errors) != 1 and words and words[0] in ("run", "info"):
-        verdict.add("silent", words[0], f"status {done.status} with {len(errors)} sentences on an error")
+        verdict.add("time", command, f"after {done.seconds:.0f} s")
+    elif done.status in (1, 2) and len(errors) != 1 and command in ("run", "info"):
+        verdict.add("silent", command, f"status {done.status} with {len(errors)} sentences on an error")
     elif done.status == 1:
-        verdict.add("said", words[0], done.reason)
+        verdict.add("said", command, done.reason)
     return verdict, judge.command(words)
