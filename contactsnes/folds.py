@@ -162,7 +162,7 @@ class Turn:
         """
         trail = self._bracketed(trail)
         if trail[-1][0] >= trail[-2][0]:
-            return None, None, trail
+            return self._hidden(trail)
         if self._returns(trail):
             return None, None, trail[:-1]
         beyond, last = trail[-1][1], None
@@ -184,6 +184,23 @@ class Turn:
         # A plateau: the load neither rises nor falls.
         fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=max(width, np.finfo(float).eps))
         return fold, beyond.state, trail
+
+    def _hidden(self, trail):
+        """The same from a trail whose load rises from point to point, though it turns back and on again where that hardly shows."""
+        (places, points), distance = zip(*trail), self.system.chord_length
+        rises = [(end - begin) / distance(first.state, last.state)
+                 for begin, end, first, last in zip(places, places[1:], points, points[1:])]
+        flattest = int(np.argmin(rises)) + 1
+        for after in range(flattest, 0, -1):
+            peak = LimitPoint(self.system, self.leg, points[after - 1], points[after])
+            if peak.bracketed and peak.sign > 0.0:
+                fold = peak.locate()
+                return replace(fold, leg=self.leg.number, step=self.leg.initial), points[after].state, [*trail[:after], (fold.position, fold)]
+            if peak.left.slope > 0.0:
+                break
+        if peak.turns_between(1.0):
+            raise NotConverged("the load turns more than once in this step")
+        return None, None, trail
 
     def _returns(self, trail):
         """Whether the last point lies on the way to the one before it: the arc turned, not the branch.

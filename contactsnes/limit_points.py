@@ -19,6 +19,8 @@ CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
+NEARLY = 0.25
+"""Least slope of a cubic within a step, over its mean, with which it may turn where a longer polynomial would."""
 LEVEL = 1e-4
 """Part of a leg below which the load levels off in a step whose end is flatter than all of it."""
 
@@ -47,19 +49,20 @@ class LimitPoint:
     system : what solves (``Tracer``)
     leg : Leg
     before, beyond : points of the branch
+    heading : 1 or -1, where the load goes from a fold before, whose own slope is rounding; else its slope there says it
     """
 
-    def __init__(self, system, leg, before, beyond):
+    def __init__(self, system, leg, before, beyond, heading=0.0):
         self.system, self.leg, self.chord = system, leg, (before.state, beyond.state)
         length = system.chord_length(*self.chord)
         self.left, self.right = (Station(place, point, system.direction(point, self.chord, leg))
                                  for place, point in ((0.0, before), (length, beyond)))
-        self.sign = 1.0 if self.left.slope > 0.0 else -1.0
+        self.sign = heading or (1.0 if self.left.slope > 0.0 else -1.0)
 
     @property
     def bracketed(self):
         """Whether the load turns in between."""
-        return self.left.slope * self.right.slope <= 0.0
+        return self.sign * self.right.slope <= 0.0
 
     def locate(self):
         """The fold, with its tangents; NotConverged where its load does not become known to FOLD_TOLERANCE."""
@@ -89,7 +92,16 @@ class LimitPoint:
         rise = self.right.point.position - self.left.point.position
         # Slopes that go with the rise are those of a parabola; else the limit may be a corner anywhere in between.
         smooth = abs(rise - 0.5 * (left + right) * width) < 0.1 * steepest * width
-        return self.relative(steep * width * (2.0 * steep / (steep + steepest) if smooth else 1.0))
+        by_slopes = steep * width * (2.0 * steep / (steep + steepest) if smooth else 1.0)
+        # A flat end may be another limit, from which the branch goes on to this one.
+        return self.relative(max(by_slopes, self._beyond_ends(rise, width)))
+
+    def _beyond_ends(self, rise, width):
+        """How far the cubic through both points with their slopes goes beyond them, in position."""
+        begin, end, rate = self.sign * self.left.slope * width, self.sign * self.right.slope * width, self.sign * rise
+        part = np.linspace(0.0, 1.0, 33)
+        cubic = ((begin + end - 2.0 * rate) * part + (3.0 * rate - 2.0 * begin - end)) * part ** 2 + begin * part
+        return float(cubic.max() - max(0.0, rate))
 
     def relative(self, change):
         """A change of position in the leg as one of the moving load, relative to itself."""
@@ -109,13 +121,14 @@ class LimitPoint:
         return left.place + width * (inside[0] if inside else left.slope / (left.slope - right.slope))
 
     def turns_between(self, heading):
-        """Whether the cubic between two ends that both lead on goes back in between: two folds near each other hide in a step."""
+        """Whether the cubic between two ends that both lead on goes back in between, or nearly so: two folds near each other hide there."""
         begin, end = heading * self.left.slope, heading * self.right.slope
         rise = heading * (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
         if min(begin, end) <= rise < LEVEL / (self.right.place - self.left.place):
             return False
         part = np.linspace(0.0, 1.0, 33)
-        return bool(np.any(begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2 < 0.0))
+        slopes = begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2
+        return bool(slopes.min() < (NEARLY * rise if slopes.min() < min(begin, end) else 0.0))
 
     def _corner(self):
         """Place a little beyond where the tangents of both points meet, seen from the nearer one: that closes the bracket."""

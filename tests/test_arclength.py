@@ -271,9 +271,9 @@ def test_methods_without_a_tangent_are_refused(options, steps):
 
 
 @pytest.mark.parametrize("heading", [1.0, -1.0])
-@pytest.mark.parametrize("back, turns", [(0.2, True), (-0.2, False)])
+@pytest.mark.parametrize("back, turns", [(0.2, True), (-0.2, True), (-0.6, False)])
 def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
-    """On position = s^3 - back s, from -1 to 1, which leads on at both ends."""
+    """On position = s^3 - back s, from -1 to 1, which leads on at both ends; what nearly turns may do so."""
     def station(place):
         point = SimpleNamespace(position=heading * (place ** 3 - back * place))
         return Station(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
@@ -281,6 +281,20 @@ def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
     limit = LimitPoint.__new__(LimitPoint)
     limit.left, limit.right = station(-1.0), station(1.0)
     assert limit.turns_between(heading) is turns
+
+
+@pytest.mark.parametrize("heading", [1.0, -1.0])
+@pytest.mark.parametrize("noise", [1e-12, -1e-12])
+def test_beyond_a_fold_its_own_slope_decides_nothing(heading, noise):
+    """From the fold at 0 of heading (s^2 - 2 s^3 / 3) the load goes on as it heads, and turns at 1."""
+    def direction(point, chord, leg):
+        place = point.position
+        return SimpleNamespace(rate=heading * (2.0 * place - 2.0 * place ** 2) + (noise if place == 0.0 else 0.0))
+
+    system = SimpleNamespace(chord_length=lambda first, last: 1.5, direction=direction)
+    before, beyond = (SimpleNamespace(state=None, position=place) for place in (0.0, 1.5))
+    limit = LimitPoint(system, None, before, beyond, heading)
+    assert limit.sign == heading and limit.bracketed
 
 
 @pytest.mark.parametrize("back", [1e-2, 1e-3])

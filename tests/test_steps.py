@@ -66,6 +66,28 @@ def test_the_search_for_a_fold_passes_none():
         np.testing.assert_allclose(losses(points), losses(runs[0]), rtol=1e-3)
 
 
+NEIGHBOURS = {1.69: (-2.328162098, -2.327660358), 1.72: (-2.325368946, -2.318713966)}
+"""Normal Maugis parameter -> loads of two folds, found with steps of 0.0002 and residuals of 1e-13."""
+
+
+@pytest.mark.parametrize("maugis, begin, form, step, steps", [
+    (1.69, "normal_force=2.114", "force", None, {"predictor": "secant"}),
+    (1.69, "normal_displacement=3.25", "displacement", 0.2025, {"predictor": "edge"}),
+    (1.69, "normal_displacement=3.25", "displacement", 0.2025, {"predictor": "secant"}),
+    (1.69, "normal_displacement=3.25", "force", 0.81, {"predictor": "edge"}),
+    (1.69, "normal_displacement=3.25", "displacement", 0.81, {"type": "arclength"}),
+    (1.69, "normal_displacement=3.25", "force", 0.81, {"type": "arclength", "predictor": "secant"}),
+    (1.72, "normal_displacement=3.25", "displacement", 0.2025, {"predictor": "none"}),
+    (1.72, "normal_displacement=3.25", "displacement", 0.81, {"predictor": "none"})])
+def test_a_trace_finds_both_of_two_folds_near_each_other(maugis, begin, form, step, steps):
+    """They are 0.0005 and 0.007 apart, on a way of 8."""
+    scene = {**HALF_SPACE, "points": 128, "period": 20.37, "normal_maugis": maugis}
+    points = walked(scene, "normal_displacement=-4.87", step, step and 2.0 * step, begin,
+                    Form(form=form, window="off"), at_fold="trace", **steps)
+    assert kinds(points) == [("fold", "pull_off"), ("fold", "jump_in")]
+    np.testing.assert_allclose(folds(points)[:, 0], NEIGHBOURS[maugis], rtol=1e-8)
+
+
 @pytest.mark.parametrize("scene, way, first, largest, steps", [
     (STICKY, 80, (0.06, 2.0, 4.0), (0.6, 16.0, 32.0), {}),
     (SMOOTH, 50, (0.25, 5.0, 10.0), (0.5, 10.0, 20.0), {"type": "arclength"})])

@@ -248,11 +248,13 @@ class Checker:
         return controls
 
     def _stopped(self):
-        """Whether the last point is one where the path was asked to end."""
-        options, event = self.path.options, self.path["event"][-1]
-        return (event in options.get("load_stop", "none").split(",") or (event == "fold" and (
+        """Whether the last point is one where the path was asked to end; it may have further events."""
+        options, loads = self.path.options, [name for kind in ("displacement", "force") for name in names(self.dimension, kind)]
+        events = {self.path["event"][point] for point in range(max(self.count - 4, 0), self.count)
+                  if all(self.path[name][point] == self.path[name][-1] for name in loads)}
+        return (not events.isdisjoint(options.get("load_stop", "none").split(",")) or ("fold" in events and (
             options.get("continuation_at_fold") == "stop" or "pull_off" in options.get("load_stop", "")))
-            or (event == "bifurcation" or "bifurcation" in self.path["event"][-2:]) and options.get("continuation_at_bifurcation") == "stop")
+            or (events | {*self.path["event"][-2:]}) >= {"bifurcation"} and options.get("continuation_at_bifurcation") == "stop")
 
     def _allowed(self, kind, value):
         """How closely a controlled value has to be met."""
