@@ -227,13 +227,13 @@ class ArcWalk(Walk):
         heading = self.heading
         if self._stands_still(last, point) or min(slope * heading, mean * heading) > TURNING * abs(mean):
             return None, False
-        limit = self._limit(last, point)
+        limit = LimitPoint(self.system, self.leg, last, point, heading if last.event == "fold" else 0.0)
         late = last.event != "fold" and limit.left.slope * heading < 0.0
         if not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0 and not limit.turns_between(heading):
             return None, False
         if late:
             # It turns more sharply there than steps could tell.
-            limit = self._limit(before, last)
+            limit = LimitPoint(self.system, self.leg, before, last, heading if before.event == "fold" else 0.0)
         if not limit.bracketed or limit.sign != heading:
             if self._way(last, point) > NEARBY * self._way(before, last):
                 raise NotConverged("the load turns more than once in this step")
@@ -243,10 +243,6 @@ class ArcWalk(Walk):
         if self.departed is not None and self.system.missed(self.departed.state, fold.state) < SAME:
             raise NotConverged("the step led back to the fold that a jump has left")
         return replace(fold, fold_kind=fold_kind(self.leg, heading)), late
-
-    def _limit(self, first, last):
-        """The `LimitPoint` between two points on the heading of the branch, the first of which may be a fold."""
-        return LimitPoint(self.system, self.leg, first, last, self.heading if first.event == "fold" else 0.0)
 
     def _stands_still(self, last, point):
         """Whether the load changes by rounding only in a long step: where the law is exhausted it turns by chance."""

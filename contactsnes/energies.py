@@ -153,8 +153,11 @@ class Ledger:
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
         if np.isnan(interface):
-            # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end more abruptly than gaps do.
+            # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end more abruptly than gaps do. But
+            # a hundredth of the work on the interface may be more than all that a small jump loses, even than nothing.
             interface, balance = point.jump_work, "unknown" if np.isnan(point.jump_work) else "motion"
+            if abs(left - interface - point.viscous_work) > point.viscous_work:
+                interface = left - point.viscous_work
         lost = left - interface
         point = replace(point, jump_balance=balance)
         return self._summed(point, before, external, interface, lost)

@@ -121,7 +121,7 @@ def test_the_table_counts_each_case_once_by_its_worst_outcome(tmp_path):
 def test_faults_and_their_tests_stand_in_the_sources():
     listed = faults.read_faults()
     assert faults.stale(listed) == []
-    assert len(set(listed)) == len(listed) == 100
+    assert len(set(listed)) == len(listed) >= 100
     assert all(fault.area and fault.text != fault.fault for fault in listed)
     for file, _, test in (argument.partition("::") for fault in listed for argument in faults.arguments(fault)):
         assert f"def {test or 'test_'}" in (ROOT / file).read_text(encoding="utf-8")

@@ -190,11 +190,14 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     jump = ledger.entered(replace(found[-1], event="jump"))
     assert jump.jump_balance == "unknown" and math.isnan(jump.dissipated_work) and math.isnan(jump.interface_work)
     assert math.isfinite(jump.external_work)
-    known = Ledger(contact, found[-3:-1]).entered(replace(found[-1], event="jump", jump_work=0.2, viscous_work=0.1))
-    before = found[-2]
-    assert known.jump_balance == "motion" and known.interface_work - before.interface_work == pytest.approx(0.2)
-    left = known.external_work - before.external_work - (known.elastic_energy - before.elastic_energy) - 0.2
-    assert known.dissipated_work == pytest.approx(left) and known.energy_imbalance == before.energy_imbalance
+    before, jumped = found[-2], replace(found[-1], event="jump")
+    free = jump.external_work - before.external_work - (jump.elastic_energy - before.elastic_energy)
+    for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - 0.1, 0.03, 0.03), (free + 0.001, 1e-4, 1e-4)):
+        # A work on the interface whose error exceeds all that is lost says nothing of the latter.
+        known = Ledger(contact, found[-3:-1]).entered(replace(jumped, jump_work=work, viscous_work=viscous))
+        assert known.jump_balance == "motion" and known.energy_imbalance == pytest.approx(before.energy_imbalance)
+        assert known.dissipated_work == pytest.approx(lost)
+        assert known.interface_work - before.interface_work == pytest.approx(free - lost)
 
 
 # Loops

@@ -337,6 +337,8 @@ class Checker:
             for way in (1, -1):
                 border |= inside != np.roll(inside, way, axis)
         found = self.path["contact_area"][point]
+        if not inside.any() and found == 0.0:
+            return  # no contact without a node in it
         if self.dimension == 1:
             edges = np.flatnonzero(inside != np.roll(inside, 1))
             # A parabola has a kink where the cell closes.
