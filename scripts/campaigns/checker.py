@@ -216,13 +216,14 @@ class Checker:
         steps = np.diff(self.path["leg"])
         if np.any(steps < 0):
             self.say("legs", int(np.argmin(steps)) + 2, "the number of the leg falls")
+        leaves = {"fold", *["bifurcation"] * (self.path.options.get("continuation_at_bifurcation") == "follow")}
         for point, (event, kind) in enumerate(zip(self.path["event"], self.path["fold_kind"])):
             if (event == "fold") != bool(kind):
                 self.say("fold_kind", point + 1, f"{event} with the kind '{kind}'")
-            if event == "jump" and "fold" not in self.path["event"][max(0, point - 3):point]:
+            if event == "jump" and leaves.isdisjoint(self.path["event"][max(0, point - 3):point]):
                 self.say("jump", point + 1, "no fold before the jump")
             precision = self.path.get("fold_precision")
-            if event == "fold" and precision is not None and self.dimension == 1 and not precision[point] <= 1e-7:
+            if event == "fold" and precision is not None and self.dimension == 1 and not precision[point] <= 1e-8:
                 self.say("fold_precision", point + 1, f"a fold known to {precision[point]:.2g}")
 
     def _loads(self):
