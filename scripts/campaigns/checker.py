@@ -338,7 +338,7 @@ class Checker:
             for way in (1, -1):
                 border |= inside != np.roll(inside, way, axis)
         found = self.path["contact_area"][point]
-        if not inside.any() and found == 0.0:
+        if found == 0.0 and gap.min() > self.scene["contact_threshold"] - 1e-7:
             return  # no contact without a node in it
         if self.dimension == 1:
             edges = np.flatnonzero(inside != np.roll(inside, 1))

@@ -44,8 +44,7 @@ class Scene:
             text = ",".join(f"{step:.6g}" for step in self.steps)
             options = {"continuation_initial_step": text, "continuation_largest_step": text, **options}
         if self.waves is not None:
-            shape = tuple(map(int, str(options["scene_points"]).split(",")))
-            shape = shape if not self.plane or len(shape) == 2 else shape * 2
+            shape = self._shape(options["scene_points"])
             path = folder / f"heights-{self.seed}-{self.number}-{'x'.join(map(str, shape))}.npy"
             factor = float(options.pop("heights_unit", 1.0))
             if not path.exists():
@@ -62,7 +61,18 @@ class Scene:
         """Options for twice the points in each direction."""
         if "scene_spacing" in self.options:
             return {"scene_spacing": f"{float(self.options['scene_spacing']) / 2:.12g}"}
-        return {"scene_points": ",".join(str(2 * int(n)) for n in str(self.options["scene_points"]).split(","))}
+        points = ",".join(str(2 * int(n)) for n in str(self.options["scene_points"]).split(","))
+        if self.waves is None:
+            return {"scene_points": points}
+        # Heights are shifted to touch at their highest node, which may be a higher one on the finer grid.
+        rise = self.heights(self._shape(points)).max() - self.heights(self._shape(self.options["scene_points"])).max()
+        offset = float(self.options.get("scene_gap_offset", 0.0)) - float(self.options.get("heights_unit", 1.0)) * rise
+        return {"scene_points": points, "scene_gap_offset": repr(offset)}
+
+    def _shape(self, points):
+        """Points in each direction of a grid."""
+        shape = tuple(map(int, str(points).split(",")))
+        return shape * 2 if self.plane and len(shape) == 1 else shape
 
 
 def create(seed, number):
