@@ -64,7 +64,7 @@ class Turn:
             if place >= end or (steady and place > begin + self.initial):
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
-                length *= min(1.7, self.largest / (place - trail[-2][0]))
+                length *= min(1.7, self.largest / max(place - trail[-2][0], 1e-300))
         ahead = trail[-1][0]
         if ahead > begin + 2.0 * self.leg.smallest:
             return None, None, self._natural(trail, min(ahead, 1.0))
