@@ -55,7 +55,7 @@ class ArcWalk(Walk):
         self.history = [(place, replace(point, position=place)) for place, point in self.history]
         yield from self._resumed()
         self.begun, self.steps, self.length = self.history[-1][1], 0, self.history[-1][1].arc
-        failures, self.patience, self.turns, self.told, self.departed = 0, PATIENCE, [], False, None
+        failures, self.patience, self.turns, self.told, self.departed, self.level = 0, PATIENCE, [], False, None, None
         while not self.stopped and self.history[-1][0] != 1.0:
             self._check_end()
             if len(self.history) == 1:
@@ -106,10 +106,9 @@ class ArcWalk(Walk):
 
     def _begin(self):
         """The second point: by a step of the load, or, where that fails, next to the first one by its tangent."""
-        here, last = self.history[-1]
-        left, step = 1.0 - here, self.leg.initial
+        (here, last), step, self.length = self.history[-1], self.leg.initial, 0.0
+        left = 1.0 - here
         target = 1.0 if left <= step * (1.0 + 1e-9) else here + min(step, 0.5 * left)
-        self.length = 0.0
         try:
             point = self._step(target, self.predictor)
         except NotConverged as error:
@@ -207,7 +206,7 @@ class ArcWalk(Walk):
         if late:
             return fold, None
         here, last = self.history[-1]
-        first = point if fold is None else fold
+        first = fold or point
         end = next((end for end in (0.0, 1.0) if (first.position - end) * (end - here) > 0.0), None)
         if end is None:
             return fold, point
@@ -218,21 +217,22 @@ class ArcWalk(Walk):
         return None, point
 
     def _fold_before(self, point):
-        """The fold before a new point or None, and whether it lies before the last one, too.
+        """The fold before a new point or None, and whether it lies before the last one, too: it may turn more sharply than steps tell.
 
         Raises NotConverged for a step over several folds.
         """
-        slope, mean = self._slopes(point)
+        (slope, mean), heading = self._slopes(point), self.heading
         (_, before), (_, last) = self.history[-2:]
-        heading = self.heading
-        if self._stands_still(last, point) or min(slope * heading, mean * heading) > TURNING * abs(mean):
+        straight = last.state is not self.level and min(slope * heading, mean * heading) > TURNING * abs(mean)
+        if straight or self._stands_still(last, point):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point, heading if last.event == "fold" else 0.0)
         late = last.event != "fold" and limit.left.slope * heading < 0.0
         if not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0 and not limit.turns_between(heading):
+            # The next step begins next to a fold, or on a plateau, where its own mean tells little.
+            self.level = point.state if limit.right.slope * heading < TURNING * limit.rate * heading else None
             return None, False
         if late:
-            # It turns more sharply there than steps could tell.
             limit = LimitPoint(self.system, self.leg, before, last, heading if before.event == "fold" else 0.0)
         if not limit.bracketed or limit.sign != heading:
             if self._way(last, point) > NEARBY * self._way(before, last):

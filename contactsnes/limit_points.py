@@ -64,6 +64,11 @@ class LimitPoint:
         """Whether the load turns in between."""
         return self.sign * self.right.slope <= 0.0
 
+    @property
+    def rate(self):
+        """Mean d(position)/d(place) in between."""
+        return (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
+
     def locate(self):
         """The fold, with its tangents; NotConverged where its load does not become known to FOLD_TOLERANCE."""
         first, proposals, mode, failures = (self.left, self.right), (self._smooth, self._corner, self._middle), 0, 0
@@ -113,7 +118,7 @@ class LimitPoint:
         """Place where the cubic through both points with their slopes has its limit point."""
         left, right = self.left, self.right
         width = right.place - left.place
-        rise = (right.point.position - left.point.position) / width
+        rise = self.rate
         # Slope of the cubic, a t^2 + b t + c for t from 0 to 1.
         a, b, c = 3.0 * (left.slope + right.slope) - 6.0 * rise, 6.0 * rise - 4.0 * left.slope - 2.0 * right.slope, left.slope
         roots = np.roots([a, b, c]) if abs(a) > 1e-9 * abs(b) else np.array([-c / b])
@@ -123,7 +128,7 @@ class LimitPoint:
     def turns_between(self, heading):
         """Whether the cubic between two ends that both lead on goes back in between, or nearly so: two folds near each other hide there."""
         begin, end = heading * self.left.slope, heading * self.right.slope
-        rise = heading * (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
+        rise = heading * self.rate
         if min(begin, end) <= rise < LEVEL / (self.right.place - self.left.place):
             return False
         part = np.linspace(0.0, 1.0, 33)

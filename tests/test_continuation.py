@@ -760,7 +760,7 @@ def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
         place = 0.5 * (u ** 3 - u + 1.0)
         trail.append((place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)), position=place)))
     walk = ArcWalk(system, leg, trail[:1], "edge", "jump")
-    walk.history, walk.departed = trail[:2], None
+    walk.history, walk.departed, walk.level = trail[:2], None, None
     walk.departed, _ = walk._fold_before(trail[2][1])
     assert abs(leg.load(walk.departed.position)[0] / CUBIC_FOLD - 1.0) < 1e-8
     with pytest.raises(NotConverged, match="led back to the fold"):

@@ -88,6 +88,17 @@ def test_a_trace_finds_both_of_two_folds_near_each_other(maugis, begin, form, st
     np.testing.assert_allclose(folds(points)[:, 0], NEIGHBOURS[maugis], rtol=1e-8)
 
 
+def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
+    """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two folds near each other hide."""
+    scene = {"points": 192, "period": 38.343, "height": 50.0, "geometry": "sinusoid", "amplitude": 0.599, "normal_maugis": 1.54,
+             "tangential_maugis": 0.574, "residual_friction": 0.5}
+    runs = [walked(scene, "normal_displacement=0.429", step, step, "normal_displacement=-0.5", form, type="arclength", predictor="secant")
+            for step, form in ((0.4645, Form(first="relaxation")), (0.1, None))]
+    for points in runs:
+        assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
+        np.testing.assert_allclose(folds(points), folds(runs[-1]), rtol=1e-8)
+
+
 @pytest.mark.parametrize("scene, way, first, largest, steps", [
     (STICKY, 80, (0.06, 2.0, 4.0), (0.6, 16.0, 32.0), {}),
     (SMOOTH, 50, (0.25, 5.0, 10.0), (0.5, 10.0, 20.0), {"type": "arclength"})])
