@@ -9,9 +9,9 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Scene": "scene", "Load": "load", "Steps": "scene", "Form": "scene", "InputError": "settings",
-    "Contact": "contact", "Branch": "run", "NotConverged": "points", "NoEquilibrium": "points",
-    "observe": "observables", "table": "observables", "Archive": "archive", "read": "archive", "plot": "plots",
+    "Scene": "scene.settings", "Load": "scene.load", "Steps": "scene.settings", "Form": "scene.settings", "InputError": "options.fields",
+    "Contact": "contact.problem", "Branch": "branch.branch", "NotConverged": "continuation.points", "NoEquilibrium": "continuation.points",
+    "observe": "contact.observables", "table": "contact.observables", "Archive": "output.archive", "read": "output.archive", "plot": "output.figures",
 }
 
 __all__ = ["reference", *_HOMES]

@@ -11,7 +11,7 @@ def main():
         number = getattr(signal, name, None)
         if number and signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, lambda number, frame: os._exit(128 + number))
-    from .cli import main as command
+    from .commands.cli import main as command
 
     sys.exit(command())
 

@@ -23,7 +23,7 @@ def options():
 @pytest.fixture
 def kept_options():
     """PETSc's options as they were, after a test."""
-    from contactsnes.options import database, install
+    from contactsnes.options.database import database, install
 
     before = database()
     yield

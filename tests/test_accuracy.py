@@ -10,17 +10,17 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import accuracy, grid_choice
-from contactsnes.cohesive import resolution_warning
-from contactsnes.coldstart import refined
-from contactsnes.corrector import Corrector
-from contactsnes.grid_choice import chosen, memory_needed, next_grid, predicted, reason
-from contactsnes.load import Load
-from contactsnes.observables import Measurement
-from contactsnes.points import NotConverged, TooCoarse
-from contactsnes.run import Branch
-from contactsnes.scene import Form, ineffective, Output, Scene, Steps, tangential_legs
-from contactsnes.settings import InputError
+from contactsnes.branch import accuracy, grid_choice
+from contactsnes.scene.resolution import resolution_warning
+from contactsnes.branch.first_points import refined
+from contactsnes.branch.corrector import Corrector
+from contactsnes.branch.grid_choice import chosen, memory_needed, next_grid, predicted, reason
+from contactsnes.scene.load import Load
+from contactsnes.contact.observables import Measurement
+from contactsnes.continuation.points import NotConverged, TooCoarse
+from contactsnes.branch.branch import Branch
+from contactsnes.scene.settings import Form, ineffective, Output, Scene, Steps, tangential_legs
+from contactsnes.options.fields import InputError
 
 
 LINE = dict(normal_maugis=2.0, period=20.0)
@@ -249,7 +249,7 @@ RUN = ["run", "-scene_normal_maugis", "2", "-scene_period", "20", "-load_path", 
 
 def run(folder, *arguments, before="pass"):
     """What a process of the command says, which ends well and leaves run.h5 in a folder; ``before``: Python to execute first."""
-    code = f"import sys; {before}; from contactsnes.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = f"import sys; {before}; from contactsnes.commands.cli import main; sys.exit(main(sys.argv[1:]))"
     words = [*RUN, *arguments, "-archive_file", str(folder / "run.h5")]
     done = subprocess.run([sys.executable, "-c", code, *words], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True,
                           text=True, timeout=600, check=False)
@@ -276,7 +276,7 @@ def test_a_run_on_a_chosen_grid_keeps_its_errors_and_can_be_resumed(tmp_path):
 
 
 def test_a_grid_that_misses_is_refined_and_the_path_begins_anew(tmp_path):
-    lax = "import contactsnes.grid_choice as g; real = g.predicted; g.predicted = lambda *words: 1e-2 * real(*words)"
+    lax = "import contactsnes.branch.grid_choice as g; real = g.predicted; g.predicted = lambda *words: 1e-2 * real(*words)"
     said = run(tmp_path, "-scene_points", "auto", "-scene_accuracy", "1e-6", "-archive_fields", "all", before=lax)
     assert "the path begins anew with" in said
     with h5py.File(tmp_path / "run.h5") as file:

@@ -11,9 +11,9 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive as module
-from contactsnes import resuming
-from contactsnes.archive import Archive, ArchiveError, Column, read
+from contactsnes.output import archive as module
+from contactsnes.output import resuming
+from contactsnes.output.archive import Archive, ArchiveError, Column, read
 
 COLUMNS = {
     "leg": Column("", "i8"),

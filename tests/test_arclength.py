@@ -11,16 +11,16 @@ petsc4py.init([])
 
 from test_continuation import Problem, System, followed as solved, path  # noqa: E402
 
-from contactsnes import observables, states  # noqa: E402
-from contactsnes.arcs import ArcWalk  # noqa: E402
-from contactsnes.contact import DISPLACEMENT, Contact  # noqa: E402
-from contactsnes.forms import DisplacementForm  # noqa: E402
-from contactsnes.limit_points import LimitPoint, Station  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.points import NoEquilibrium, NotConverged  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
+from contactsnes.contact import observables, states  # noqa: E402
+from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
+from contactsnes.continuation.limit_points import LimitPoint, Station  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
 
 SOFT = {"points": 256, "period": 30.0, "normal_maugis": 2.0}
 SHEARED = {"points": 512, "period": 30.0, "normal_maugis": 3.0, "tangential_maugis": 1.5, "residual_friction": 0.0, "height": 100.0}

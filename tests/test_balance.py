@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 from test_cli import call
 
-from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps, run
-from contactsnes.balance import Balance, Response
-from contactsnes.corrector import Corrector
-from contactsnes.fourier import Window
-from contactsnes.mirrored import EvenForm, Symmetry
-from contactsnes.scene import tangential_legs
-from contactsnes.settings import InputError
-from contactsnes.spots import Spots, convolution
-from contactsnes.states import State
-from contactsnes.symmetry import UNEVEN, EvenConvolution, EvenWindow, lone
-from contactsnes.tracing import Tracer
+from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
+from contactsnes.branch import branch as run
+from contactsnes.contact.balance import Balance, Response
+from contactsnes.branch.corrector import Corrector
+from contactsnes.grid.cell import Window
+from contactsnes.contact.even_form import EvenForm, Symmetry
+from contactsnes.scene.settings import tangential_legs
+from contactsnes.options.fields import InputError
+from contactsnes.grid.boxes import Spots, convolution
+from contactsnes.contact.states import State
+from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
+from contactsnes.branch.tracing import Tracer
 
 OFF = Form(symmetry="off")
 
@@ -336,7 +337,7 @@ def test_what_heights_are_is_asked_of_them():
 
 def test_a_wrong_belief_in_symmetry_ends_it(monkeypatch):
     """The residual of all nodes is found again for every point: were unevenness not seen, points would be right, and say why."""
-    monkeypatch.setattr("contactsnes.mirrored.obstacle", lambda contact, components: None)
+    monkeypatch.setattr("contactsnes.contact.even_form.obstacle", lambda contact, components: None)
     scene, load = CASES["line"]
     heights, said = waves(scene.shape, scene.periods, 3, even=False), []
     branch = branch_of(Contact(scene, heights), load, log=said.append)
@@ -347,7 +348,7 @@ def test_a_wrong_belief_in_symmetry_ends_it(monkeypatch):
 
 
 def test_a_body_that_couples_ends_symmetry_on_an_arc_too(monkeypatch):
-    monkeypatch.setattr("contactsnes.mirrored.obstacle", lambda contact, components: None)
+    monkeypatch.setattr("contactsnes.contact.even_form.obstacle", lambda contact, components: None)
     scene, load = CASES["coupled"]
     branch = Branch(scene, load, Steps(type="arclength"))
     x = (np.arange(128) - 64) * scene.spacings[0]

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from contactsnes import Load, Scene
-from contactsnes.scene import Steps, check
+from contactsnes.scene.settings import Steps, check
 
 HERE = Path(__file__).resolve().parents[1] / "scripts" / "paper"
 before, sys.dont_write_bytecode = sys.dont_write_bytecode, True

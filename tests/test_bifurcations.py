@@ -12,18 +12,18 @@ petsc4py.init([])
 from test_continuation import UNIT_LEG, Landing, Problem, System, assert_solutions, curve, events, followed, path, pitchfork  # noqa: E402
 from test_stability import Cell  # noqa: E402
 
-from contactsnes import bifurcations  # noqa: E402
-from contactsnes.arcs import ArcWalk  # noqa: E402
-from contactsnes.bifurcations import between, probe  # noqa: E402
-from contactsnes.continuation import Walk  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.modes import NEUTRAL  # noqa: E402
-from contactsnes.points import NoEquilibrium  # noqa: E402
-from contactsnes.points import Leg, NotConverged  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
-from contactsnes.stability import Stability  # noqa: E402
+from contactsnes.continuation import bifurcations  # noqa: E402
+from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
+from contactsnes.continuation.bifurcations import between, probe  # noqa: E402
+from contactsnes.continuation.natural import Walk  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.dynamics.modes import NEUTRAL  # noqa: E402
+from contactsnes.continuation.points import NoEquilibrium  # noqa: E402
+from contactsnes.continuation.points import Leg, NotConverged  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.dynamics.stability import Stability  # noqa: E402
 
 
 class Dense:

@@ -17,9 +17,10 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive, cli
-from contactsnes.continuation import NotConverged
-from contactsnes.scene import OPTION_CLASSES
+from contactsnes.output import archive
+from contactsnes.commands import cli
+from contactsnes.continuation.points import NotConverged, unfinished_fold
+from contactsnes.scene.settings import OPTION_CLASSES
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMAND = [sys.executable, "-m", "contactsnes"]
@@ -121,7 +122,7 @@ BAD = {
                                           ["-scene_tangential", "tangential_force=1", "auto"]),
     "value of a solver's option": (["-pc_core_threshold", "3"], ["-pc_core_threshold", "below 1"]),
     "unknown type": (["-pc_type", "lou"], ["PETSc", "lou"]),
-    "unknown class": (["-snes_type", "python", "-snes_python_type", "contactsnes.snes.Vorlet"], ["contactsnes.snes.Vorlet"]),
+    "unknown class": (["-snes_type", "python", "-snes_python_type", "contactsnes.solvers.snes.Vorlet"], ["contactsnes.solvers.snes.Vorlet"]),
     "unknown module": (["-snes_type", "python", "-snes_python_type", "nowhere.Solver"], ["nowhere"]),
     "no factorisation": (["-pc_type", "lu"], ["PETSc", "LU"]),
     "no such file": (["absent.opts"], ["absent.opts"]),
@@ -291,7 +292,7 @@ def test_run_that_was_killed_during_its_jump(tmp_path):
     (["fold", "jump", "none"], 0), (["fold", "jump", "none", "fold"], 1), (["jump", "none", "fold", "pull_off"], 2)])
 def test_fold_without_its_jump_is_found_again(events, unfinished):
     history = [SimpleNamespace(event=event) for event in events]
-    assert cli.unfinished_fold(history) == unfinished
+    assert unfinished_fold(history) == unfinished
     kept, tail = history[:len(history) - unfinished], history[len(history) - unfinished:]
     again = [*([SimpleNamespace(event="none")] if tail else []), *tail, SimpleNamespace(event="jump"), SimpleNamespace(event="fold")]
     assert [point.event for point in cli.new_points(again, unfinished)] == ["jump", "fold"]
@@ -330,6 +331,8 @@ def test_help_shows_every_option(tmp_path):
     words = done.stdout.split()
     assert done.returncode == 0 and not [name for name in option_names() if name not in words]
     assert "residual_norm" in done.stdout
+    text = " ".join(done.stdout.split())
+    assert "residual_norm = sqrt( sum over the window's nodes" in text and "-snes_atol (default 1e-8" in text
 
 
 def test_info_shows_what_would_be_solved(tmp_path):
@@ -357,7 +360,7 @@ def test_info_of_other_scenes(tmp_path, arguments, text):
 
 def test_plot_makes_files_without_petsc(pressed, tmp_path):
     folder, _ = pressed
-    code = ("import sys; from contactsnes.cli import main; status = main(sys.argv[1:]); "
+    code = ("import sys; from contactsnes.commands.cli import main; status = main(sys.argv[1:]); "
             "sys.exit(99 if 'petsc4py.PETSc' in sys.modules else status)")
     done = subprocess.run([sys.executable, "-c", code, "plot", str(folder / "run.h5"), "--pdf", "--output", str(tmp_path),
                            "--points", "-1,0"], env=ENVIRONMENT, capture_output=True, text=True, check=False)

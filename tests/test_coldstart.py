@@ -11,14 +11,16 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import coldstart, jumps, states  # noqa: E402
+from contactsnes.branch import first_points as coldstart
+from contactsnes.dynamics import jumps
+from contactsnes.contact import states  # noqa: E402
 from contactsnes import Branch, Load  # noqa: E402
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
-from contactsnes.corrector import Corrector  # noqa: E402
-from contactsnes.fourier import Grid, Window  # noqa: E402
-from contactsnes.grids import resampled  # noqa: E402
-from contactsnes.points import NotConverged  # noqa: E402
-from contactsnes.scene import Form, Scene  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.grid.cell import Grid, Window  # noqa: E402
+from contactsnes.grid.transfer import resampled  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.scene.settings import Form, Scene  # noqa: E402
 
 PAPER = {}
 SPHERE = {"dimension": 2, "points": 256, "period": 12.0, "geometry": "sphere", "normal_maugis": 4.0}
@@ -200,7 +202,7 @@ def test_a_parabola_from_a_file_is_convex_and_a_dented_one_is_not():
 
 def test_relaxation_that_is_asked_for_says_that_it_is_not_the_reference(self_affine, options):
     heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), []
-    options(snes_type="python", snes_python_type="contactsnes.relaxation.Fire", snes_max_it=100000)
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire", snes_max_it=100000)
     _, point = on_heights(heights, LINE, log=said.append, form="force")
     assert any("inertial motion" in sentence and "another one" in sentence for sentence in said)
 

@@ -17,12 +17,16 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import compare, comparison_figure, comparison_table, methods, options, tables  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.methods import CompareOptions, Method  # noqa: E402
-from contactsnes.recorder import History, Meter, Recorder  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Scene, Steps  # noqa: E402
+from contactsnes.compare import (
+    comparison as compare, figure as comparison_figure, table as comparison_table, methods
+)
+from contactsnes.options import database as options
+from contactsnes.output import tables  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.compare.methods import CompareOptions, Method  # noqa: E402
+from contactsnes.compare.recorder import History, Meter, Recorder  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 OPTIONS = ROOT / "options"
@@ -33,7 +37,7 @@ STEPS = {"initial_step": (0.5, 6.0), "largest_step": (0.5, 6.0)}
 
 NEWTON = Method("newton", {})
 WHOLE = Method("newton (whole cell)", {"contact_window": "off"})
-FIRE = Method("fire", {"contact_form": "force", "snes_type": "python", "snes_python_type": "contactsnes.relaxation.Fire",
+FIRE = Method("fire", {"contact_form": "force", "snes_type": "python", "snes_python_type": "contactsnes.solvers.relaxation.Fire",
                        "snes_max_it": "100000"})
 FORCE = Method("newton in force form", {"contact_form": "force"})
 HASTY = Method("hasty", {"snes_max_it": "1"})
@@ -455,7 +459,7 @@ def script():
 
 
 def test_script_reports_what_was_measured(tmp_path):
-    plain = Method("verlet-plain", {**FIRE.entries, "snes_python_type": "contactsnes.relaxation.Verlet", "snes_verlet_masses": "equal"})
+    plain = Method("verlet-plain", {**FIRE.entries, "snes_python_type": "contactsnes.solvers.relaxation.Verlet", "snes_verlet_masses": "equal"})
     comparison, _ = compared(NEWTON, FIRE, plain, HASTY)
     comparison_table.save(comparison, tmp_path / "small", {})
     text = script().report({"small": tables.read_hdf5(tmp_path / "small.h5")[1]})

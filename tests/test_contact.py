@@ -16,14 +16,14 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
-from contactsnes.accuracy import finer_contact
-from contactsnes.contact import DISPLACEMENT, FORCE
-from contactsnes.arclength import ArcLength
-from contactsnes.forms import DisplacementForm, ForceForm
-from contactsnes.fourier import Window
-from contactsnes.isolated import IsolatedContact, lay_out
-from contactsnes.laws import CUTOFF, Modified, SLIP
-from contactsnes.preconditioners import CoreZone
+from contactsnes.branch.accuracy import finer_contact
+from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.grid.cell import Window
+from contactsnes.contact.isolated import IsolatedContact, lay_out
+from contactsnes.interface.laws import CUTOFF, Modified, SLIP
+from contactsnes.solvers.preconditioners import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0}, "thin": {"height": 2.0},
           "half": {"poisson": 0.1, "height": math.inf, "work_ratio": 0.5}}

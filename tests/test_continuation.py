@@ -5,12 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactsnes import departures
-from contactsnes.arcs import ArcWalk, Trace
-from contactsnes.continuation import Walk, branch, fold_kind, grown, leg_history, predict, with_events
-from contactsnes.folds import Turn
-from contactsnes.limit_points import FOLD_TOLERANCE, LimitPoint
-from contactsnes.points import Direction, Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
+from contactsnes.continuation import departures
+from contactsnes.continuation.arclength import ArcWalk, Trace
+from contactsnes.continuation.natural import (
+    Walk, branch, fold_kind, grown, leg_history, predict, with_events
+)
+from contactsnes.continuation.folds import Turn
+from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
+from contactsnes.continuation.points import (
+    Direction, Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
+)
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
 PREDICTORS = ("none", "secant", "tangent", "edge")

@@ -13,10 +13,10 @@ from scipy.integrate import quad
 
 from contactsnes import Branch, Load, Scene, Steps
 from contactsnes import reference
-from contactsnes.contact import DISPLACEMENT
-from contactsnes.laws import SLIP, TANGENTIAL_PEAK
-from contactsnes.observables import Measurement
-from contactsnes.states import State, with_components
+from contactsnes.contact.problem import DISPLACEMENT
+from contactsnes.interface.laws import SLIP, TANGENTIAL_PEAK
+from contactsnes.contact.observables import Measurement
+from contactsnes.contact.states import State, with_components
 
 INF = math.inf
 

@@ -8,7 +8,9 @@ import pytest
 from numpy.polynomial import chebyshev
 from scipy.integrate import quad
 
-from contactsnes.elasticity import Body, layer_compliance, layer_stiffness, rigid_stiffness
+from contactsnes.interface.elasticity import (
+    Body, layer_compliance, layer_stiffness, rigid_stiffness
+)
 
 POISSON = (0.0, 0.25, 0.3, 0.45, 0.49, 0.5)
 

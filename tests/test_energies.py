@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
-from contactsnes import states
-from contactsnes.energies import Ledger, line_integral, stored, straight
-from contactsnes.laws import CUTOFF, McGarry, Modified
-from contactsnes.observables import observe
-from contactsnes.progress import Progress
+from contactsnes.contact import states
+from contactsnes.contact.energies import Ledger, line_integral, stored, straight
+from contactsnes.interface.laws import CUTOFF, McGarry, Modified
+from contactsnes.contact.observables import observe
+from contactsnes.commands.progress import Progress
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0, "residual_friction": 0.5}
 SCENES = {

@@ -7,9 +7,10 @@ import petsc4py
 import pytest
 
 petsc4py.init()
-from contactsnes.cohesive import resolution
-from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps, states
-from contactsnes.failures import NARROW, critical, explained, narrow, steepest, uncomputable
+from contactsnes.scene.resolution import resolution
+from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
+from contactsnes.contact import states
+from contactsnes.branch.failures import NARROW, critical, explained, narrow, steepest, uncomputable
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
 

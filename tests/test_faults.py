@@ -15,11 +15,16 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes import archive, cli, devices, files, geometry, grid_choice, options, session, streams
-from contactsnes.load import Load
-from contactsnes.run import Branch
-from contactsnes.scene import Form, OPTION_CLASSES, Scene
-from contactsnes.settings import InputError
+from contactsnes.output import archive
+from contactsnes.commands import cli, session
+from contactsnes.system import devices, streams
+from contactsnes.options import files, database as options
+from contactsnes.interface import gap as geometry
+from contactsnes.branch import grid_choice
+from contactsnes.scene.load import Load
+from contactsnes.branch.branch import Branch
+from contactsnes.scene.settings import Form, OPTION_CLASSES, Scene
+from contactsnes.options.fields import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMI", "SLURM"))} | {

@@ -8,10 +8,12 @@ import pyfftw
 import pytest
 import scipy.fft
 
-from contactsnes.fourier import Convolution, Grid, Operator, Transform, Window, enclosing, transform_cost
-from contactsnes.grids import smooth
-from contactsnes.levels import crossings
-from contactsnes.spots import Spots
+from contactsnes.grid.cell import (
+    Convolution, Grid, Operator, Transform, Window, enclosing, transform_cost
+)
+from contactsnes.grid.transfer import smooth
+from contactsnes.grid.contours import crossings
+from contactsnes.grid.boxes import Spots
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0, j1, jv
 
-from contactsnes.elasticity import Body, layer_compliance
-from contactsnes.fourier import Convolution, Grid, Operator, Window
-from contactsnes.freespace import free_space
+from contactsnes.interface.elasticity import Body, layer_compliance
+from contactsnes.grid.cell import Convolution, Grid, Operator, Window
+from contactsnes.interface.unbounded import free_space
 
 WIDTH = 0.7
 """Standard deviation of the Gaussian tractions of these tests: their waves beyond 6/WIDTH are below 1e-7."""

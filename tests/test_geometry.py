@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes.geometry import SHAPES, initial_gap, is_convex, read_heights
+from contactsnes.interface.gap import SHAPES, initial_gap, is_convex, read_heights
 
 PERIOD = (12.0, 10.0)
 

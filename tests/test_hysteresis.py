@@ -30,7 +30,7 @@ def script(tmp_path_factory):
 @pytest.fixture(scope="module")
 def measured(script):
     """The numbers of one Maugis parameter."""
-    from contactsnes.options import database, install
+    from contactsnes.options.database import database, install
 
     before = database()
     found = script.measure(3, 512)

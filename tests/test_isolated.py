@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from contactsnes import reference
-from contactsnes.alone import largest_force
-from contactsnes.isolated import OutOfBox, half_width, lay_out
-from contactsnes.load import Load
-from contactsnes.points import NoEquilibrium
-from contactsnes.run import Branch
-from contactsnes.scene import Form, Scene, Steps
-from contactsnes.settings import InputError
+from contactsnes.scene.isolation import largest_force
+from contactsnes.contact.isolated import OutOfBox, half_width, lay_out
+from contactsnes.scene.load import Load
+from contactsnes.continuation.points import NoEquilibrium
+from contactsnes.branch.branch import Branch
+from contactsnes.scene.settings import Form, Scene, Steps
+from contactsnes.options.fields import InputError
 
 LINE = Scene(period=math.inf, height=math.inf, normal_maugis=5.0)
 SPHERE = Scene(dimension=2, geometry="sphere", period=math.inf, height=math.inf, normal_maugis=2.0)
@@ -265,7 +265,7 @@ def test_info_tells_of_the_isolated_contact(tmp_path):
 def test_comparison_refuses_relaxation_with_a_reason(tmp_path):
     (tmp_path / "scene.opts").write_text("\n".join(f"{a} {b}" for a, b in zip(SMALL[::2], SMALL[1::2]))
                                          + "\n-load_start \"normal_force=1\"\n-load_path \"normal_force=1.2\"\n")
-    (tmp_path / "fire.opts").write_text("-contact_form force\n-snes_type python\n-snes_python_type contactsnes.relaxation.Fire\n")
+    (tmp_path / "fire.opts").write_text("-contact_form force\n-snes_type python\n-snes_python_type contactsnes.solvers.relaxation.Fire\n")
     (tmp_path / "newton.opts").write_text("-snes_type newtonls\n")
     done = call(tmp_path, "compare", "scene.opts", "newton.opts", "fire.opts", "-compare_repeats", "1")
     assert done.returncode == 0, done.stderr

@@ -6,10 +6,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 petsc4py.init()
-from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps, jumps, states
-from contactsnes.mirrored import Symmetry
-from contactsnes.overdamped import Flow, Leaving, MotionOptions, Unsettled
-from contactsnes.snes import RegularisedStep
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps
+from contactsnes.dynamics import jumps
+from contactsnes.contact import states
+from contactsnes.contact.even_form import Symmetry
+from contactsnes.dynamics.overdamped import Flow, Leaving, MotionOptions, Unsettled
+from contactsnes.solvers.snes import RegularisedStep
 
 LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
 LAYER = {**LINE, "height": 10.0, "poisson": 0.4, "tangential_maugis": 1.5, "residual_friction": 0.5}

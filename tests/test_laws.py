@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.special import erfc
 
-from contactsnes.laws import (CUTOFF, DEEPEST, LAWS, NORMAL_PEAK, SLIP, SOFTENING, TANGENTIAL_PEAK, McGarry, Modified)
+from contactsnes.interface.laws import (
+    CUTOFF, DEEPEST, LAWS, NORMAL_PEAK, SLIP, SOFTENING, TANGENTIAL_PEAK, McGarry, Modified
+)
 
 EXAMPLES = {
     "mcgarry": McGarry(),

@@ -8,11 +8,11 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes.load import controls_along, Load  # noqa: E402
-from contactsnes.points import NotConverged  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Scene, Steps  # noqa: E402
-from contactsnes.tracing import Tracer  # noqa: E402
+from contactsnes.scene.load import controls_along, Load  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Scene, Steps  # noqa: E402
+from contactsnes.branch.tracing import Tracer  # noqa: E402
 
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
 PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3, period=20.0, height=30.0)

@@ -14,17 +14,20 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import methods, options, session, states  # noqa: E402
-from contactsnes.coldstart import COLD  # noqa: E402
-from contactsnes.contact import Contact  # noqa: E402
-from contactsnes.corrector import Corrector  # noqa: E402
-from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.points import NoEquilibrium, NotConverged  # noqa: E402
-from contactsnes.recorder import Meter  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
-from contactsnes.snes import create_snes  # noqa: E402
+from contactsnes.compare import methods
+from contactsnes.options import database as options
+from contactsnes.commands import session
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.branch.first_points import COLD  # noqa: E402
+from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
+from contactsnes.compare.recorder import Meter  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.solvers.snes import create_snes  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted((ROOT / "options").glob("*.opts"))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from contactsnes.levels import first_largest
-from contactsnes.modes import NEUTRAL, joined, leading_modes, oriented
-from contactsnes.points import NotConverged
+from contactsnes.grid.contours import first_largest
+from contactsnes.dynamics.modes import NEUTRAL, joined, leading_modes, oriented
+from contactsnes.continuation.points import NotConverged
 
 
 class Dense:

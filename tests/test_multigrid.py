@@ -10,20 +10,20 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import states  # noqa: E402
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
-from contactsnes.corrector import Corrector  # noqa: E402
-from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
-from contactsnes.fourier import Window, transform_cost  # noqa: E402
-from contactsnes.laws import MOVING_STIFFNESS, SOFTENING  # noqa: E402
-from contactsnes.multigrid import CoarseForm, Transfer  # noqa: E402
-from contactsnes.options import read_file, unused_options  # noqa: E402
-from contactsnes.points import NotConverged  # noqa: E402
-from contactsnes.cohesive import resolution  # noqa: E402
-from contactsnes.scene import Form, Scene  # noqa: E402
-from contactsnes.session import solver_options  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
-from contactsnes.snes import create_snes  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.grid.cell import Window, transform_cost  # noqa: E402
+from contactsnes.interface.laws import MOVING_STIFFNESS, SOFTENING  # noqa: E402
+from contactsnes.solvers.multigrid import CoarseForm, Transfer  # noqa: E402
+from contactsnes.options.database import read_file, unused_options  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.scene.resolution import resolution  # noqa: E402
+from contactsnes.scene.settings import Form, Scene  # noqa: E402
+from contactsnes.commands.session import solver_options  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.solvers.snes import create_snes  # noqa: E402
 
 SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
 SPHERE = {"dimension": 2, "points": 64, "period": 12.0, "geometry": "sphere", "normal_maugis": 2.0}

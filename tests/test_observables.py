@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Contact, Load, Scene, Steps
-from contactsnes.fourier import Grid
-from contactsnes.observables import Measurement
-from contactsnes.spots import Spots
+from contactsnes.grid.cell import Grid
+from contactsnes.contact.observables import Measurement
+from contactsnes.grid.boxes import Spots
 
 LINE = {"points": 256, "period": 30.0, "normal_maugis": 3.0, "height": 50.0}
 PLANE = {"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0, "normal_maugis": 2.0, "height": 5.0}

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from contactsnes import plots
-from contactsnes.archive import Archive, ArchiveError, Column
+from contactsnes.output import figures as plots
+from contactsnes.output.archive import Archive, ArchiveError, Column
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from scipy.special import lambertw
 
-from contactsnes import states
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact
-from contactsnes.arclength import ArcLength
-from contactsnes.forms import DisplacementForm, ForceForm
-from contactsnes.preconditioners import ArcElimination, CoreOptions, CoreZone, ZonedStiffness, _inverse, core_weight
-from contactsnes.scene import Scene
+from contactsnes.contact import states
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.solvers.preconditioners import (
+    ArcElimination, CoreOptions, CoreZone, ZonedStiffness, _inverse, core_weight
+)
+from contactsnes.scene.settings import Scene
 
 CONTROLS = [(DISPLACEMENT,), (FORCE,), (DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT), (DISPLACEMENT, FORCE), (FORCE, FORCE)]
 every_control = pytest.mark.parametrize("controls", CONTROLS, ids=lambda controls: "-".join(control[0] for control in controls))

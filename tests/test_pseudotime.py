@@ -7,17 +7,18 @@ import pytest
 from petsc4py import PETSc
 from scipy.integrate import solve_ivp
 
-from contactsnes import Branch, Load, Steps, states
-from contactsnes.contact import Contact
-from contactsnes.forms import DisplacementForm, ForceForm
-from contactsnes.options import database, install
-from contactsnes.pseudotime import PseudoOptions, PseudoTransient
-from contactsnes.scene import Scene
-from contactsnes.settings import InputError
-from contactsnes.snes import create_snes
+from contactsnes import Branch, Load, Steps
+from contactsnes.contact import states
+from contactsnes.contact.problem import Contact
+from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.options.database import database, install
+from contactsnes.solvers.pseudotime import PseudoOptions, PseudoTransient
+from contactsnes.scene.settings import Scene
+from contactsnes.options.fields import InputError
+from contactsnes.solvers.snes import create_snes
 
 SMALL = {"points": 256, "period": 20.0, "normal_maugis": 2.0, "height": np.inf}
-OWN = {"snes_type": "python", "snes_python_type": "contactsnes.pseudotime.PseudoTransient"}
+OWN = {"snes_type": "python", "snes_python_type": "contactsnes.solvers.pseudotime.PseudoTransient"}
 REASONS = PETSc.SNES.ConvergedReason
 D, F = "displacement", "force"
 SCENES = {

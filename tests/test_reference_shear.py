@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from contactsnes import Branch, Load, Scene, Steps, reference
-from contactsnes.laws import LAWS
+from contactsnes.interface.laws import LAWS
 
 
 @pytest.mark.parametrize("residual", [0.0, 0.3, 0.5, 1.0])

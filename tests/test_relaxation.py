@@ -11,13 +11,13 @@ import pytest
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from contactsnes import archive
-from contactsnes.contact import Contact
-from contactsnes.forms import DisplacementForm, ForceForm
-from contactsnes.laws import Law
-from contactsnes.motion import Motion
-from contactsnes.scene import Scene
-from contactsnes.stepping import DampedVerlet, FastInertial, FireOptions, VerletOptions
+from contactsnes.output import archive
+from contactsnes.contact.problem import Contact
+from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.interface.laws import Law
+from contactsnes.solvers.motion import Motion
+from contactsnes.scene.settings import Scene
+from contactsnes.solvers.stepping import DampedVerlet, FastInertial, FireOptions, VerletOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = ("Verlet", "Adaptive", "Kinetic", "Fire")
@@ -76,7 +76,7 @@ def relax(form, start, method="Fire", atol=1e-9, max_it=20000, context=None, **v
     snes.setTolerances(rtol=0.0, atol=atol, stol=0.0, max_it=max_it)
     snes.setConvergenceHistory()
     snes.setType("python")
-    snes.setPythonType("contactsnes.relaxation." + method)
+    snes.setPythonType("contactsnes.solvers.relaxation." + method)
     with options(**values):
         snes.setFromOptions()
     solution = PETSc.Vec().createWithArray(form.pack(start).copy(), comm=PETSc.COMM_SELF)
@@ -359,7 +359,7 @@ def test_options_are_read_under_the_prefix_and_viewed(tmp_path):
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setOptionsPrefix("jump_")
     snes.setType("python")
-    snes.setPythonType("contactsnes.relaxation.Fire")
+    snes.setPythonType("contactsnes.solvers.relaxation.Fire")
     with options("jump_", snes_fire_mixing=0.25, snes_fire_delay=5):
         snes.setFromOptions()
     context = snes.getPythonContext()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contactsnes import Load, Scene, reference
-from contactsnes.scene import Steps, check
+from contactsnes.scene.settings import Steps, check
 
 HERE = Path(__file__).resolve().parents[1] / "scripts" / "paper"
 

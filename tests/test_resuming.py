@@ -13,11 +13,11 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes import archive, resuming  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Scene, Steps  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
+from contactsnes.output import archive, resuming  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Scene, Steps  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)

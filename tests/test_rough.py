@@ -11,14 +11,14 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes.accuracy import Estimator, finer_contact  # noqa: E402
-from contactsnes.contact import Contact  # noqa: E402
-from contactsnes.grid_choice import chosen  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.rough import surface  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import attributes, check, ineffective, Scene, Steps  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
+from contactsnes.branch.accuracy import Estimator, finer_contact  # noqa: E402
+from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.branch.grid_choice import chosen  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.interface.roughness import surface  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import attributes, check, ineffective, Scene, Steps  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
 
 LINE = ((100.0,), 0.7, 0.4, 50.0, 0.5, 3)
 PLANE = ((20.0, 20.0), 0.6, 0.3, 10.0, 0.5, 3)

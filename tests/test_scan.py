@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contactsnes import options
-from contactsnes.methods import entries
-from contactsnes.session import solver_options
+from contactsnes.options import database as options
+from contactsnes.compare.methods import entries
+from contactsnes.commands.session import solver_options
 
 ROOT = Path(__file__).resolve().parents[1]
 TINY = {"points": 128, "period": 10.0, "normal_maugis": 2.0, "residual_friction": 0.5}
@@ -92,7 +92,7 @@ def test_table_names_the_best(scan, cases, monkeypatch, capsys):
     assert lines[4].split() == ["time_step", "0.4", "-", "-", "-"] and lines[5].split()[-3:] == ["-", "-", "-"]
     assert not any("best" in line for line in lines) and rows[0][2] == pytest.approx(np.sqrt(np.prod(rows[0][1])))
     own_file = {**own("verlet"), "snes_verlet_time_step": "0.8"}
-    monkeypatch.setattr("contactsnes.methods.entries", lambda arguments: own_file)
+    monkeypatch.setattr("contactsnes.compare.methods.entries", lambda arguments: own_file)
     monkeypatch.setitem(scan.PARAMETERS, "verlet", {"time_step": (1.4,)})
     scan.scan("verlet", cases, False)
     best = capsys.readouterr().out.splitlines()[-1]

@@ -6,11 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from contactsnes.cohesive import resolution, resolution_warning
-from contactsnes.laws import LAWS
-from contactsnes.load import Control, Load, quantities
-from contactsnes.scene import attributes, check, Form, ineffective, OPTION_CLASSES, Output, Scene, Steps, tangential_legs
-from contactsnes.settings import allowed, as_text, InputError, nearest
+from contactsnes.scene.resolution import resolution, resolution_warning
+from contactsnes.interface.laws import LAWS
+from contactsnes.scene.load import Control, Load, quantities
+from contactsnes.scene.settings import (
+    attributes, check, Form, ineffective, OPTION_CLASSES, Output, Scene, Steps, tangential_legs
+)
+from contactsnes.options.fields import allowed, as_text, InputError, nearest
 
 DEFAULTS = {
     "scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06", "scene_period": "100", "scene_spacing": "", "scene_geometry": "cylinder", "scene_amplitude": "",

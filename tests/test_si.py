@@ -15,14 +15,15 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes import plots, prefixes, si  # noqa: E402
-from contactsnes.archive import Archive, Column  # noqa: E402
-from contactsnes.contact import Contact  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.observables import frame, Measurement, table  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import attributes, Scene, Steps  # noqa: E402
-from contactsnes.settings import as_text, InputError  # noqa: E402
+from contactsnes.output import figures as plots, prefixes
+from contactsnes.scene import units as si  # noqa: E402
+from contactsnes.output.archive import Archive, Column  # noqa: E402
+from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.contact.observables import frame, Measurement, table  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import attributes, Scene, Steps  # noqa: E402
+from contactsnes.options.fields import as_text, InputError  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 PHI_N, PHI_T, MODULUS, RADIUS, DELTA_N, DELTA_T = 0.03, 0.07, 2e6, 0.01, 0.7e-6, 1.1e-6

@@ -15,18 +15,18 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes import states  # noqa: E402
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
-from contactsnes.corrector import Corrector  # noqa: E402
-from contactsnes.forms import DisplacementForm, ForceForm  # noqa: E402
-from contactsnes.grid_choice import memory_of_solve  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.options import database  # noqa: E402
-from contactsnes.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
-from contactsnes.snes import create_snes  # noqa: E402
-from contactsnes.tracing import Tracer  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.branch.grid_choice import memory_of_solve  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.options.database import database  # noqa: E402
+from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.solvers.snes import create_snes  # noqa: E402
+from contactsnes.branch.tracing import Tracer  # noqa: E402
 
 SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
 PAPER = {"points": 2 ** 13}

@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 import scipy.fft
 
-from contactsnes import spots, states
-from contactsnes.contact import DISPLACEMENT, Contact
-from contactsnes.following import follow_edge
-from contactsnes.forms import DisplacementForm
-from contactsnes.fourier import Convolution, Grid, Operator, Window, enclosing, transform_cost
-from contactsnes.load import Load
-from contactsnes.preconditioners import CoreZone
-from contactsnes.run import Branch
-from contactsnes.scene import Form, Scene, Steps
-from contactsnes.spots import Spots, SpotsConvolution
+from contactsnes.grid import boxes as spots
+from contactsnes.contact import states
+from contactsnes.contact.problem import DISPLACEMENT, Contact
+from contactsnes.contact.edges import follow_edge
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.grid.cell import Convolution, Grid, Operator, Window, enclosing, transform_cost
+from contactsnes.scene.load import Load
+from contactsnes.solvers.preconditioners import CoreZone
+from contactsnes.branch.branch import Branch
+from contactsnes.scene.settings import Form, Scene, Steps
+from contactsnes.grid.boxes import Spots, SpotsConvolution
 
 LINE, PLANE = (512,), (48, 64)
 BOXES = {LINE: ([(500,), (100,), (300,)], (40,)), PLANE: ([(44, 5), (10, 58), (24, 30)], (9, 14))}

@@ -12,16 +12,16 @@ from scipy import linalg
 
 petsc4py.init([])
 
-from contactsnes import modes  # noqa: E402
-from contactsnes.archive import read as read_archive  # noqa: E402
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact  # noqa: E402
-from contactsnes.load import Load  # noqa: E402
-from contactsnes.modes import ACCURATE, NEUTRAL  # noqa: E402
-from contactsnes.points import NotConverged  # noqa: E402
-from contactsnes.run import Branch  # noqa: E402
-from contactsnes.scene import Form, Scene, Steps  # noqa: E402
-from contactsnes.settings import InputError  # noqa: E402
-from contactsnes.stability import Overdamped, Stability  # noqa: E402
+from contactsnes.dynamics import modes  # noqa: E402
+from contactsnes.output.archive import read as read_archive  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.dynamics.modes import ACCURATE, NEUTRAL  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.dynamics.stability import Overdamped, Stability  # noqa: E402
 
 SMALL = {"points": 256, "period": 30.0, "normal_maugis": 3.0}
 SHEARED = {"points": 128, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 0.5}
@@ -215,7 +215,7 @@ def test_a_point_without_a_certificate_is_no_end(monkeypatch):
     points = iter(branch(SMALL, "normal_displacement=0.2", "sign", log=said.append))
     assert next(points).stable == 1
     with monkeypatch.context() as patched:
-        patched.setattr("contactsnes.stability.leading_modes", lost)
+        patched.setattr("contactsnes.dynamics.stability.leading_modes", lost)
         missed = next(points)
     assert (missed.stable, missed.unstable_modes) == (0, -1) and "not certified" in said[-1]
     rest = list(points)
@@ -255,7 +255,7 @@ def test_it_is_said_once_what_is_certified():
 
 
 def test_relaxation_has_no_tangent(options):
-    options(snes_type="python", snes_python_type="contactsnes.relaxation.Verlet")
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Verlet")
     with pytest.raises(InputError, match="-continuation_stability is 'sign'.*newtonls"):
         Branch(Scene(**SMALL), Load(path="normal_displacement=1"), Steps(stability="sign"), Form(form="force"))
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, following, states
-from contactsnes.contact import DISPLACEMENT, FORCE, Contact
-from contactsnes.continuation import lagrange_weights
-from contactsnes.fourier import Window
-from contactsnes.laws import CUTOFF
-from contactsnes.scene import Scene, Steps
+from contactsnes import Branch, Load
+from contactsnes.contact import edges as following, states
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
+from contactsnes.continuation.natural import lagrange_weights
+from contactsnes.grid.cell import Window
+from contactsnes.interface.laws import CUTOFF
+from contactsnes.scene.settings import Scene, Steps
 
 POINTS, PERIOD, MAUGIS = 512, 40.0, 3.0
 

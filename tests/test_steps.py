@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, Scene, Steps
-from contactsnes.acceptance import detached, doubtful, strayed
-from contactsnes.contact import Contact
-from contactsnes.scene import Form
-from contactsnes.states import State
+from contactsnes.contact.acceptance import detached, doubtful, strayed
+from contactsnes.contact.problem import Contact
+from contactsnes.scene.settings import Form
+from contactsnes.contact.states import State
 
 HALF_SPACE = {"points": 512, "period": 30.0, "height": inf, "normal_maugis": 2.0}
 LAYER = {"points": 1024, "period": 40.0, "normal_maugis": 3.0}

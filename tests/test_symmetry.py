@@ -8,18 +8,21 @@ import numpy as np
 import pytest
 from test_cli import call, refused
 
-from contactsnes import Branch, Contact, Form, Load, Scene, Steps, jumps
-from contactsnes.arclength import ArcLength
-from contactsnes.contact import DISPLACEMENT, FORCE
-from contactsnes.forms import DisplacementForm
-from contactsnes.fourier import Convolution, Grid, Window
-from contactsnes.grids import smooth
-from contactsnes.isolated import IsolatedContact, lay_out
-from contactsnes.mirrored import EVEN, EvenForm
-from contactsnes.preconditioners import CoreOptions, zone
-from contactsnes.settings import InputError
-from contactsnes.states import State
-from contactsnes.symmetry import Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
+from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes.dynamics import jumps
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.grid.cell import Convolution, Grid, Window
+from contactsnes.grid.transfer import smooth
+from contactsnes.contact.isolated import IsolatedContact, lay_out
+from contactsnes.contact.even_form import EVEN, EvenForm
+from contactsnes.solvers.preconditioners import CoreOptions, zone
+from contactsnes.options.fields import InputError
+from contactsnes.contact.states import State
+from contactsnes.grid.even import (
+    Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
+)
 
 LINE = Scene(points=512, period=40.0, normal_maugis=3.0, residual_friction=0.5)
 SOFT = replace(LINE, points=64, period=16.0, normal_maugis=2.0, tangential_maugis=1.5, residual_adhesion=0.1, height=200.0)

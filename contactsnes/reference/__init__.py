@@ -52,30 +52,94 @@ Guduru 2010, Proc. R. Soc. A 466; Westergaard 1939, J. Appl. Mech. 6.
 """
 
 from .cohesive import (
-    maugis_line, maugis_line_approach, maugis_line_pressure, maugis_line_pull_off, rigid_cylinder_load,
-    rigid_cylinder_pull_off)
+    maugis_line,
+    maugis_line_approach,
+    maugis_line_pressure,
+    maugis_line_pull_off,
+    rigid_cylinder_load,
+    rigid_cylinder_pull_off,
+)
 from .drive import drive_critical_height, drive_stiffness, driven_displacement, driven_fold
 from .laws import (
-    fading_slip, fading_work, front_work, mcgarry_proportional_work, mcgarry_sequential_work, modified_tangential_work,
-    normal_work, peak_normal_traction, peak_tangential_traction)
+    fading_slip,
+    fading_work,
+    front_work,
+    mcgarry_proportional_work,
+    mcgarry_sequential_work,
+    modified_tangential_work,
+    normal_work,
+    peak_normal_traction,
+    peak_tangential_traction,
+)
 from .line import (
-    hertz_line_approach, hertz_line_half_width, hertz_line_load, hertz_line_pressure, jkr_line_approach, jkr_line_fold,
-    jkr_line_half_width, jkr_line_half_width_at_approach, jkr_line_load, jkr_line_pressure, jkr_line_pull_off,
-    ligament_force, ligament_stiffness, ligament_traction)
+    hertz_line_approach,
+    hertz_line_half_width,
+    hertz_line_load,
+    hertz_line_pressure,
+    jkr_line_approach,
+    jkr_line_fold,
+    jkr_line_half_width,
+    jkr_line_half_width_at_approach,
+    jkr_line_load,
+    jkr_line_pressure,
+    jkr_line_pull_off,
+    ligament_force,
+    ligament_stiffness,
+    ligament_traction,
+)
 from .mixed_mode import (
-    mixed_mode_line, mixed_mode_line_half_width, mixed_mode_line_strength, mixed_mode_sphere, mixed_mode_sphere_radius,
-    mixed_mode_sphere_strength, mixed_mode_toughness, savkoor_briggs_line_load)
+    mixed_mode_line,
+    mixed_mode_line_half_width,
+    mixed_mode_line_strength,
+    mixed_mode_sphere,
+    mixed_mode_sphere_radius,
+    mixed_mode_sphere_strength,
+    mixed_mode_toughness,
+    savkoor_briggs_line_load,
+)
 from .sinusoid import sinusoid_approach, sinusoid_half_width, sinusoid_load, sinusoid_pressure
 from .slip import (
-    cattaneo_line_displacement, cattaneo_line_stick_half_width, cattaneo_line_traction, front_force, front_onset,
-    sliding_force, sliding_half_width, slip_zone_edge_slip, slip_zone_force, slip_zone_traction, uniform_slip_force,
-    uniform_slip_onset, uniform_slip_softening, uniform_slip_state)
+    cattaneo_line_displacement,
+    cattaneo_line_stick_half_width,
+    cattaneo_line_traction,
+    front_force,
+    front_onset,
+    sliding_force,
+    sliding_half_width,
+    slip_zone_edge_slip,
+    slip_zone_force,
+    slip_zone_traction,
+    uniform_slip_force,
+    uniform_slip_onset,
+    uniform_slip_softening,
+    uniform_slip_state,
+)
 from .sphere import (
-    dmt_sphere, dmt_sphere_radius, hertz_sphere, hertz_sphere_pressure, hertz_sphere_radius, jkr_force, jkr_sphere,
-    jkr_sphere_fold, jkr_sphere_pressure, jkr_sphere_pull_off, jkr_sphere_radius, jkr_sphere_radius_at_approach,
-    maugis_sphere, maugis_sphere_pressure, maugis_sphere_pull_off, sphere_maugis_parameter)
+    dmt_sphere,
+    dmt_sphere_radius,
+    hertz_sphere,
+    hertz_sphere_pressure,
+    hertz_sphere_radius,
+    jkr_force,
+    jkr_sphere,
+    jkr_sphere_fold,
+    jkr_sphere_pressure,
+    jkr_sphere_pull_off,
+    jkr_sphere_radius,
+    jkr_sphere_radius_at_approach,
+    maugis_sphere,
+    maugis_sphere_pressure,
+    maugis_sphere_pull_off,
+    sphere_maugis_parameter,
+)
 from .sphere_shear import (
-    bonded_circle_stiffness, cattaneo_sphere, cattaneo_sphere_traction, savkoor_briggs_ratio,
-    savkoor_briggs_sphere_load, savkoor_briggs_sphere_radius, savkoor_briggs_sphere_strength)
+    bonded_circle_stiffness,
+    cattaneo_sphere,
+    cattaneo_sphere_traction,
+    savkoor_briggs_ratio,
+    savkoor_briggs_sphere_load,
+    savkoor_briggs_sphere_radius,
+    savkoor_briggs_sphere_strength,
+)
 
 __all__ = sorted(name for name, value in globals().items() if callable(value))

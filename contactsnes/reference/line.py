@@ -10,8 +10,19 @@ import numpy as np
 from scipy.special import spence
 
 from .checks import (
-    elementwise, find_root, half_angle, half_width_of, jkr_root, log_cosine, not_negative, periodic_angle,
-    positive, reciprocal_depth, root_depth, times_log_sine)
+    elementwise,
+    find_root,
+    half_angle,
+    half_width_of,
+    jkr_root,
+    log_cosine,
+    not_negative,
+    periodic_angle,
+    positive,
+    reciprocal_depth,
+    root_depth,
+    times_log_sine,
+)
 
 FULLEST = 1e15
 """Tangent of pi a/L up to which contacts are looked at: beyond, what they leave open is rounding."""

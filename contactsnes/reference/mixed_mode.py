@@ -8,7 +8,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from .checks import at_most, elementwise, find_root, minimizer, positive, require
-from .line import hertz_line_half_width, hertz_line_load, jkr_line_half_width, jkr_line_load, jkr_line_pull_off, ligament_force
+from .line import (
+    hertz_line_half_width,
+    hertz_line_load,
+    jkr_line_half_width,
+    jkr_line_load,
+    jkr_line_pull_off,
+    ligament_force,
+)
 from .sphere import hertz_sphere, hertz_sphere_radius, jkr_force, jkr_sphere_radius
 from .sphere_shear import savkoor_briggs_ratio
 

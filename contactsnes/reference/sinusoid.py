@@ -6,8 +6,17 @@ Exact where the slope of the wave, 2 pi A/L in true lengths, is small.
 import numpy as np
 
 from .checks import (
-    at_most, elementwise, find_root, half_width_of, not_negative, periodic_angle, positive, require, root_depth,
-    times_log_sine)
+    at_most,
+    elementwise,
+    find_root,
+    half_width_of,
+    not_negative,
+    periodic_angle,
+    positive,
+    require,
+    root_depth,
+    times_log_sine,
+)
 from .line import ligament_force, ligament_traction, load_extrema
 
 

@@ -18,7 +18,13 @@ from scipy.special import gamma
 from .checks import ROUNDING, at_most, elementwise, not_negative, positive, require
 from .laws import TANGENTIAL_PEAK, fading_work, peak_tangential_traction
 from .line import (
-    hertz_line_approach, hertz_line_half_width, hertz_line_load, hertz_line_pressure, jkr_line_half_width, ligament_force)
+    hertz_line_approach,
+    hertz_line_half_width,
+    hertz_line_load,
+    hertz_line_pressure,
+    jkr_line_half_width,
+    ligament_force,
+)
 from .zone import zone_force, zone_opening, zone_traction
 
 

@@ -9,7 +9,16 @@ import numpy as np
 from scipy.special import spherical_jn
 
 from .checks import (
-    at_most, elementwise, find_root, jkr_root, minimizer, not_negative, positive, reciprocal_depth, root_depth)
+    at_most,
+    elementwise,
+    find_root,
+    jkr_root,
+    minimizer,
+    not_negative,
+    positive,
+    reciprocal_depth,
+    root_depth,
+)
 from .cohesive import SMALLEST
 from .zone import zone_traction
 

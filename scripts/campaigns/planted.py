@@ -34,12 +34,12 @@ RELEASED = {**LINE, "load_start": "normal_displacement=1", "load_path": "normal_
 
 def _steps():
     """Every step that converged is accepted."""
-    from contactsnes.continuation import Walk
+    from contactsnes.continuation.natural import Walk
 
     def step(self, target, predictor):
         from dataclasses import replace
 
-        from contactsnes.continuation import predict
+        from contactsnes.continuation.natural import predict
 
         guess = predict(self.system, self.history, self.leg, target, predictor)
         return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60), leg=self.leg.number, position=target)
@@ -49,7 +49,8 @@ def _steps():
 
 def _residual():
     """A point is what a loose solver leaves, and told as converged."""
-    from contactsnes import corrector, snes
+    from contactsnes.branch import corrector
+    from contactsnes.solvers import snes
 
     create = snes.create_snes
 
@@ -69,8 +70,8 @@ def _residual():
 
 def _trust():
     """The solver's own residual is believed, whatever it leaves out."""
-    from contactsnes.balance import Imbalance
-    from contactsnes.corrector import Corrector
+    from contactsnes.contact.balance import Imbalance
+    from contactsnes.branch.corrector import Corrector
 
     def believed(self, form, state):
         norm = min(self.snes.getFunctionNorm(), 1e-8)
@@ -81,8 +82,8 @@ def _trust():
 
 def _window():
     """The window stays as it is, whatever comes into the range of the law."""
-    from contactsnes import states
-    from contactsnes.corrector import Corrector
+    from contactsnes.contact import states
+    from contactsnes.branch.corrector import Corrector
 
     fitted = Corrector._fitted
 
@@ -97,7 +98,7 @@ def _window():
 
 def _evenness():
     """Every state is taken for even."""
-    from contactsnes import mirrored
+    from contactsnes.contact import even_form as mirrored
 
     mirrored.obstacle = lambda contact, components: None
     mirrored.Symmetry._is_even = lambda self, state: True
@@ -108,7 +109,7 @@ def _events():
     """Gross sliding is not looked for."""
     from dataclasses import replace
 
-    from contactsnes.corrector import Corrector
+    from contactsnes.branch.corrector import Corrector
 
     point = Corrector._point
     Corrector._point = lambda self, *arguments: replace(point(self, *arguments), sliding=False)
@@ -118,7 +119,7 @@ def _folds():
     """A fold is where the search for it begins."""
     from dataclasses import replace
 
-    from contactsnes.limit_points import LimitPoint
+    from contactsnes.continuation.limit_points import LimitPoint
 
     def locate(self):
         self._polished = lambda: self.left
@@ -129,7 +130,7 @@ def _folds():
 
 def _jumps():
     """The energy that a jump loses is not counted."""
-    from contactsnes.energies import Ledger
+    from contactsnes.contact.energies import Ledger
 
     summed = Ledger._summed
     Ledger._summed = lambda self, point, before, external, interface, lost: summed(self, point, before, external, interface, 0.0 * lost)
@@ -137,7 +138,7 @@ def _jumps():
 
 def _law():
     """A law that repels a little too much."""
-    from contactsnes.laws import Law
+    from contactsnes.interface.laws import Law
 
     normal = Law._normal
 
@@ -150,7 +151,7 @@ def _law():
 
 def _body():
     """A body whose normal and tangential directions couple with the wrong sign."""
-    from contactsnes import elasticity
+    from contactsnes.interface import elasticity
 
     layer = elasticity.layer_compliance
     elasticity.layer_compliance = lambda *arguments: (lambda s: s._replace(coupling=-s.coupling))(layer(*arguments))
@@ -158,7 +159,7 @@ def _body():
 
 def _control():
     """Forces are told a little too large."""
-    from contactsnes import observables
+    from contactsnes.contact import observables
 
     component = observables.Measurement.component
     observables.Measurement.component = lambda self, values, index: 1.00001 * component(self, values, index)
@@ -166,7 +167,7 @@ def _control():
 
 def _area():
     """The edge of contact is put on the next node."""
-    from contactsnes.observables import Measurement
+    from contactsnes.contact.observables import Measurement
 
     Measurement.contact_area = lambda self: float(self.grid.node_area * self.grid.count(self.in_contact))
 

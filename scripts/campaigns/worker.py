@@ -30,7 +30,10 @@ def start():
     import petsc4py
 
     petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler"])
-    from contactsnes import accuracy, bifurcations, cli, overdamped, run, session  # noqa: F401  imported once, before all forks
+    from contactsnes.branch import accuracy, branch as run
+    from contactsnes.continuation import bifurcations
+    from contactsnes.commands import cli, session
+    from contactsnes.dynamics import overdamped  # noqa: F401  imported once, before all forks
 
     session.solver_options()
 
@@ -42,9 +45,9 @@ def child(job):
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(descriptor, number)
         os.close(descriptor)
-    from contactsnes import cli
-    from contactsnes.options import install, is_option, petsc_arguments
-    from contactsnes.settings import InputError
+    from contactsnes.commands import cli
+    from contactsnes.options.database import install, is_option, petsc_arguments
+    from contactsnes.options.fields import InputError
 
     if job.get("fault"):
         from campaigns import planted

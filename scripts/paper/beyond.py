@@ -1,7 +1,7 @@
 """What the figures beyond the paper's share: runs at a held normal force, and what is read off them."""
 
 from contactsnes import reference
-from contactsnes.elasticity import rigid_stiffness
+from contactsnes.interface.elasticity import rigid_stiffness
 
 from observed import onset, sheared_part
 from runs import FINER, PERIOD, Run, half_width, points

@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from contactsnes import reference
-from contactsnes.elasticity import layer_compliance
+from contactsnes.interface.elasticity import layer_compliance
 
 from beyond import finer, held, percent, refined, strength, unsheared
 from observed import onset, sheared_part

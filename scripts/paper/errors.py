@@ -5,7 +5,7 @@ Distances are measured on the drawing, in points (1/72 inch), where a line has a
 
 import numpy as np
 
-from contactsnes.tables import markdown
+from contactsnes.output.tables import markdown
 
 from statement import evaluated
 

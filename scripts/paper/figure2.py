@@ -6,7 +6,7 @@ gaps (below), for eq. 3 and for eq. 5 with two residual frictions; the misprints
 
 import numpy as np
 
-from contactsnes.laws import LAWS
+from contactsnes.interface.laws import LAWS
 
 from style import LAW_NAMES, panels
 

@@ -15,16 +15,17 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from contactsnes import observables, scene as scenes, states
-from contactsnes.archive import Archive, Column
-from contactsnes.contact import DISPLACEMENT
-from contactsnes.forms import ForceForm
-from contactsnes.laws import SLIP
-from contactsnes.motion import Motion
-from contactsnes.options import database_text, read
-from contactsnes.session import create_branch, start_petsc, versions
-from contactsnes.settings import Options, option
-from contactsnes.stepping import DampedVerlet, VerletOptions
+from contactsnes.contact import observables, states
+from contactsnes.scene import settings as scenes
+from contactsnes.output.archive import Archive, Column
+from contactsnes.contact.problem import DISPLACEMENT
+from contactsnes.contact.forms import ForceForm
+from contactsnes.interface.laws import SLIP
+from contactsnes.solvers.motion import Motion
+from contactsnes.options.database import database_text, read
+from contactsnes.commands.session import create_branch, start_petsc, versions
+from contactsnes.options.fields import Options, option
+from contactsnes.solvers.stepping import DampedVerlet, VerletOptions
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactsnes.tables import markdown, write_between
+from contactsnes.output.tables import markdown, write_between
 
 import cell
 import cost

@@ -10,8 +10,8 @@ slope; stars: onset of gross sliding. (d) Gaps of the roughest contact before sh
 import numpy as np
 
 from contactsnes import reference
-from contactsnes.laws import SLIP
-from contactsnes.rough import surface
+from contactsnes.interface.laws import SLIP
+from contactsnes.interface.roughness import surface
 
 from beyond import HEIGHT, finer, refined
 from observed import onset, profile, sheared_part

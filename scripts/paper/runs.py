@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contactsnes import Scene, reference
-from contactsnes.archive import ArchiveError, read
-from contactsnes.cohesive import resolution
+from contactsnes.output.archive import ArchiveError, read
+from contactsnes.scene.resolution import resolution
 
 ROOT = Path(__file__).resolve().parents[2]
 LAWS = {"mcgarry": {"law": "mcgarry"}, "full": {"residual_friction": 1.0}, "half": {"residual_friction": 0.5}}

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contactsnes.archive import ArchiveError
+from contactsnes.output.archive import ArchiveError
 
 ALL = []
 """The statements: functions from (results, results on finer grids) to a Statement, in the order of the paper."""

@@ -4,8 +4,8 @@ import numpy as np
 from scipy.integrate import quad
 
 from contactsnes import Scene, reference
-from contactsnes.cohesive import resolution
-from contactsnes.laws import LAWS, TANGENTIAL_PEAK
+from contactsnes.scene.resolution import resolution
+from contactsnes.interface.laws import LAWS, TANGENTIAL_PEAK
 
 import figure3
 from observed import pressed_area, profile, sheared_part

@@ -1,0 +1,145 @@
+"""First points by Newton's method, where the gap is convex: from the start without overlap.
+
+By way of softer laws on coarser grids where that leads to the same state. Where the gap is not
+convex, motion decides (`jumps.settle`).
+
+A sharp law is reached from far away in many Newton iterations, a soft one in few; softened to what a coarse grid resolves, it
+costs next to nothing there, and each level's solution is the next one's guess. Where a body that touches the flat has one
+equilibrium only, all levels lead to it.
+"""
+
+import numpy as np
+
+from ..contact import states
+from ..contact.problem import APPROACH, FORCE
+from ..continuation.points import NotConverged
+from ..grid.cell import Window
+from ..grid.transfer import extent, interpolation, resampled
+from ..interface.laws import CUTOFF, MOVING_STIFFNESS
+from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
+from ..solvers.snes import COLD
+
+SPACING = 2.0 * LARGEST_RESOLUTION
+"""Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks between its nodes yet."""
+
+LOOSE = 1e-2
+"""Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge that sticks."""
+
+FEWEST, SHORTEST = 8, 32
+"""Nodes of each direction on the flat, at least, in the start of the coarsest grid; and nodes of the cell."""
+
+
+def first_point(system, controls, load):
+    """The point of one component at a given load, by way of coarser grids where that serves, else on the grid itself.
+
+    Parameters
+    ----------
+    system : Corrector
+    controls, load : of the normal component
+    """
+    start = beginning(system.contact, controls, load)
+    if system.contact.isolated and load[0] == 0.0:
+        return system.solve(start, controls, load)
+    try:
+        guess = through_grids(system, start, controls, load)
+        if guess is not None:
+            return system.solve(guess, controls, load)
+    except NotConverged as error:
+        system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
+    return on_grid(system, controls, load, start)
+
+
+def beginning(contact, controls, load):
+    """The undeformed body from which a first point is reached; components as controls."""
+    if contact.isolated and load[0] == 0.0:
+        # Without a force an isolated body stays where it starts, outside the law's range.
+        return states.with_components(states.apart(contact), len(controls))
+    return states.undeformed(contact, controls, load)
+
+
+def on_grid(system, controls, load, start=None):
+    """The point of one component at a given load that a solve from the start without overlap finds.
+
+    Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves at given approaches first
+    find the one that belongs to the load.
+    """
+    state = states.undeformed(system.contact, controls, load) if start is None else start
+    if controls[0] == FORCE or system.contact.rigid_compliance(1)[0] > 0.0:
+        state = _at_load(system, state, controls, load)
+    return system.solve(state, controls, load, COLD)
+
+
+def _at_load(system, state, controls, load):
+    """A state near the load in question: a few solves at given approaches, which a secant chooses."""
+    contact, kept, trials = system.contact, (APPROACH,), []
+    approach = float(contact.signs(1)[0] * state.means[0] / contact.ranges[0])
+    for _ in range(8):
+        values = np.array([approach])
+        point = system.solve(states.undeformed(contact, kept, values), kept, values, COLD)
+        reached = (point.forces if controls[0] == FORCE else point.displacements)[0]
+        trials = [*trials[-1:], (approach, reached)]
+        if abs(reached - load[0]) <= 0.02 * max(1.0, abs(load[0])):
+            break
+        (first, before), (last, now) = trials[0], trials[-1]
+        rate = (now - before) / (last - first) if len(trials) > 1 and now != before else 0.7
+        approach += float(np.clip((load[0] - now) / max(rate, 0.1), -2.0 - 0.5 * abs(approach), 2.0 + 0.5 * abs(approach)))
+    return point.state
+
+
+def levels(contact, start):
+    """The contact and coarser ones through which its first point may be reached, the finest first; none but itself if none.
+
+    One equilibrium is there for a convex body that is pressed until it overlaps the flat, where its
+    edge hardly sticks between nodes.
+    """
+    found, directions = [contact], len(contact.grid.shape)
+    if not contact.convex or max(resolution(contact.scene, False)) > PINNING:
+        return found
+    touching = contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
+    while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
+        found.append(found[-1].coarse(SPACING))
+        touching /= 2 ** directions
+    return found
+
+
+def through_grids(system, start, controls, load):
+    """The state near a first point that coarser grids find from a start without overlap, or None where none serves."""
+    state, found = None, levels(system.contact, start)
+    for finer, level in reversed(list(zip(found, found[1:]))):
+        coarse = system.on(level, tolerance(level, finer))
+        if coarse is None:
+            return None
+        point = on_grid(coarse, controls, load) if state is None else coarse.solve(state, controls, load)
+        state = refined(level, finer, point.state)
+    system.contact.coarse.cache_clear()
+    return state
+
+
+def tolerance(level, finer):
+    """The residual norm that is worth reaching on a coarse grid; None where it is that of the finest."""
+    resolved = max(resolution(level.scene, False)) <= 1.01
+    return None if resolved and level.ranges[0] == finer.ranges[0] else LOOSE
+
+
+def refined(contact, finer, state):
+    """The state of a contact as one of a contact on twice as many nodes in each direction, whose law may be sharper.
+
+    With the same law, displacements over the cell are interpolated by their waves: they are as smooth as the body makes them.
+    With another one, w = a + N(a)/kappa in units of length is, with one stiffness for both: where the surfaces overlap it is
+    the traction, elsewhere the gap.
+    """
+    if contact.ranges[0] == finer.ranges[0]:
+        cell = resampled(contact.grid, finer.grid, contact.extended(state))
+        return states.State(finer.grid.whole, cell.reshape(len(cell), -1), state.means)
+    coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
+    window = Window(finer.grid, [2 * first for first in coarse.start],
+                    [2 * n if n == total else 2 * n - 1 for n, total in zip(coarse.shape, coarse.grid.shape)])
+    smooth = contact.law.regularised(states.normal_gap(contact, state), MOVING_STIFFNESS / ratio ** 2) / ratio
+    smooth = interpolation(window) @ smooth
+    gap = finer.law.gap_of_regularised(smooth, MOVING_STIFFNESS)
+    # The sharper law reaches less far.
+    within = window.box(gap) < CUTOFF
+    part = tuple(extent(within, axis, margin=2 + count // 20) for axis, count in enumerate(window.shape))
+    known = window.box(gap - window.take(finer.initial_gap))[part]
+    window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)], known.shape)
+    return states.State(window, known.reshape(1, -1), state.means / ratio)

@@ -1,0 +1,120 @@
+"""Progress of a run in lines and a bar: what a point has to say in one line, events, counts and the closing table."""
+
+import math
+import time
+
+from tqdm import tqdm
+
+from ..contact.energies import energy_unit
+from ..scene.settings import tangential_legs
+
+INEXACT = 0.01
+"""Part of the largest work of the loads by which the balance of energies may miss without a word."""
+
+
+class Progress:
+    """What a run says while it goes on: a bar, or one line a point, and sentences between; and its counts and events.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    show : function (text) that prints a line
+    live : bool, whether there is a terminal for a bar
+
+    Attributes
+    ----------
+    columns : name -> heading of what a line shows of a point
+    """
+
+    def __init__(self, scene, load, show, live):
+        plane = ("_x", "_y") if scene.dimension == 2 else ("",)
+        self.loads = {"normal_displacement": "D", "normal_force": "W"}
+        if any(tangential_legs(scene, load)):
+            for end in plane:
+                self.loads |= {f"tangential_displacement{end}": f"U{end}", f"tangential_force{end}": f"T{end}"}
+        self.columns = {"leg": "leg", **self.loads, "contact_area": "area", "nonlinear_iterations": "nonlinear",
+                        "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
+        self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
+        self.points, self.events, self.lost, self.began = 0, [], 0.0, time.monotonic()
+        self.missing, self.work = 0.0, 0.0
+        self.stable = {}
+        self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
+        self.energy_unit = scene.scale(energy_unit(scene))[1]
+        self.bar, self.legs = None, load.path.count(";") + 1
+
+    def log(self, sentence):
+        """Print a sentence without tearing the bar."""
+        if self.bar is None:
+            self.show(sentence)
+        else:
+            self.bar.write(sentence)
+
+    def point(self, row, position):
+        """Show a point that was accepted."""
+        row = {**row, "event": _event(row)}
+        loads = ", ".join(f"{heading} {row[name]:.6g}" for name, heading in self.loads.items())
+        if not self.live:
+            if not self.points:
+                self.show(self._line(self.columns))
+            self.show(self._line(row))
+        self.points += 1
+        self.counts = {name: count + row[name] for name, count in self.counts.items()}
+        self.lost = row["dissipated_work"]
+        self.missing = max(self.missing, abs(row["energy_imbalance"]))
+        self.work = max(self.work, abs(row["external_work"]))
+        self.stable[row["stable"]] = self.stable.get(row["stable"], 0) + 1
+        if row["event"]:
+            self.events.append(f"{row['event']} at {loads}")
+        if self.live:
+            self._advance(row, position, loads)
+
+    def _advance(self, row, position, loads):
+        """Move the bar, which begins with the first point."""
+        if self.bar is None:
+            self.bar = tqdm(total=self.legs, bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}", miniters=0,
+                            leave=False)
+        if row["event"]:
+            self.bar.write(self.events[-1])
+        self.bar.set_postfix_str(f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms", refresh=False)
+        self.bar.update(max(row["leg"] - 1, 0) + position - self.bar.n)
+
+    def _line(self, row):
+        """Values, or headings, in columns."""
+        texts = []
+        for name, heading in self.columns.items():
+            value, width = row[name], {"leg": 3, "event": 0}.get(name, 11 if name in self.loads else 10)
+            if isinstance(value, float):
+                value = f"{value:.1f}" if name == "transforms" else f"{value:.1e}" if name.startswith("error") else f"{value:.6g}"
+            texts.append(f"{value:>{width}}")
+        return " ".join(texts).rstrip()
+
+    def close(self):
+        """Remove the bar."""
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None
+
+    def summary(self, known):
+        """The closing table of this run; ``known``: points that an archive had before."""
+        lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known else "")]
+        if self.stable.keys() & {0, 1}:
+            lines.append(f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
+        lines += [f"  {'event':13} {event}" for event in self.events]
+        if any(event.startswith("jump") for event in self.events):
+            lost = "not known" if math.isnan(self.lost) else f"{self.lost:.6g} {self.energy_unit}"
+            lines.append(f"  {'dissipated':13} {lost} in jumps")
+        if self.missing > INEXACT * self.work:
+            lines.append(f"  {'works':13} {self.missing:.2g} of at most {self.work:.3g} {self.energy_unit} is missing in the balance of "
+                         "energies (energy_imbalance): the work of the loads is integrated over steps, shorter ones know it better")
+        for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
+            lines.append(f"  {unit:13} {self.counts[name]} iterations")
+        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")
+        lines.append(f"  time          {time.monotonic() - self.began:.1f} s")
+        return "\n".join(["", *lines])
+
+
+def _event(row):
+    """Event and kind of fold of a row, in words; empty for none."""
+    words = "" if row["event"] == "none" else row["event"]
+    return f"{words} ({row['fold_kind']})" if row["fold_kind"] else words

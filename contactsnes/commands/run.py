@@ -1,0 +1,182 @@
+"""One run of a scene along its load path: its points as they come, kept and shown, and how it ended, in words and as exit status."""
+
+import dataclasses
+import signal
+import sys
+from functools import partial
+
+from ..branch.failures import uncomputable
+from ..branch.grid_choice import reason
+from ..contact import observables
+from ..continuation.points import (
+    NoEquilibrium,
+    NotConverged,
+    TooCoarse,
+    new_points,
+    unfinished_fold,
+)
+from ..options.database import database, database_text, unused_options
+from ..output import resuming
+from ..output.archive import Archive, ArchiveError, Column
+from ..scene import settings as scenes
+from . import summary
+from .progress import Progress
+from .session import (
+    create_branch,
+    create_watch,
+    solver_options,
+    versions,
+)
+from .speech import complain
+
+BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
+"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown type, no factorisation."""
+
+
+class Run:
+    """One run: branch, archive and progress, and what to say when it is over."""
+
+    def __init__(self, settings, interrupts):
+        self.settings, self.interrupts = settings, interrupts
+        self._set_up()
+
+    def _set_up(self, missed=()):
+        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy."""
+        settings = self.settings
+        self.table = observables.table(settings.scene)
+        # What PETSc prints by itself would tear a bar to pieces.
+        watched = any("monitor" in name or name.endswith("view") for name in database())
+        self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
+                                 live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
+        self.branch = create_branch(settings, self.progress.log)
+        self.warnings = summary.resolution_warnings(settings)
+        self.watch = create_watch(settings, self.branch, self.progress, missed)
+        self.table |= self.watch.columns if self.watch else {}
+        self.archive, self.waiting, self.known = None, 0, 0
+        if settings.output.file:
+            self.archive = self._open_archive()
+            self.known = self.archive.points
+
+    def _open_archive(self):
+        """The archive to append to, created or resumed; the branch gets the history it goes on from."""
+        scene, output = self.settings.scene, self.settings.output
+        content = {"scene": self.branch.attributes(), "options": database_text(), "versions": versions(),
+                   "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
+                   "fields": output.fields, "components": scene.components, "warnings": self.warnings}
+        if output.fields != "none":
+            content |= observables.frame(self.branch.contact) | {"modes": self.branch.steps.keeps_modes}
+        if not output.resume:
+            return Archive.create(output.file, overwrite=output.overwrite, **content)
+        archive = Archive.resume(output.file, **content)
+        if archive.complete:
+            return archive
+        history = [self.branch.restored(state) for state in archive.states()]
+        self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
+        self.branch.history = history[:len(history) - self.waiting]
+        return archive
+
+    def follow(self):
+        """Follow the path to its end, and say how it went; return the exit status."""
+        if self.archive and self.archive.complete:
+            print(f"{self.archive.path} is complete with {self.known} points: there is nothing to do")
+            return 0
+        self._say_what_is_solved()
+        if self.known:
+            self.progress.log(f"going on after point {self.known} of {self.archive.path}")
+            for change in resuming.changes(self.archive.runs[-1].options, database_text()):
+                self.progress.log(f"from point {self.known + 1} on {change}")
+        status, reason = self._points()
+        for name in unused_options(solver_options()):
+            complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
+        if status == 2 and self.archive and not self.archive.points:
+            self.archive.path.unlink(missing_ok=True)  # an empty one would only be in the way of the next try
+        if self.progress.points:
+            print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()), sep="\n", flush=True)
+        if self.archive and self.archive.points:
+            print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
+        if reason:
+            complain("error", reason.rstrip(".") + self._way_on())
+        return status
+
+    def _points(self):
+        """Take all points; exit status and, if it is not 0, the reason in words."""
+        try:
+            for point in new_points(self.branch, self.waiting):
+                self._accept(point)
+                if sys.stdout.left:
+                    return 128 + signal.SIGPIPE, "nobody reads standard output any more" if self.archive else ""
+                if self.interrupts.number:  # PETSc may swallow what is raised in some of its callbacks
+                    raise KeyboardInterrupt(self.interrupts.number)
+            if self.archive:
+                self.archive.finish()
+        except TooCoarse as found:
+            coarse = found.with_traceback(None)  # a traceback would hold PETSc objects
+        except (Exception, KeyboardInterrupt) as error:
+            return self._verdict(error)
+        else:
+            return 0, ""
+        finally:
+            self.progress.close()
+        return self._begin_anew(coarse)
+
+    def _begin_anew(self, coarse):
+        """The path from its beginning on a finer grid, in place of the points so far."""
+        self.progress.log(f"{coarse}; the path begins anew with {reason(coarse.scene, self.settings.load)}")
+        output = dataclasses.replace(self.settings.output, resume=False, overwrite=True)
+        self.settings = self.settings._replace(scene=coarse.scene, output=output)
+        self._set_up((*self.watch.missed, coarse))
+        return self._points()
+
+    def _verdict(self, error):
+        """Exit status and reason of what ended the path early; what is neither solver nor user is raised again."""
+        from petsc4py import PETSc
+
+        if isinstance(error, PETSc.Error) and error.__cause__ is not None:
+            error = error.__cause__  # newer petsc4py wraps what our callbacks raise
+        early = self.progress.points == 0
+        if isinstance(error, (NotConverged, NoEquilibrium, ArchiveError)):
+            return 1, str(error)
+        if isinstance(error, MemoryError):
+            return 2 if early else 1, f"there is not enough memory ({error}): take fewer points of the grid"
+        if isinstance(error, ArithmeticError):
+            status, reason = uncomputable(error, database())
+            return status if early else 1, reason
+        if isinstance(error, KeyboardInterrupt):
+            number = self.interrupts.number or signal.SIGINT
+            return 128 + number, f"interrupted by {signal.Signals(number).name}"
+        if isinstance(error, PETSc.Error):
+            sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
+            return 2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error {error.ierr})"
+        if isinstance(error, ImportError) and early:
+            return 2, f"a Python class that an option names cannot be imported: {error}"
+        raise error
+
+    def _accept(self, point):
+        """Keep and show a point."""
+        measurement = observables.Measurement(self.branch.contact, point)
+        row = self.watch.row(point) if self.watch else {}
+        row |= {name: observable.function(measurement) for name, observable in self.table.items() if name not in row}
+        if self.archive:
+            fields = measurement.fields() if self.settings.output.fields != "none" else ()
+            self.archive.append(row, self.branch.packed(point), *fields)
+        self.progress.point(row, point.position)
+        self.branch.corrector.account()  # what observing and keeping took is not the next point's
+
+    def _say_what_is_solved(self):
+        """Before the first solve: what has no effect, what is skipped, what to beware of."""
+        scene, form, load, _, output = self.settings
+        if self.settings.auto:
+            self.progress.log(f"the grid: {reason(scene, load)}")
+        for name, why in scenes.ineffective(scene, load, database(), form, output, self.settings.estimates):
+            self.progress.log(f"-{name} has no effect: {why}")
+        for sentence in summary.skipped(self.settings, self.branch):
+            self.progress.log(sentence)
+        for sentence in self.warnings:
+            complain("warning", sentence)
+
+    def _way_on(self):
+        """What became of the points of a path that was not followed to its end, in words."""
+        if not (self.archive and self.archive.points):
+            return ""
+        points = f"{self.archive.points} points are" if self.archive.points > 1 else "1 point is"
+        return f"; {points} in {self.archive.path}, -archive_resume goes on from there"

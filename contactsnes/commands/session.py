@@ -1,0 +1,199 @@
+"""PETSc started with the arguments of a command, and what its database asks for: settings, branch, versions."""
+
+import importlib
+import os
+import platform
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import __version__
+from ..branch.grid_choice import chosen, on
+from ..compare import methods
+from ..options.database import check_names, check_values, database, install, petsc_arguments, read
+from ..options.fields import InputError
+from ..options.files import refuse_circles
+from ..output.archive import read as read_archive
+from ..scene import settings as scenes
+from ..scene.load import Load
+from ..scene.settings import OPTION_CLASSES
+
+
+class Settings(NamedTuple):
+    """All that options say about a run, in the order of scene.OPTION_CLASSES."""
+
+    scene: scenes.Scene
+    form: scenes.Form
+    load: Load
+    steps: scenes.Steps
+    output: scenes.Output
+
+    @property
+    def auto(self):
+        """Whether the points of the grid were chosen, and have to prove themselves."""
+        return database().get("scene_points") == "auto"
+
+    @property
+    def estimates(self):
+        """Whether the errors of points are estimated."""
+        return self.auto or self.output.errors
+
+
+def solver_options():
+    """Dataclasses of the options of our own PC and SNES types (they import PETSc)."""
+    from ..branch.branch import SOLVER_OPTIONS
+
+    return SOLVER_OPTIONS
+
+
+LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"), ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),
+            ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"), ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
+"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are, and which it is."""
+
+
+def begin_petsc(words):
+    """Initialise PETSc in the only process, with an argument list; InputError for more processes, or options that it refuses."""
+    import petsc4py
+
+    for size, rank in LAUNCHED:
+        _refuse_several(_count(size), _count(rank))
+    # One process needs no daemon of Open MPI, which takes a good part of a second to start.
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    try:
+        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread. Signals are,
+        # too: PETSc's handlers would abort.
+        petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
+    except RuntimeError as error:
+        raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
+    world = sys.modules["petsc4py.PETSc"].COMM_WORLD
+    _refuse_several(world.getSize(), world.getRank())
+
+
+def _count(name):
+    """The number in a variable of the environment, 0 where there is none."""
+    text = os.environ.get(name, "")
+    return int(text) if text.isascii() and text.isdigit() else 0
+
+
+def _refuse_several(size, rank):
+    """InputError in the first of several processes; the others end without a word."""
+    if size > 1 and rank:
+        sys.exit(0)  # a launcher that sees another status would end the first one before it has spoken
+    if size > 1:
+        raise InputError(f"started as {size} processes, but a scene is solved by one: start contactsnes without mpirun or srun, or "
+                         "with -n 1")
+
+
+def start_petsc(arguments):
+    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+    try:
+        os.getcwd()
+    except OSError as error:
+        raise InputError(f"the working folder cannot be used ({error.strerror}): change into one that exists") from None
+    words = petsc_arguments(arguments)[1:]
+    refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
+    begin_petsc(words)
+    check_names(solver_options())
+    check_values(solver_options())
+    check_classes()
+    scene, form, load, steps, output = map(read, OPTION_CLASSES)
+    scenes.check(scene, load, steps)
+    settings = Settings(scene, form, load, steps, output)
+    return settings._replace(scene=_with_points(settings))
+
+
+def _with_points(settings):
+    """The scene with its points chosen where they are to be; a run that is resumed keeps those of its archive."""
+    scene, output = settings.scene, settings.output
+    if settings.auto and output.resume and Path(output.file).is_file():
+        archive = read_archive(output.file)
+        if archive.points and scene.isolated:
+            return replace(scene, points=None, spacing=(np.atleast_1d(archive.scene["spacing"]) / scene.scale("beta")[0]).tolist())
+        if archive.points and scene.geometry != "file":
+            return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
+    try:
+        return chosen(scene, settings.load)
+    except (OSError, ValueError) as error:
+        raise error if isinstance(error, InputError) else InputError(str(error)) from None
+
+
+def start_comparison(arguments, log):
+    """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the stem of its files."""
+    scene, paths, words = methods.split(arguments)
+    settings = start_petsc([scene, *words])
+    check_names((methods.CompareOptions,))
+    asked, given = read(methods.CompareOptions), database()
+    stem = Path(asked.file or f"comparison-{Path(scene).stem}")
+    _check_files(stem, asked.overwrite)
+    branch = create_branch(settings)
+    typed = {name: given[name] for name in methods.entries(words) if name in given}
+    found = methods.read_methods(paths, typed)
+    for method in found:
+        install({**given, **method.entries})
+        try:
+            check_names(solver_options())
+            check_values(solver_options())
+            check_classes()
+            read(scenes.Form)
+        except InputError as error:
+            raise InputError(f"method {method.name}: {error}") from None
+    from ..compare.comparison import Comparison
+
+    return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
+
+
+def _check_files(stem, overwrite):
+    """InputError unless a comparison can write its files."""
+    if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
+        raise InputError(f"-compare_file is '{stem}': its folder does not exist or cannot be written; name another")
+    try:
+        there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png")) if path.exists()]
+    except OSError as error:
+        raise InputError(f"-compare_file is '{stem}', which cannot be the name of a file: {error.strerror}") from None
+    if there and not overwrite:
+        raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, another -compare_file leaves it alone")
+
+
+def check_classes():
+    """InputError for a class of this package that an option names and that does not exist."""
+    for name, path in database().items():
+        module, _, cls = path.rpartition(".")
+        if name.endswith("python_type") and module.startswith("contactsnes."):
+            try:
+                found = hasattr(importlib.import_module(module), cls)
+            except ImportError:
+                found = False
+            if not found:
+                raise InputError(f"-{name} is '{path}': there is no such class")
+
+
+def create_branch(settings, log=lambda sentence: None):
+    """The branch of the settings; InputError, too, where the geometry's file is at fault."""
+    from ..branch.branch import Branch
+
+    try:
+        return Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(str(error)) from None
+
+
+def create_watch(settings, branch, progress, missed):
+    """What estimates the errors of a run's points (``accuracy.Watch``); None where nobody asks for them."""
+    from ..branch.accuracy import Watch
+
+    return Watch(branch, settings.auto, progress, missed) if settings.estimates else None
+
+
+def versions():
+    """Program -> version of what a result depends on."""
+    import petsc4py
+    from petsc4py import PETSc
+
+    packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
+    return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "petsc4py": petsc4py.__version__,
+            **packages, "python": platform.python_version()}

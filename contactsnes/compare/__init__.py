@@ -1,0 +1,1 @@
+"""Methods compared on one scene, on equal terms."""

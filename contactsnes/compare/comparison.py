@@ -1,0 +1,299 @@
+"""Methods compared on one scene and on equal terms: what each point of a load path costs them, how exact they are, where they fail.
+
+The path is followed once by Newton's method and its points are solved to rounding: the reference. Every method then solves every
+point from the reference's points before it: from the start without overlap the first one, as a run does, and from the same
+predicted state the others. So all have the same path and the same starts, and a failure says something on a method, not on its
+steps. A solution that is not the reference's is another branch's: it is marked, and counts in no mean.
+
+All this happens in one process: the methods share the contact, its symbols and what FFTW has learned, and take turns while the
+machine is in the same mood. The first pass over the path counts, the following ones are timed.
+"""
+
+import re
+import time
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..contact import states
+from ..contact.observables import Measurement
+from ..continuation.natural import leg_history, predict
+from ..continuation.points import Leg, NoEquilibrium, NotConverged
+from ..options.database import install, read
+from ..scene.settings import Form
+from .recorder import Meter, Recorder
+
+PATH_TOLERANCE, POLISHED = "1e-10", ("1e-11", "1e-12", "1e-13")
+"""-snes_atol of the reference's path, and those that its points are then brought to, as far as rounding allows."""
+
+CONVERGED, ELSEWHERE, FAILED, NOT_TRIED = "converged", "another branch", "failed", "not tried"
+
+COUNTS = ("transforms", "function_evaluations", "jacobian_products", "nonlinear_iterations", "linear_iterations")
+ERRORS = ("displacement_error", "force_error", "area_error")
+
+
+@dataclass
+class Result:
+    """What became of one method at one point.
+
+    counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that is timed
+    errors : see ``Target.errors``
+    histories : for each pass an array (iterations, 3) of transforms, seconds and residual norm, at the points that are watched
+    """
+
+    outcome: str = NOT_TRIED
+    reason: str = ""
+    counts: dict = field(default_factory=dict)
+    times: list = field(default_factory=list)
+    first: float = np.nan
+    errors: tuple = (np.nan,) * len(ERRORS)
+    residual_norm: float = np.nan
+    histories: list = field(default_factory=list)
+
+    def history(self):
+        """The history with the median times of the timed passes, where these went the same way, else the last one."""
+        timed = self.histories[1:] or self.histories
+        same = all(rows.shape == timed[-1].shape for rows in timed)
+        return np.median(timed, axis=0) if same else timed[-1]
+
+
+class Target(NamedTuple):
+    """A point of the reference that every method is to find: its stage (0: the first point, then legs), and its start."""
+
+    stage: int
+    point: object
+    guess: object
+    forces: np.ndarray
+    area: float
+
+    def errors(self, contact, point):
+        """True errors of a point: displacement (root mean square where the law acts, ranges), force, contact area (relative).
+
+        Forces relative to 1 where they are smaller; an area relative to itself unless it is zero.
+        """
+        displacement = states.missed(contact, self.point.state, point.state)
+        force = np.max(np.abs(forces(contact, point) - self.forces) / np.maximum(1.0, np.abs(self.forces)))
+        area = abs(Measurement(contact, point).contact_area() - self.area) / (self.area or 1.0)
+        return displacement, float(force), area
+
+    def is_found(self, displacement_error, residual_norm):
+        """Whether a state so far from the reference can be the same solution, reached with a tolerance."""
+        return displacement_error <= max(SAME_STATE, AMPLIFIED * residual_norm)
+
+
+SAME_STATE, AMPLIFIED = 1e-4, 1e4
+"""Distance of equal solutions, ranges of the law; and how much farther off a residual can leave them (near folds most)."""
+
+
+def forces(contact, point):
+    """Forces of the tractions, controlled or not (w_n,r, w_t,r)."""
+    measurement = Measurement(contact, point)
+    return contact.load_factor(measurement.components) * contact.grid.sum(measurement.traction)
+
+
+# The reference
+
+
+def follow_reference(branch, given):
+    """The reference's points, as exact as rounding allows, and why the path ends before its end (or an empty text).
+
+    Parameters
+    ----------
+    branch : Branch
+    given : name -> value of the options, of which those of a method are left out
+    """
+    own = {name: value for name, value in given.items() if not re.match(r"contact_|(.*_)?(snes|ksp|pc)_", name)}
+    install({**own, "snes_atol": PATH_TOLERANCE})
+    points, reason = [], ""
+    try:
+        for point in branch:
+            # A further event at the same load is the same point.
+            if not points or point.state is not points[-1].state:
+                points.append(point)
+    except (NotConverged, NoEquilibrium) as error:
+        reason = str(error)
+    for tolerance in POLISHED:
+        install({**own, "snes_atol": tolerance})
+        branch.corrector.form = None
+        points = [_polished(branch.corrector, point) for point in points]
+    install({**own, "snes_atol": PATH_TOLERANCE})
+    branch.corrector.form = None
+    return points, reason
+
+
+def _polished(corrector, point):
+    """The point with a smaller residual, or as it is."""
+    try:
+        better = corrector.solve(point.state, point.controls, point.load)
+    except NotConverged:
+        return point
+    return replace(point, state=better.state, displacements=better.displacements, forces=better.forces,
+                   residual_norm=better.residual_norm)
+
+
+def targets(branch, points):
+    """What methods are to solve: the first point and those reached by steps, neither folds nor what comes of jumps."""
+    contact, found = branch.contact, []
+    for place, point in enumerate(points):
+        if point.event in ("fold", "jump"):
+            continue
+        guess = None if place == 0 else _predicted(branch, points[:place], point)
+        area = Measurement(contact, point).contact_area()
+        found.append(Target(point.leg, point, guess, forces(contact, point), area))
+    return found
+
+
+def _predicted(branch, before, point):
+    """The state that the scene's predictor gives for a point from those before it."""
+    end = point.origin + (point.load - point.origin) / point.position
+    moving = int(np.argmax(np.abs(end - point.origin)))
+    leg = Leg(point.leg, point.controls, point.origin, end, moving, 0.0, 0.0, 0.0)
+    history = [(place, branch.corrector.adapted(last, leg.controls, leg.load(place)))
+               for place, last in leg_history(before, point.leg)]
+    return predict(branch.corrector, history, leg, point.position, branch.steps.predictor)
+
+
+# The methods
+
+
+class Comparison:
+    """Methods on the targets of a path.
+
+    Parameters
+    ----------
+    name : of the scene
+    branch : Branch of the scene, from which nothing has been solved
+    methods : list of methods.Method
+    given : name -> value of all options but those of the methods' files
+    settings : CompareOptions
+    log : function (sentence)
+    """
+
+    def __init__(self, name, branch, methods, given, settings, log):
+        self.name, self.branch, self.methods, self.given = name, branch, methods, given
+        self.settings, self.log = settings, log
+        self.contact = branch.contact
+        self.meter = self.contact.grid.counter = Meter(self.contact.grid.size)
+        # Watched are the solves of the first point and of the middle one of each leg.
+        self.targets, self.watched, self.path_failure, self.passes, self.slow = [], [], "", 0, set()
+        self.results = {method.name: [] for method in methods}
+        names = [method.name for method in methods]
+        self.base = "newton" if "newton" in names else names[0]
+
+    def run(self, save):
+        """Measure; ``save`` is called without arguments whenever there is more to keep."""
+        points, self.path_failure = follow_reference(self.branch, self.given)
+        self.targets = targets(self.branch, points)
+        self.watched = [places[len(places) // 2] for places in self.stages()]
+        worst = max((target.point.residual_norm for target in self.targets), default=np.nan)
+        self.log(f"reference: {len(self.targets)} points, residual_norm at most {worst:.1e}"
+                 + (f"; the path ends there: {self.path_failure}" if self.path_failure else ""))
+        self.results = {method.name: [Result() for _ in self.targets] for method in self.methods}
+        for number in range(1 + self.settings.repeats if self.targets else 0):
+            turn = number % len(self.methods)
+            for method in [*self.methods[turn:], *self.methods[:turn]]:
+                if method.name in self.slow:
+                    continue
+                began = time.perf_counter()
+                self._follow(method, timed=number > 0)
+                if not number:
+                    self.log(self.verdict(method))
+                    self._time_slow(method, time.perf_counter() - began)
+                save()
+            self.passes = number
+        save()
+
+    def _time_slow(self, method, seconds):
+        """Take the first pass of a method for the timed one if it took too long for others."""
+        if seconds > self.settings.seconds:
+            self.slow.add(method.name)
+            for result in self.results[method.name]:
+                result.times = [result.first] if result.outcome == CONVERGED else []
+
+    def stages(self):
+        """Lists of the places of targets that belong together: the first point, then a list for each leg."""
+        found = {}
+        for place, target in enumerate(self.targets):
+            found.setdefault(target.stage, []).append(place)
+        return list(found.values())
+
+    def _follow(self, method, timed):
+        """Solve the targets by a method, in a timed pass those that it is known to find."""
+        # What symmetry saves is no merit of a method: only Newton's have it, so that it has to be asked for.
+        install({"contact_symmetry": "off", **self.given, **method.entries})
+        form, failures, corrector = read(Form), 0, None
+        for place, (target, result) in enumerate(zip(self.targets, self.results[method.name])):
+            if failures >= self.settings.failures or timed and result.outcome != CONVERGED:
+                continue
+            corrector = corrector or Recorder(self.contact, form)
+            point, reason, spent = self._solve(corrector, target)
+            if place in self.watched:
+                result.histories.append(corrector.history.rows())
+            if point is None:
+                # What ended by an exception may have left PETSc's objects in disorder.
+                failures, corrector = failures + 1, None
+            if timed:
+                result.times.append(spent["wall_time"])
+            else:
+                result.reason, result.counts = reason, {name: spent[name] for name in COUNTS}
+                result.first = spent["wall_time"]
+                self._judge(target, result, point)
+
+    def _judge(self, target, result, point):
+        """Set the outcome and, where there is a point, its errors."""
+        result.outcome = FAILED
+        if point is not None:
+            result.errors, result.residual_norm = target.errors(self.contact, point), point.residual_norm
+            result.outcome = CONVERGED if target.is_found(result.errors[0], point.residual_norm) else ELSEWHERE
+
+    def _solve(self, corrector, target):
+        """A target's point by a method, or None; the reason why not; and what was spent."""
+        point, reason, wanted = None, "", target.point
+        self.meter.limit = self.meter.transforms + self.settings.transforms
+        corrector.account()
+        corrector.history.restart()
+        try:
+            with np.errstate(all="ignore"):
+                point = corrector.cold(wanted.controls, wanted.load) if target.guess is None else \
+                    corrector.solve(target.guess, wanted.controls, wanted.load)
+        except Exception as error:  # whatever it is, it is how this method fails
+            reason = self._reason(error)
+        self.meter.limit = np.inf
+        return point, reason, corrector.account()
+
+    def _reason(self, error):
+        """What ended a solve, in one line."""
+        if isinstance(error, PETSc.Error) and error.__cause__ is not None:
+            error = error.__cause__  # newer petsc4py wraps what our callbacks raise
+        if not isinstance(error, Exception):
+            raise error
+        if self.meter.transforms > self.meter.limit:
+            return f"more than {self.settings.transforms:.0f} transforms"
+        if isinstance(error, PETSc.Error):
+            return f"PETSc: {str(error).splitlines()[-1].removeprefix('[0] ').strip()} (error {error.ierr})"
+        words = " ".join(str(error).split())
+        return words if isinstance(error, (NotConverged, NoEquilibrium, ValueError)) else f"{type(error).__name__}: {words}"
+
+    def loads(self, target):
+        """Controlled values of a target in words."""
+        point = target.point
+        return self.branch.scene.loads(point.controls, point.load)
+
+    def finished(self, method):
+        """Whether a method found every point of a path that has an end."""
+        results = self.results[method.name]
+        return not self.path_failure and bool(results) and all(result.outcome == CONVERGED for result in results)
+
+    def verdict(self, method):
+        """How a method did, in words."""
+        results = self.results[method.name]
+        text = f"{method.name}: {sum(result.outcome == CONVERGED for result in results)} of {len(results)} points"
+        for outcome in (FAILED, ELSEWHERE):
+            places = [place for place, result in enumerate(results) if result.outcome == outcome]
+            if places:
+                first = places[0]
+                reason = f" ({results[first].reason})" if results[first].reason else ""
+                text += f"; {len(places)} {outcome}, first at {self.loads(self.targets[first])}{reason}"
+        return text

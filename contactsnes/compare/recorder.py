@@ -1,0 +1,93 @@
+"""A corrector whose solves leave a history, and a count of transforms that stops what would go on for ever."""
+
+import time
+
+import numpy as np
+
+from ..branch.corrector import Corrector
+from ..solvers.snes import displacement_test
+
+
+class Meter:
+    """Counts the transforms of a grid in its place, and stops who needs more than is allowed.
+
+    The one count that no method gets past, whatever it nests.
+
+    Parameters
+    ----------
+    size : nodes of the grid, of which one transform counts one
+
+    Attributes
+    ----------
+    limit : count beyond which every transform raises RuntimeError
+    """
+
+    def __init__(self, size):
+        self.size, self.limit, self._transforms = size, np.inf, 0.0
+
+    @property
+    def transforms(self):
+        """Transforms counted so far."""
+        return self._transforms
+
+    @transforms.setter
+    def transforms(self, count):
+        """Set the count; RuntimeError beyond the limit."""
+        self._transforms = count
+        if count > self.limit:
+            raise RuntimeError("too many transforms")
+
+
+class History:
+    """Transforms, seconds and residual norm at the iterations of solves: numbers appended to a list, which cost a method nothing.
+
+    It knows of no SNES, for a SNES whose monitor knew it in turn would never be freed.
+    """
+
+    def __init__(self, counter):
+        self.counter = counter
+        self.restart()
+
+    def restart(self):
+        """Forget everything: time and transforms begin at zero."""
+        self._rows, self._tested = [], set()
+        self._before, self._began = self.counter.transforms, time.perf_counter()
+
+    def rows(self):
+        """Array (iterations, 3), oldest first."""
+        rows = [row for row, solver, tested in self._rows if tested == (solver in self._tested)]
+        return np.array(rows or np.empty((0, 3)), dtype=float)
+
+    def watch(self, snes):
+        """Record a SNES by a monitor and, where the test of the force form finds a norm that PETSc has not, by that."""
+        snes.setMonitor(lambda snes, iteration, norm: self._add(snes, norm))
+        test = snes.getConvergenceTest()
+        if test is None or test[0] is not displacement_test:
+            return
+
+        def recording(snes, iteration, norms, form):
+            reason = displacement_test(snes, iteration, norms, form)
+            self._tested.add(snes.handle)
+            self._add(snes, form.last_norm, True)
+            return reason
+
+        snes.setConvergenceTest(recording, test[1])
+
+    def _add(self, snes, norm, tested=False):
+        row = (self.counter.transforms - self._before, time.perf_counter() - self._began, norm)
+        self._rows.append((row, snes.handle, tested))
+
+
+class Recorder(Corrector):
+    """A corrector that keeps the history of its solves."""
+
+    def __init__(self, contact, settings):
+        super().__init__(contact, settings)
+        self.history = History(contact.grid.counter)
+
+    def _newton(self, form, unknown, most_iterations, snes=None):
+        snes = self.snes if snes is None else snes
+        if snes.getAttr("recorded") is None:
+            snes.setAttr("recorded", True)
+            self.history.watch(snes)
+        return super()._newton(form, unknown, most_iterations, snes)

@@ -1,0 +1,236 @@
+"""States of a contact on windows: starting, resampling, extrapolating.
+
+A state is a displacement on a window with its means over the cell, in ranges of the law. Nothing here solves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..grid.boxes import reaching
+from ..grid.cell import Convolution
+from ..interface.laws import CUTOFF
+from .problem import APPROACH, CERTAIN, FORCE
+
+NEAR = 15.0
+"""Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
+
+
+@dataclass(frozen=True)
+class State:
+    """Displacements on a window, array (components, nodes), and their means over the cell (components)."""
+
+    window: object
+    displacement: np.ndarray
+    means: np.ndarray
+
+
+def undeformed(contact, controls, load):
+    """The start without overlap: u_n = max(-g_0, -c), with c from what is controlled of the normal component.
+
+    Approach: the mean is as prescribed. Displacement: that of the top, with what the body as a whole gives way. Force: the flat
+    carries it, or c is the smallest gap if it pulls. Tangential displacements are zero.
+    """
+    gap, grid, components = contact.initial_gap, contact.grid, len(controls)
+    lowest, highest = grid.minimum(gap), grid.maximum(gap)
+    compliance = 0.0 if controls[0] == APPROACH else contact.rigid_compliance(1)[0]
+    control, target = controls[0], -contact.far_displacement(components, load)[0]
+
+    def approach(depth):
+        return grid.sum(np.minimum(gap, depth).reshape(-1)) / grid.size
+
+    def excess(depth):
+        if control == FORCE:
+            return _carried(contact, depth) * contact.ranges[0] * grid.node_area - load[0]
+        sunk = compliance / grid.size * _carried(contact, depth) if compliance else 0.0
+        return approach(depth) + sunk - target
+
+    # The mean of equal gaps is not quite the gap.
+    if load[0] <= 0.0 if control == FORCE else target <= max(lowest, approach(lowest)):
+        depth = lowest if control == FORCE else target
+    else:
+        # What the flat carries first rises with the depth and falls again towards full contact: the first root counts.
+        tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
+        above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
+        # Each trial of what the flat carries is a transform of the cell; a start need not be exact in that.
+        precision = 1e-12 if control != FORCE and not compliance else 1e-3
+        depth = highest if above is None else brentq(excess, tried[above - 1], tried[above], rtol=precision)
+    displacement = np.zeros((components, grid.size))
+    displacement[0] = np.maximum(-gap, -depth).reshape(-1)
+    return State(grid.whole, displacement, grid.mean(displacement))
+
+
+def apart(contact):
+    """The undeformed body, far outside the law's range; the normal component."""
+    displacement = np.full((1, contact.grid.size), 2.0 * CUTOFF - contact.grid.minimum(contact.initial_gap))
+    return State(contact.grid.whole, displacement, displacement[:, 0].copy())
+
+
+def _carried(contact, depth):
+    """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth), ranges of the law."""
+    displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
+    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"), 1).apply(displacement, displacement)
+    return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
+
+
+def lowered(contact, state):
+    """The state of a body off the flat moved down as a whole until its lowest node is one range of the law away."""
+    cell = contact.extended(state)
+    cell[0] -= contact.grid.minimum(cell[0] + contact.initial_gap) - 1.0
+    flat = cell.reshape(len(cell), -1)
+    return State(contact.grid.whole, flat, contact.grid.mean(flat))
+
+
+def normal_gap(contact, state):
+    """Normal gap on the state's window (nodes), delta_n."""
+    return state.displacement[0] + state.window.take(contact.initial_gap)
+
+
+def onto(state, window):
+    """The state on another window; where it was not known, its nearest known displacement."""
+    if window == state.window:
+        return state.displacement
+    boxes = [_nearest(state, part) for part in window.parts]
+    return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+
+
+def _nearest(state, box):
+    """Displacements (components, nodes) of a state at the nodes of a box, the nearest known ones."""
+    source, found, least = state.window, None, np.inf
+    fields = state.displacement.reshape(len(state.displacement), len(source.parts), *source.shape)
+    gaps = _gaps(source, box)
+    for k in np.argsort(gaps, kind="stable"):
+        if found is not None and gaps[k] ** 2 >= np.max(least):
+            break
+        axes, away = _nodes_of(source.parts[k], box)
+        picked = fields[:, k]
+        for axis, nodes in enumerate(axes, start=1):
+            picked = picked[(slice(None),) * axis + (nodes,)]
+        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij", sparse=True)) if len(gaps) > 1 else 0.0
+        found = picked if found is None else np.where(far < least, picked, found)
+        least = np.minimum(far, least)
+    return np.ascontiguousarray(found).reshape(len(found), -1)
+
+
+def _gaps(source, box):
+    """Nodes between each box of a window and another, at least."""
+    if len(source.parts) == 1:
+        return np.zeros(1)
+    total, shape = np.array(box.grid.shape), np.array(source.shape)
+    ahead = (np.array(box.start) - np.array(source.start)) % total
+    between = np.maximum(np.minimum(ahead - shape, total - ahead - box.shape), 0)
+    return np.sqrt(np.sum(between.astype(float) ** 2, axis=1))
+
+
+def _nodes_of(source, box):
+    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and their distances from those."""
+    axes, away = [], []
+    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape, box.grid.shape):
+        # Signed distance from the middle of what is known, so that nodes on either side find their own end of it.
+        offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
+        inside = 0 <= offset and offset + extent <= known
+        wanted = (offset + np.arange(extent) - known // 2 + total // 2) % total - total // 2 + known // 2
+        nodes = np.clip(wanted, 0, known - 1)
+        axes.append(slice(offset, offset + extent) if inside else nodes)
+        away.append(wanted - nodes)
+    return axes, away
+
+
+def fitted(contact, state, afresh=False):
+    """The state on the window that the law needs for it: the same state where its window will do, unless ``afresh``."""
+    window = state.window
+    gap = normal_gap(contact, state)
+    rim = window.rim()
+    closest = contact.grid.minimum(gap, where=rim)
+    idle = len(window.parts) > 1 and gap.reshape(len(window.parts), -1).min(axis=1).max() > 1.2 * CUTOFF
+    if not afresh and not window.is_whole and not idle and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
+        return state
+    cell = contact.extended(state)
+    fresh = contact.window(cell[0] + contact.initial_gap)
+    if fresh == window:
+        return state
+    return State(fresh, fresh.take(cell), state.means)
+
+
+def wider(state, window):
+    """The state on a window that reaches a fifth further than ``window`` on either side."""
+    wide = reaching(window)
+    return State(wide, onto(state, wide), state.means)
+
+
+def covers(contact, state):
+    """Whether every node outside the state's window is certainly out of the law's range."""
+    if state.window.is_whole:
+        return True
+    gap = normal_gap(contact, state)
+    if contact.grid.minimum(gap, where=state.window.rim()) < CERTAIN:
+        return False
+    if contact.convex:
+        return True
+    return contact.grid.minimum(contact.gap_outside(state)) >= CERTAIN
+
+
+def with_components(state, components):
+    """The state with tangential displacements added (as zeros) or left out."""
+    present = len(state.displacement)
+    if present == components:
+        return state
+    displacement, means = np.zeros((components, state.window.size)), np.zeros(components)
+    kept = min(present, components)
+    displacement[:kept], means[:kept] = state.displacement[:kept], state.means[:kept]
+    return State(state.window, displacement, means)
+
+
+def combined(contact, states, weights):
+    """Weighted sum of states at fixed places, on the window of the last, without overlap much deeper than its."""
+    window = states[-1].window
+    displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
+    floor = contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0
+    np.maximum(displacement[0], floor - window.take(contact.initial_gap), out=displacement[0])
+    return State(window, displacement, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def distance(contact, first, second):
+    """Root mean square distance of two states over the second's window, ranges of the law."""
+    change = onto(first, second.window) - second.displacement
+    return float(np.sqrt(contact.grid.inner(change, change) / change.size))
+
+
+def missed(contact, guess, found, largest=False):
+    """Distance of a guess from what was found, over the nodes where the law acts on either (gap below 10).
+
+    Root mean square, or the largest: the one that a spot makes which is small beside the rest.
+    """
+    change, near = way(contact, guess, found, max(guess.window, found.window, key=lambda window: window.size))
+    np.multiply(change, near, out=change)
+    if largest:
+        return float(contact.grid.maximum(np.abs(change), initial=0.0))
+    return float(np.sqrt(contact.grid.inner(change, change) / max(len(change) * contact.grid.count(near), 1)))
+
+
+def way(contact, first, last, window):
+    """Displacements from one state to another on a window, and the nodes where the law acts on either (gap below 10)."""
+    begin, end = onto(first, window), onto(last, window)
+    return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
+
+
+def chord(contact, first, last, window):
+    """The way from one state to another as a measure of others: row (components, nodes) and length.
+
+    The product of the row with displacements from ``first`` is how far they lead along the way, root mean square over the nodes
+    where the law acts on either end (over all, where it acts on none): a number that depends on neither grid nor window.
+    """
+    change, near = way(contact, first, last, window)
+    if near.any():
+        np.multiply(change, near, out=change)
+    count = len(change) * (contact.grid.count(near) or window.size)
+    length = float(np.sqrt(contact.grid.inner(change, change) / count))
+    return change / max(count * length, 1e-300), length
+
+
+def progress(contact, origin, ahead, state):
+    """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the window of ``ahead``."""
+    start = onto(origin, ahead.window)
+    way, gone = ahead.displacement - start, onto(state, ahead.window) - start
+    return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)

@@ -1,0 +1,254 @@
+"""Bifurcations of a branch: places of a leg where an eigenvalue crosses zero though the load has no limit there, and what follows."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from .points import NoEquilibrium, NotConverged, lagrange_weights
+
+NEUTRAL = 1e-5
+"""Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
+
+PRECISION = 2e-9
+"""Relative accuracy in the load to which a bifurcation is located."""
+PARTED = 0.01
+"""Part of a step by which states are apart on either side of a place if they lie on two branches."""
+SOFT, LONG, PROBES = 0.05, 0.3, 2
+"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a step is asked in between, and how
+often: a mode that softens so fast may be unstable there."""
+SHORT, SOFTER, BACK = 0.05, 0.7, 0.5
+"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked, and what part of the way that has
+to lead back."""
+KICKS = (1.0, -1.0, 5.0, -5.0)
+"""How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
+
+
+def examined(system, certify, leg, last, point):
+    """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of another branch.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    certify : function (Point) -> Point, which need not say anything of stability
+    last : (position, Point) of the leg, before the point
+    """
+    point = point if point.stable >= 0 else certify(point)
+    if np.isnan(point.softest):
+        point = replace(point, softest=last[1].softest)
+    if last[1].stable < 0 <= point.stable:
+        last = last[0], certify(last[1])
+    if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
+        _doubt(system, leg, last, point)
+    return point, between(system, certify, leg, last, (point.position, point))
+
+
+def probe(system, leg, history, point):
+    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable part lies in between.
+
+    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and where it would not be at the
+    rate of the last step, solves in between tell whether it loses its stability and regains it.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    history : [(position, Point), ...] of the leg, before the point
+    """
+    if len(history) < 2 or system.examiner is None:
+        return
+    (before, first), (here, last) = history[-2:]
+    ahead = last.softest + (last.softest - first.softest) * (point.position - here) / (here - before)
+    softened = ahead < SOFT or point.softest < max(SOFT, SOFTER * last.softest)
+    if not softened or min(last.softest, point.softest) < 0.0:
+        return
+    known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
+    if far > SHORT:
+        back = system.along_tangent(point, leg, point.position, here - point.position)
+        if system.progress(point.state, last.state, back) < BACK:
+            raise NotConverged("a mode softened, and the branch where the step ended hardly leads back")
+    for _ in range(PROBES if far > LONG and ahead < SOFT else 0):
+        places = sorted(known)
+        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest for place in pair))
+        position = 0.5 * sum(pair)
+        known[position] = _solved(system, leg, known, position, far)
+        if known[position].softest < 0.0:
+            raise NotConverged(f"a mode that is stable at both ends of the step is not at {system.told(leg.controls, leg.load(position))}")
+
+
+def _doubt(system, leg, last, point):
+    """Say where a branch loses its stability that is not certified; NotConverged where a point is another branch's."""
+    def place(position):
+        return system.told(leg.controls, leg.load(position))
+
+    before, after = system.examiner(last[1]), system.examiner(point)
+    if min(before.unstable_modes, after.unstable_modes) > 0:
+        system.log(f"the branch is not stable at {place(last[0])}: a fold or a bifurcation was passed before; "
+                   "-continuation_stability certifies points")
+    change = after.unstable_modes - before.unstable_modes
+    if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
+        system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} and {place(point.position)}: "
+                   "-continuation_stability certifies its points")
+        return
+    for critical in between(system, system.examiner, leg, (last[0], before), (point.position, after)):
+        system.log(f"a bifurcation at {place(critical.position)} is passed, and points beyond are not stable: "
+                   "-continuation_stability certifies them, -continuation_at_bifurcation follow goes on beside")
+
+
+def between(system, stability, leg, before, after):
+    """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
+
+    None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a bracketed root of its eigenvalue
+    (Brent's method) along the branch, which is solved for in between. NotConverged where that fails and an odd number changes:
+    that happens at folds and bifurcations only (the index of a branch stays), so that the neighbours lie on two branches. Else what
+    is not located is told of.
+
+    Parameters
+    ----------
+    system : Corrector
+    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that eigenvalue, point marked at it)
+    leg : Leg
+    before, after : (position, Point)
+    """
+    if min(before[1].unstable_modes, after[1].unstable_modes) < 0:
+        return []
+    fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
+    found = []
+    if before[1].event == "bifurcation" and fewer < more:
+        # A path that goes on from an archive: one of the modes that change is that of its last point.
+        found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
+    for index in range(fewer, more):
+        sentence = (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} between "
+                    f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
+                    "but no bifurcation was located there")
+        try:
+            if any(_fades(stability, point, index) for _, point in (before, after)):
+                continue
+            point = _root(system, stability, leg, [before, after], index)
+        except NotConverged as error:
+            if (before[1].unstable_modes - after[1].unstable_modes) % 2:
+                raise NotConverged(f"{sentence}: {error}") from None
+            system.log(f"{sentence}: {error}")
+            continue
+        if point is None:
+            system.log(f"{sentence}: an eigenvalue jumps through zero")
+            continue
+        # Both of a complex pair cross at one place.
+        if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
+            found.append(point)
+    return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _fades(stability, point, index):
+    """Whether a mode is neutral since forces move a body that the law no longer holds: off the flat, or sliding.
+
+    As the law fades its eigenvalue goes to zero, which it does not cross.
+    """
+    free = not point.in_contact and point.controls[0] == "force" or point.sliding and "force" in point.controls[1:]
+    return free and abs(stability.critical(point, index)[0]) <= NEUTRAL
+
+
+def _precision(leg, position):
+    """That of the position at a place."""
+    reached, way = leg.load(position)[leg.moving], leg.direction[leg.moving]
+    return PRECISION * max(abs(reached), 1e-3 * abs(way)) / abs(way)
+
+
+def _root(system, stability, leg, ends, index):
+    """The point where an eigenvalue vanishes, None where it jumps and the state does not; NotConverged where a solve leaves the branch."""
+    known, values = dict(ends), {}
+    far = system.missed(ends[0][1].state, ends[1][1].state)
+
+    def value(position):
+        if position not in known:
+            known[position] = _solved(system, leg, known, position, far)
+        if position not in values:  # found anew, an eigenvalue near zero might have another sign
+            values[position], known[position] = stability.critical(known[position], index)
+        return values[position]
+
+    first, last = (value(position) for position, _ in ends)
+    if first * last > 0.0:
+        raise NotConverged(f"the eigenvalue is {first:.2g} and {last:.2g} there")
+    precision = min(_precision(leg, position) for position, _ in ends)
+    place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
+    value(place)
+    if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
+        if _apart(system, known, values) > PARTED * far:
+            raise NotConverged("an eigenvalue jumps through zero, and the state with it")
+        return None
+    # A bifurcation next to a fold, whose copy this may be, is none.
+    return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation",
+                   fold_kind="", fold_precision=0.0, tangents=(), stable=0, unstable_modes=index)
+
+
+def _apart(system, known, values):
+    """How far states are apart where an eigenvalue changes its sign, at the nearest places with either: little at a corner."""
+    places = sorted(values)
+    changes = [pair for pair in zip(places, places[1:]) if values[pair[0]] * values[pair[1]] < 0.0]
+    below, above = min(changes, key=lambda pair: pair[1] - pair[0])
+    return system.missed(known[below].state, known[above].state)
+
+
+def _solved(system, leg, known, position, far):
+    """The point at a position between two known ones."""
+    nodes = [max(place for place in known if place < position), min(place for place in known if place > position)]
+    guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
+    point = system.solve(guess, leg.controls, leg.load(position))
+    if system.missed(guess, point.state) > 0.5 * far:
+        raise NotConverged("a solve in between left the branch")
+    return point
+
+
+def followed(system, stability, leg, critical, beyond):
+    """The stable point to which a disturbance leads where a branch has lost its stability, and None if it leads nowhere else.
+
+    Motion begins next to the point ``beyond``, which is not stable any more: at the bifurcation itself it would be infinitely
+    slow. Where it leads to a state that is another one at the bifurcation's load, too, that is a jump there (event ``jump``); else
+    it is the branch that begins there.
+
+    Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to another equilibrium.
+    """
+    where = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch that has lost its stability"
+    failure = None
+    for kick in KICKS:
+        start = system.kicked(beyond, stability.aside(replace(beyond, mode=critical.mode)), kick)
+        try:
+            reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
+        except (NotConverged, NoEquilibrium) as error:
+            # A body that leaves to one side may stay on the other.
+            system.log(f"{error}; trying again from elsewhere")
+            failure = failure or error
+            continue
+        if system.missed(beyond.state, reached.state) >= 0.3 * system.missed(beyond.state, start):
+            return _branched(system, leg, critical, beyond, reached)
+    if failure is not None:
+        raise failure
+    system.log(f"the motion {where} led back to it")
+    return None
+
+
+def _branched(system, leg, critical, beyond, reached):
+    """What a motion beside a branch reached: a point of another branch that begins at the bifurcation, or a jump there."""
+    reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
+    try:
+        there = system.solve(reached.state, leg.controls, leg.load(critical.position))
+    except NotConverged:
+        return reached
+    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state, reached.state):
+        return reached
+    return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
+
+
+def settled(system, stability, point, where):
+    """The end of a jump, gone on from along its least stable mode while it is marked as unstable; at most three times.
+
+    The motion of an even state is even, but what is not even may grow: only the mark tells.
+    """
+    for _ in range(3):
+        point = stability(point)
+        if point.unstable_modes <= 0:
+            break
+        system.log(f"the jump {where} ended in an unstable state: going on along its mode")
+        start = system.kicked(point, stability.aside(stability.critical(point, 0)[1]), 1.0)
+        found = system.settle(start, point.controls, point.load, where, point.state)
+        point = replace(found, jump_work=point.jump_work + found.jump_work, viscous_work=point.viscous_work + found.viscous_work)
+    return point

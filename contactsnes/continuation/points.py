@@ -1,0 +1,163 @@
+"""Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand to each other."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+class NotConverged(RuntimeError):
+    """A solve ended without a converged point; the message names PETSc's reasons."""
+
+
+class NoFold(NotConverged):
+    """The search along the arc found neither a fold nor a way past the trouble."""
+
+
+class TooCoarse(RuntimeError):
+    """A point misses the accuracy for which its grid was chosen.
+
+    Attributes
+    ----------
+    scene : Scene, on the grid to take instead
+    load, error : of the point; the relative error is too large
+    """
+
+    def __init__(self, sentence, scene, load, error):
+        super().__init__(sentence)
+        self.scene, self.load, self.error = scene, load, error
+
+
+class NoEquilibrium(RuntimeError):
+    """No equilibrium exists under the present loads: the body leaves, or slides without end."""
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Where a branch goes, per unit of its length: change of the state (a state itself) and of the position in the leg."""
+
+    state: object
+    rate: float
+
+
+@dataclass(frozen=True)
+class Point:
+    """A converged point of a branch.
+
+    Attributes
+    ----------
+    state : displacements and means (``contactsnes.contact.states.State``)
+    controls : 'displacement' or 'force' for each component
+    load : controlled values (u_n,r, u_t,r or w_n,r, w_t,r by ``controls``)
+    displacements, forces : D, U, ... and W, T, ... of each component, controlled or not
+    leg, position, step : leg of the path (0: start), place in it (0 to 1) and the step to try next (same unit)
+    arc : length of the step along the branch to try next, ranges of the law; 0 in natural continuation
+    origin : controlled values where the leg began
+    in_contact, sliding : whether a node is in contact; whether all of those have slipped past the law's peak
+    residual_norm, largest_residual : of the archive; the second nan where nobody looked at it
+    spent : name -> count of iterations, evaluations, transforms and time since the point before
+    event, fold_kind : as in the archive
+    elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law has no potential)
+    external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost in jumps since the path began
+    energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
+    smooth_steps : steps since the path's last corner, which a quadrature may join
+    jump_work, viscous_work : done on the interface and against the body's viscosity along the overdamped motion of a jump, phi_n
+        beta; nan elsewhere
+    jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
+    tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
+        the directions on its two sides
+    fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that are no folds
+    resolved : 0 where edges of contact or slip stick between nodes, or the law has become steeper than they resolve, so that a fold
+        may be the grid's own, else 1
+    softest : smallest real part among the Ritz values of the solve's last linear systems, a by-product: below zero where a mode is
+        unstable; nan where they tell nothing
+    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found
+    leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.dynamics.stability``)
+    """
+
+    state: object
+    controls: tuple
+    load: np.ndarray
+    displacements: np.ndarray
+    forces: np.ndarray
+    in_contact: bool
+    sliding: bool
+    residual_norm: float
+    largest_residual: float = np.nan
+    leg: int = 0
+    position: float = 0.0
+    step: float = 0.0
+    arc: float = 0.0
+    origin: np.ndarray = None
+    spent: dict = field(default_factory=dict)
+    event: str = "none"
+    fold_kind: str = ""
+    elastic_energy: float = np.nan
+    interfacial_energy: float = np.nan
+    external_work: float = np.nan
+    interface_work: float = np.nan
+    dissipated_work: float = np.nan
+    energy_imbalance: float = np.nan
+    smooth_steps: int = 0
+    jump_work: float = np.nan
+    viscous_work: float = np.nan
+    jump_balance: str = ""
+    tangents: tuple = ()
+    fold_precision: float = 0.0
+    resolved: int = 1
+    softest: float = np.nan
+    stable: int = -1
+    unstable_modes: int = -1
+    leading_eigenvalue: complex = complex(np.nan, np.nan)
+    mode: object = None
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A straight leg between two sets of controlled values, and the sizes of its steps as parts of its length."""
+
+    number: int
+    controls: tuple
+    start: np.ndarray
+    end: np.ndarray
+    moving: int
+    initial: float
+    largest: float
+    smallest: float
+
+    @property
+    def direction(self):
+        """Change of the controlled values along the whole leg."""
+        return self.end - self.start
+
+    def load(self, position):
+        """Controlled values at a place of the leg, exact at its end."""
+        return self.end.copy() if position == 1.0 else self.start + position * self.direction
+
+
+def lagrange_weights(nodes, target):
+    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``."""
+    nodes = np.asarray(nodes, dtype=float)
+    return np.array([np.prod((target - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k)))
+                     for k in range(len(nodes))])
+
+
+def unfinished_fold(history):
+    """How many of the last points (of a killed run) are a fold, with its further events, that no jump follows yet.
+
+    The state beyond a fold is not archived, so that it has to be found again.
+    """
+    events = [point.event for point in history]
+    folds = [place for place, event in enumerate(events) if event == "fold"]
+    return len(events) - folds[-1] if folds and "jump" not in events[folds[-1]:] else 0
+
+
+def new_points(branch, waiting):
+    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the archive has already."""
+    left = waiting
+    for point in branch:
+        if left == 0:
+            yield point
+        elif point.event == "fold" or left < waiting:
+            left -= 1
+    if left:
+        raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")

@@ -1,0 +1,1 @@
+"""Motion: how a jump goes on, and whether a point is stable."""

@@ -1,0 +1,194 @@
+"""Motion to rest at fixed loads, from a fold or from the undeformed body: where it settles, polished by Newton."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..contact import states
+from ..contact.energies import straight, weights
+from ..contact.forms import ForceForm
+from ..continuation.points import NoEquilibrium, NotConverged
+from ..options.database import read
+from ..solvers.snes import COLD, create_snes, solver_type
+from .overdamped import Flow, Leaving, MotionOptions, Unsettled
+
+BESIDE = 5.0
+"""Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
+
+
+ENDLESS = "the body leaves or slides without end"
+"""What is said of a motion without an equilibrium."""
+
+RESTS = (1e-6, 1e-8, 1e-10)
+"""Speeds at which a motion is handed over to Newton's method, the next if that leads elsewhere.
+
+Ranges a relaxation time.
+"""
+
+BASIN = 0.02
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
+
+Ranges of the law.
+"""
+
+
+def kicked(contact, fold, beyond, part):
+    """The state beside a fold from which the motion of a jump begins.
+
+    Along the null vector, the way the branch goes on; at a corner, which has none, along the branch behind it. A plateau of the
+    load has neither: towards a state beyond it.
+
+    Parameters
+    ----------
+    contact : Contact
+    fold : Point
+    beyond : State, of the branch behind the fold
+    part : float, of the distance -jump_motion_kick
+    """
+    state = fold.state
+    if fold.tangents:
+        change = fold.tangents[-1].state
+        beyond = states.State(change.window, states.onto(state, change.window) + change.displacement, state.means + change.means)
+    part *= read(MotionOptions).kick / max(states.missed(contact, state, beyond), 1e-12)
+    return states.combined(contact, [beyond, state], [part, 1.0 - part])
+
+
+def settle(system, state, controls, load, where, origin=None):
+    """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
+
+    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method is relaxation
+    itself, it is inertial (FIRE on the whole cell).
+
+    Parameters
+    ----------
+    system : Corrector
+    state : State
+    controls, load : of each component
+    where : str, what a message says of the place
+    origin : State, the equilibrium at this load from which the motion begins, if it does: works are known where that is near
+
+    Raises
+    ------
+    NoEquilibrium : where overdamped motion shows that the body leaves or slides without end
+    NotConverged : where the motion does not settle
+    """
+    if not np.isfinite(state.displacement).all():
+        raise NotConverged(f"the motion {where} cannot begin: its start holds NaN or infinite values")
+    options, state = read(MotionOptions), states.with_components(state, len(controls))
+    newton = system.settings.form == "displacement" or solver_type().startswith("newton")
+    overdamped = options.type == "overdamped" and newton
+    failure = None
+    if overdamped:
+        try:
+            return flowed(system, state, controls, load, origin, options)
+        except Leaving:
+            raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+        except (Unsettled, NotConverged) as error:
+            failure = str(error)
+            system.log(f"the overdamped motion {where} cannot be followed ({error}): following motion "
+                       "with inertia on the whole cell, which may lead to another equilibrium")
+    try:
+        return fallen(system, state, controls, load, where)
+    except Leaving:
+        # Inertia may carry a body past an equilibrium.
+        if failure is None:
+            return unhurried(system, state, controls, load, where, options)
+    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
+                       f"cannot be followed: {failure}")
+
+
+def unhurried(system, state, controls, load, where, options):
+    """What overdamped motion leads to where motion with inertia has no end; errors as of `settle`."""
+    try:
+        return flowed(system, state, controls, load, None, options)
+    except Leaving:
+        raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+    except Unsettled as error:
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
+                           f"cannot be followed: {error}") from None
+
+
+def flowed(system, state, controls, load, origin, options):
+    """The equilibrium that overdamped motion leads to, with the works done on interface and against viscosity since ``origin``.
+
+    Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
+    """
+    if not np.isfinite(state.displacement).all():
+        raise NotConverged("it cannot begin: its start holds NaN or infinite values")
+    contact, state = system.contact, system._fitted(state)
+    flow = Flow(contact, system.symmetry, controls, load, state, system.totals, options)
+    point = handover(system, flow, controls, load)
+    if origin is None or states.missed(contact, origin, state) > BESIDE:
+        return point
+    flow.works[0] += straight(contact, origin, state)
+    works = contact.grid.node_area * flow.works @ weights(contact, len(controls))
+    return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
+
+
+def handover(system, flow, controls, load):
+    """The converged point where a motion comes to rest, followed on until Newton confirms it."""
+    for rest in RESTS:
+        flow.follow(rest)
+        try:
+            return polished(system, flow.state(), controls, load)
+        except NotConverged as error:
+            reason = str(error)
+    raise NotConverged(reason)
+
+
+def polished(system, rest, controls, load):
+    """The converged point where a motion came to rest. NotConverged where Newton's method leads elsewhere."""
+    point = system.solve(rest, controls, load, COLD)
+    # Off the flat the balance hardly says where the body is.
+    far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
+    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
+        return point
+    raise NotConverged("Newton's solution is not where the motion led")
+
+
+def fallen(system, state, controls, load, where):
+    """The equilibrium that damped motion with inertia leads to on the whole cell.
+
+    Raises Leaving where the body leaves, NotConverged where it does not settle.
+    """
+    form = ForceForm(system.contact.periodic, controls)
+    form.set_load(load)
+    unknown = form.pack(system.contact.extended(states.with_components(state, form.components)))
+    first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
+    for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
+        unknown = relaxed(system, form, unknown, tolerance, where)
+        try:
+            return polished(system, system._state(form, unknown), controls, load)
+        except NotConverged as error:
+            reason = str(error)
+    raise NotConverged(f"the motion {where} settled, but {reason}")
+
+
+def handed_over(system, guess, controls, load):
+    """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish."""
+    form = ForceForm(system.contact, controls)
+    form.set_load(load)
+    unknown = form.pack(system.contact.extended(guess))
+    try:
+        unknown = relaxed(system, form, unknown, system.settings.first_tolerance, "of the relaxation", "first_")
+    except Leaving:
+        raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None
+    return system._state(form, unknown)
+
+
+def relaxed(system, form, unknown, tolerance, where, prefix="jump_"):
+    """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``.
+
+    With options under ``prefix``; errors as of `fallen`.
+    """
+    snes = create_snes(form, prefix=prefix)
+    snes.setType("python")
+    snes.setPythonType("contactsnes.solvers.relaxation.Fire")
+    snes.setTolerances(atol=tolerance, max_it=20000)
+    snes.setFromOptions()
+    try:
+        return system._newton(form, unknown, None, snes)[0]
+    except NotConverged as error:
+        if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
+            raise Leaving from None
+        raise NotConverged(f"the motion {where} did not settle: {error}") from None

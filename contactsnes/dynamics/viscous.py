@@ -1,0 +1,181 @@
+"""Equations of overdamped motion of a contact under fixed loads, on the window where the law acts, and their implicit steps.
+
+M u' = -(K u + t): the body is one whose material creeps with the relaxation time 1 (Kelvin and Voigt), M = K for every wave,
+and a mean that can move has the mass of `contact.Contact.mean_mass`. So u = w + m, with the means m of the components, and
+
+    w' = -(w + C t),    m' = -(k_0 (m - far displacement) + mean t - prescribed mean) / m_0.
+
+Linear systems (c + J) of implicit steps are those of Newton's method with the tangent D/(1 + c): form, operator and
+preconditioner serve as they are.
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..contact.even_form import HalfForm
+from ..contact.forms import DisplacementForm
+from ..contact.problem import FORCE
+from ..grid.even import EvenWindow
+from ..interface.laws import CUTOFF
+from ..options.database import read
+from ..solvers.motion import LEVELLED, slides
+from ..solvers.snes import NewtonOptions, RegularisedStep, create_snes, kept
+
+EXACTNESS = 1e-4
+"""Relative tolerance of the linear solves of a step, unless -jump_ksp_rtol gives one."""
+
+
+class Equations:
+    """The motion's equations on one window, for x = [u over its scale, m of the means that move].
+
+    Parameters
+    ----------
+    contact : Contact
+    window : Window, centred if ``even``
+    even : whether states are even about the apex
+    controls, load : of each component
+    """
+
+    def __init__(self, contact, window, even, controls, load):
+        self.contact, self.window, count = contact, window, len(controls)
+        compliance = contact.rigid_compliance(count)
+        pulled = np.array([control == FORCE for control in controls])
+        # Around an isolated contact the rigid compliance is a part of the body's response like any other wave.
+        sprung = (compliance > 0.0) & ~pulled & (not contact.isolated)
+        self.moving = np.flatnonzero(pulled | sprung)
+        self.pulled = pulled[self.moving]
+        self.inner = np.where(self.pulled & contact.isolated, compliance[self.moving], 0.0)
+        self.mass = contact.mean_mass(count)[self.moving]
+        self.stiffness = np.where(self.pulled, 0.0, 1.0 / np.where(sprung, compliance, 1.0)[self.moving])
+        self.half = EvenWindow(window) if even else None
+        controls = [FORCE if i in self.moving else control for i, control in enumerate(controls)]
+        self.form = HalfForm(contact, self.half, controls) if even else DisplacementForm(contact, window, controls)
+        self.far, load = contact.far_displacement(count, load), np.array(load, dtype=float)
+        load[sprung] = 0.0
+        self.form.set_load(load)
+        self.target = (load / self.form.factor)[self.moving] / contact.grid.size
+        self.snes = create_snes(self.form, "jump_")
+        self.matrix = kept(self.snes.getJacobian()[0])
+        # Else the SNES would set the tolerance of these solves by how its own last one went.
+        self.snes.setUseEW(False)
+        self.snes.getKSP().setOperators(self.matrix)
+        self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size) for _ in range(3))
+        options = read(NewtonOptions, "jump_")
+        self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
+        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", EXACTNESS)
+        self._iterations = 0
+
+    def spent(self):
+        """What the solves on this window cost: name -> count."""
+        return {"linear_iterations": self._iterations, "function_evaluations": self.form.evaluations,
+                "jacobian_products": self.form.products}
+
+    def folded(self, field):
+        """A field (components, nodes of the window) at the nodes of the equations."""
+        return self.half.fold(field) if self.half else field
+
+    def unfolded(self, field):
+        """A field (components, nodes of the window) from its values at the nodes of the equations."""
+        return self.half.unfold(field) if self.half else field
+
+    def pack(self, displacement, means):
+        """The unknown of displacements (components, nodes of the window) and means (components)."""
+        return self.form.pack(self.folded(displacement), means[self.moving])
+
+    def displacement(self, unknown):
+        """Displacements (components, nodes of the equations), ranges of the law."""
+        return self.form.displacement(unknown)
+
+    def gap(self, unknown):
+        """Gap (components, nodes of the equations), ranges of the law, in memory of the form."""
+        return self.form.gap(unknown)
+
+    def traction(self, unknown):
+        """Tractions of the law (components, nodes of the equations)."""
+        return self.contact.law.traction(self.gap(unknown))
+
+    def mean(self, tractions):
+        """Mean over the cell, for each component."""
+        return self.form.grid.sum(tractions) / self.contact.grid.size
+
+    def response(self, tractions):
+        """What the means that move give way to tractions by the body's own compliance."""
+        return self.inner * self.mean(tractions)[self.moving]
+
+    def _spread(self, means):
+        """Uniform displacements of the means that move, as the first part of an unknown."""
+        field = np.zeros(self.form.shape)
+        field[self.moving] = means[:, None]
+        return field.reshape(-1) / self.form.root
+
+    def _pull(self, means, traction):
+        """m' from the means that move and the mean tractions."""
+        held = self.stiffness * (means - self.far[self.moving])
+        return -(held + traction[self.moving] - self.target) / self.mass
+
+    def imbalance(self, unknown):
+        """w + C t as the first part of an unknown, and m'."""
+        form, count = self.form, self.form.count
+        residual, mean = form.residual(unknown, np.empty(form.size)), self.mean(self.traction(unknown))
+        return residual[:count] + self._spread(self.inner * mean[self.moving]), self._pull(unknown[count:], mean)
+
+    def rate(self, unknown):
+        """x': one residual."""
+        field, means = self.imbalance(unknown)
+        return np.append(self._spread(means) - field, means)
+
+    def newton(self, guess, shift, known, tolerance):
+        """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its linear system was solved."""
+        form, count, scale = self.form, self.form.count, 1.0 + shift
+        field, pull = self.imbalance(guess)
+        form.linearise(guess)
+        form.tangent /= scale
+        # A mean that moves with the body's response to it: x stands for m less that response.
+        share = 1.0 + shift * self.inner * self.mass / scale
+        drag = self.contact.grid.size * self.mass / scale / share
+        form.drag[self.moving] = drag * (shift + self.stiffness / self.mass)
+        right, means = self._right.getArray(), guess[count:]
+        free, start = (vector[:count] - self._spread(vector[count:]) for vector in (guess, known))
+        right[:count] = (field + shift * free - start) / scale
+        right[count:] = form.row_scale[self.moving] * drag * (shift * means - known[count:] - pull)
+        ksp = kept(self.snes.getKSP())
+        self.matrix.assemble()
+        ksp.setTolerances(rtol=self._exactness, atol=tolerance / scale)
+        ksp.solve(self._right, self._step)
+        self._iterations += ksp.getIterationNumber()
+        step = self._step.getArray()
+        response = self.response(form.stiffen(form.displacement(step), form.work))
+        if self._regularised:
+            self._guess.setArray(guess)
+            self._regularised(self._guess, self._step)
+        step[count:] += response
+        return guess - step, ksp.getConvergedReason() > 0
+
+    def size(self, change, near, scale=1.0):
+        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square, or a third of the largest.
+
+        At all nodes where the law acts at none.
+        """
+        grid, change = self.form.grid, np.abs(self.displacement(change)) / scale
+        near = near if grid.count(near) else np.ones_like(near)
+        change = change * near
+        mean = np.sum(grid.sum(change ** 2)) / (len(change) * grid.count(near))
+        return max(float(np.sqrt(mean)), float(grid.maximum(change)) / 3.0)
+
+    def leaving(self, unknown, velocity):
+        """The component that is pulled and that no traction will balance as it is, or None.
+
+        At a velocity of the means that move.
+        """
+        gap, grid = self.gap(unknown), self.form.grid
+        for place in np.flatnonzero(self.pulled):
+            component, target = self.moving[place], self.target[place]
+            if velocity[place] * target <= 0.0:
+                continue
+            if component == 0 and target > 0.0 and grid.minimum(gap[0]) > CUTOFF:
+                return 0
+            if component > 0 and abs(unknown[self.form.count + place]) > LEVELLED:
+                pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
+                if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size, pressed):
+                    return component
+        return None

@@ -1,0 +1,240 @@
+"""Windows of several boxes, one around each spot of contact where spots are far apart: which nodes, and their convolution.
+
+Beyond the boxes there is no traction. So m boxes respond to each other by the cell's own kernel at their offsets: each is
+transformed on a circle of twice the largest extent, and the spectra are coupled in pairs. That is exact, and as cheap as the
+boxes are small beside the cell and few.
+"""
+
+import math
+from functools import cached_property
+
+import numpy as np
+from scipy import ndimage
+
+from .cell import Convolution, Transform, Window, clear_padding, enclosing
+
+MOST = 24
+"""Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their neighbours."""
+
+MULTIPLICATION, POINTWISE, CALL = 5.0, 40.0, 1e4
+"""Cost of a complex multiplication for each point of a circle, of the work besides convolutions for each node of a window, and of
+handling a box, where a transform of m points costs m ln m (measured)."""
+
+WORTH = 0.8
+"""Part of the cost of the one window below which boxes are worth the check that nothing else comes within the law's range."""
+
+
+class Spots:
+    """Nodes of several disjoint boxes of the cell, all of one shape, with the interface of `cell.Window`.
+
+    Parameters
+    ----------
+    grid : the cell
+    start : first nodes, array (boxes, directions)
+    shape : nodes of a box in each direction
+
+    Attributes
+    ----------
+    parts : the boxes, each a Window; nodes are those of one box after the other
+    """
+
+    even, is_whole = False, False
+
+    def __init__(self, grid, start, shape):
+        self.grid, self.limits, self.shape = grid, grid.shape, tuple(int(n) for n in shape)
+        self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start), key=lambda part: part.start))
+        self.start = tuple(part.start for part in self.parts)
+        self.size = len(self.parts) * self.parts[0].size
+        self._which = self.start, self.shape, grid.shape, grid.periods
+
+    __eq__, __hash__ = Window.__eq__, Window.__hash__
+
+    @cached_property
+    def indices(self):
+        """What picks the nodes from a field over the cell, in their order."""
+        numbers = np.arange(self.grid.size).reshape(self.grid.shape)
+        return np.unravel_index(self.take(numbers), self.grid.shape)
+
+    def take(self, field):
+        """Values (..., nodes) of a field (..., *grid) at these nodes."""
+        return np.concatenate([part.take(field) for part in self.parts], axis=-1)
+
+    def put(self, values, field):
+        """Write values (..., nodes) into a field (..., *grid) at these nodes."""
+        for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
+            field[(..., *part.indices)] = own
+
+    def box(self, values):
+        """View values (..., nodes) as (..., boxes, *box)."""
+        return values.reshape(*values.shape[:-1], len(self.parts), *self.shape)
+
+    def rim(self):
+        """Mask of the nodes on the borders of the boxes, in directions that these do not fill."""
+        return np.tile(self.parts[0].rim(), len(self.parts))
+
+    def area_below(self, values, level):
+        """Length or area where values (nodes) lie below a level, as that of a window in each box."""
+        return sum(part.area_below(own.reshape(-1), level) for part, own in zip(self.parts, self.box(values)))
+
+    def at_level(self, values, level, fields):
+        """Fields (components, nodes) where values (nodes) cross a level, as those of a window in each box."""
+        both = self.box(np.concatenate([values[None], fields]))
+        return np.concatenate([part.at_level(own[0].reshape(-1), level, own[1:].reshape(len(fields), -1))
+                               for part, own in zip(self.parts, np.moveaxis(both, 1, 0))], axis=1)
+
+    def circle(self):
+        """Shape of the circle on which each box is transformed."""
+        return self.parts[0].circle()
+
+
+def of_boxes(grid, start, shape):
+    """The window of a shape at a first node, or that of several boxes at some (boxes, directions)."""
+    return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
+
+
+def reaching(window):
+    """The window a fifth further on either side of its boxes; itself where there is no room for that."""
+    shape, extra = window.grid.shape, [max(2, extent // 5) for extent in window.shape]
+    wide = [extent + 2 * more for extent, more in zip(window.shape, extra)]
+    if any(extent >= total for extent, total in zip(wide, shape)):
+        return window
+    if len(window.parts) == 1:
+        return Window(window.grid, [start - more for start, more in zip(window.start, extra)], wide)
+    first = (np.array(window.start) - extra) % shape
+    return window if np.triu(_overlap(first, np.broadcast_to(wide, first.shape), shape), 1).any() else Spots(window.grid, first, wide)
+
+
+def in_words(window):
+    """What is solved on a window, a sentence for the log."""
+    boxes, total = len(window.parts), window.grid.size
+    if boxes == 1:
+        return f"spots near one another: one window of {window.size} nodes of {total}"
+    return f"spots far apart: {boxes} boxes with {window.size} nodes in all instead of {total}"
+
+
+class SpotsConvolution:
+    """Product of a circulant operator of the cell with fields on several boxes: as `cell.Convolution`.
+
+    Parameters
+    ----------
+    window : Spots
+    operator : Operator on the cell
+    count : number of components
+    """
+
+    def __init__(self, window, operator, count):
+        self.window, self.count = window, count
+        boxes, circle = len(window.parts), window.circle()
+        self.transform = plan = Transform(window.grid, circle, count * boxes)
+        self._real, self._spectrum = plan.real.reshape(count, boxes, *circle), plan.spectrum.reshape(count, boxes, -1)
+        self._product = np.empty_like(self._spectrum[0])
+        self._sums = np.empty_like(self._spectrum)
+        self._inside = (slice(None), slice(None), *(slice(0, n) for n in window.shape))
+        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+
+    def _couplings(self, operator, key, circle):
+        """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
+        parts, extents = self.window.parts, self.window.shape
+        found = np.empty((len(parts), *self._spectrum.shape[1:]), dtype=complex)
+        # The kernel of a real block is even, that of an imaginary one odd: the way back is the conjugate of the way there.
+        sign = 1.0 if np.isrealobj(operator.blocks[key]) else -1.0
+        for i, part in enumerate(parts):
+            for j, other in enumerate(parts[:i + 1]):
+                found[i, j] = operator.between(key, extents, circle, np.subtract(part.start, other.start)).reshape(-1)
+                if i != j:
+                    np.multiply(sign, found[i, j].conj(), out=found[j, i])
+        return found
+
+    def apply(self, values, out, transposed=False):
+        """out (components, nodes) = operator, or its transpose, times values (components, nodes), perhaps the same array."""
+        self._real[self._inside] = self.window.box(values)
+        self.transform.forward()
+        self._sums[...] = 0.0
+        for (i, j), block in self.blocks.items():
+            if transposed:
+                np.einsum("abk,ak->bk", block, self._spectrum[i].conj(), out=self._product)
+                self._sums[j] += np.conj(self._product, out=self._product)
+            else:
+                self._sums[i] += np.einsum("abk,bk->ak", block, self._spectrum[j], out=self._product)
+        self._spectrum[...] = self._sums
+        self.transform.backward()
+        self.window.box(out)[...] = self._real[self._inside]
+        clear_padding(self.transform.real, self.window.shape)
+        return out
+
+
+def convolution(window, operator, count):
+    """The product of an operator with fields on a window, of one box or several."""
+    return (SpotsConvolution if len(window.parts) > 1 else Convolution)(window, operator, count)
+
+
+def cost(window):
+    """Predicted time of a product with the Jacobian, for each component, where a transform of m points takes m ln m."""
+    boxes, points = len(window.parts), math.prod(window.circle())
+    handling = CALL * boxes if boxes > 1 else 0.0
+    return 2.0 * boxes * points * math.log(points) + MULTIPLICATION * boxes ** 2 * points + POINTWISE * window.size + handling
+
+
+def fitting(grid, mask, margin):
+    """The cheapest window around the nodes where ``mask`` (over the cell) holds: one box as `cell.enclosing`, or several.
+
+    Boxes are made around connected nodes and joined, the pair with the smallest common box first, until one is left; of all these
+    windows the one whose products with the Jacobian are predicted to be cheapest is taken, by `cost`.
+    """
+    one = enclosing(grid, mask, margin)
+    if np.count_nonzero(mask) > 0.5 * one.size:
+        return one
+    boxes, best, least = _clusters(mask), one, WORTH * cost(one)
+    while len(boxes[0]) > 1:
+        first, extent = _widened(*boxes, margin, grid.shape)
+        touching = np.triu(_overlap(first, extent, grid.shape), 1)
+        if not touching.any():
+            window = Spots(grid, first, extent[0])
+            if cost(window) < least:
+                best, least = window, cost(window)
+        boxes = _joined(*boxes, touching, grid.shape)
+    return best
+
+
+def _clusters(mask):
+    """First nodes and extents, arrays (boxes, directions), of the boxes around connected nodes of a mask."""
+    stride, blocks = 1, mask
+    labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
+    while count > MOST:
+        for axis, points in enumerate(blocks.shape):
+            blocks = np.logical_or.reduceat(blocks, np.arange(0, points, 2), axis=axis)
+        stride *= 2
+        labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
+    boxes = [[(stride * line.start, min(stride * line.stop, total)) for line, total in zip(box, mask.shape)]
+             for box in ndimage.find_objects(labels)]
+    first, after = np.moveaxis(np.array(boxes).reshape(-1, mask.ndim, 2), -1, 0)
+    return first, after - first
+
+
+def _widened(first, extent, margin, shape):
+    """Boxes widened to one extent, the largest and on each side two nodes and a part of it; all of a direction if not half as long."""
+    largest = np.max(extent, axis=0)
+    wide = largest + 2 * (2 + (margin * largest).astype(int))
+    wide = np.where(2 * wide - 1 >= shape, shape, wide)
+    first = (first - (wide - extent) // 2) % shape
+    return np.where(wide == shape, 0, first), np.broadcast_to(wide, extent.shape)
+
+
+def _overlap(first, extent, shape):
+    """Whether pairs of boxes, cyclic, have nodes in common, array (boxes, boxes)."""
+    ahead = (first[None] - first[:, None]) % shape
+    return np.all((ahead < extent[:, None]) | (np.swapaxes(ahead, 0, 1) < extent[None]), axis=-1)
+
+
+def _joined(first, extent, touching, shape):
+    """The boxes with one less: of the pairs that touch, or of all, that with the smallest common box is one from now on."""
+    ahead = (first[None] - first[:, None]) % shape
+    forth = np.maximum(extent[:, None], ahead + extent[None])
+    back = np.swapaxes(forth, 0, 1)
+    common = np.minimum(np.minimum(forth, back), shape)
+    allowed = touching if touching.any() else np.triu(np.ones_like(touching), 1)
+    i, j = np.unravel_index(np.argmin(np.where(allowed, np.prod(common, axis=-1), np.inf)), allowed.shape)
+    first, extent = first.copy(), extent.copy()
+    first[i] = np.where(forth[i, j] <= back[i, j], first[i], first[j])
+    extent[i] = common[i, j]
+    return np.delete(first, j, axis=0), np.delete(extent, j, axis=0)

@@ -1,0 +1,1 @@
+"""What meets at the interface: traction laws, elastic bodies, shapes and rough surfaces."""

@@ -1,0 +1,1 @@
+"""Options: fields of dataclasses, files of options, and PETSc's database."""

@@ -1,0 +1,169 @@
+"""Options as fields of frozen dataclasses: meaning, unit, default and range in one place, and their checks."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import operator
+from typing import ClassVar
+
+
+class InputError(ValueError):
+    """Bad input: one sentence with the option, its value, what is allowed and what to try."""
+
+
+def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
+           many=None, infinite=False, even=False, word=None, default_text=None):
+    """A dataclass field that is an option of the database.
+
+    Parameters
+    ----------
+    default : value of the field; None where it depends on others (`default_text` then says how)
+    meaning, unit : str, for the help; an empty unit is dimensionless
+    kind : 'flag', 'integer', 'number' or 'text'; by default the type of `default`
+    minimum, maximum : bounds that are allowed themselves; above, below : bounds that are not
+    choices : tuple of the allowed values
+    many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
+    infinite : whether inf is allowed
+    even : whether an integer has to be even
+    word : a text that is allowed besides
+    """
+    if kind is None:
+        kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
+    rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
+                choices=choices, many=many, infinite=infinite, even=even, word=word,
+                default_text=as_text(default) if default_text is None else default_text)
+    return dataclasses.field(default=default, metadata=rule)
+
+
+LARGEST = 1e30
+"""Size up to which numbers are computed with, and the inverse of the least: powers and products of some of them do not overflow."""
+
+
+def computable(value):
+    """Whether a number is 0, inf or nan, or of a size whose powers neither overflow nor vanish."""
+    return value == 0 or not math.isfinite(value) or 1 / LARGEST <= abs(value) <= LARGEST
+
+
+def as_text(value):
+    """A value as it is typed on the command line; None is an empty text."""
+    if isinstance(value, (tuple, list)):
+        return ",".join(map(as_text, value))
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return repr(float(value)).removesuffix(".0")
+    return "" if value is None else str(value)
+
+
+def allowed(rule):
+    """What the metadata `rule` of a field allow, in words."""
+    if rule["choices"]:
+        text = ("one of " if len(rule["choices"]) > 1 else "only ") + ", ".join(map(as_text, rule["choices"]))
+    else:
+        text = {"flag": "true or false", "text": "text", "number": "a number",
+                "integer": "an even number" if rule["even"] else "a whole number"}[rule["kind"]]
+        words = (("above", "above"), ("minimum", "at least"), ("below", "below"), ("maximum", "at most"))
+        bounds = [f"{word} {as_text(rule[key])}" for key, word in words if rule[key] is not None]
+        text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
+    several = {None: "", "directions": "; one, or one per direction with a comma",
+               "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
+    return text + several[rule["many"]] + (f"; or {rule['word']}" if rule["word"] else "")
+
+
+def number(text, convert=float):
+    """The number that a text stands for; ValueError, too, for other digits than 0 to 9 and for underscores, which Python reads."""
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"{text!r} is no number")
+    return convert(text)
+
+
+def nearest(name, names, cutoff=0.4):
+    """The one of `names` that looks most like `name`, or an empty text where none is as alike as `cutoff` (0 to 1)."""
+    return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
+
+
+def _single(value, rule):
+    """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
+    kind = rule["kind"]
+    own_type = {"flag": bool, "text": str}.get(kind)
+    if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
+        raise TypeError
+    value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
+    outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt), ("maximum", operator.gt),
+               ("above", operator.le), ("below", operator.ge))
+    if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
+        raise ValueError
+    if kind in ("number", "integer") and not computable(value):
+        raise ValueError
+    if kind == "number" and (math.isnan(value) or (math.isinf(value) and not rule["infinite"])):
+        raise ValueError
+    if rule["even"] and value % 2:
+        raise ValueError
+    return value
+
+
+def checked(name, value, rule):
+    """The value of option `name`, or InputError."""
+    if isinstance(value, str) and value == rule["word"]:
+        return value
+    several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
+    if rule["many"] == "list" and isinstance(value, str):
+        value, several = tuple(part.strip() for part in value.split(",")), True
+    try:
+        values = tuple(_single(item, rule) for item in (value if several else (value,)))
+        if not values or (rule["many"] == "directions" and len(values) > 2):
+            raise ValueError
+    except (ValueError, TypeError):
+        known = map(as_text, rule["choices"] or ())
+        guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:") else rule["default_text"])
+        items = value if isinstance(value, (tuple, list)) else (value,)
+        beyond = any(isinstance(item, (int, float)) and not computable(item) for item in items)
+        raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
+                         + (f", of a size from {1 / LARGEST:g} to {LARGEST:g}" if beyond else "")
+                         + (f"; try {guess}" if guess else "")) from None
+    if rule["many"] == "list":
+        return ",".join(values)
+    return values if len(values) > 1 else values[0]
+
+
+COMMON = []
+"""Dataclasses of options that every command knows, in the order of the help; whoever owns them declares them."""
+
+
+def declare(*classes):
+    """Make dataclasses of options known to every command; the classes."""
+    COMMON.extend(classes)
+    return classes
+
+
+class Options:
+    """Base of the frozen dataclasses of options: checks every field by its metadata (InputError).
+
+    A subclass has a `prefix`, with which all its options begin, and a `title` for the help; its fields are made by `option`.
+    """
+
+    prefix: ClassVar[str]
+    title: ClassVar[str]
+
+    def __post_init__(self):
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if value is not None or field.default is not None:
+                object.__setattr__(self, field.name, checked(self.option_name(field.name), value, field.metadata))
+
+    @classmethod
+    def typed(cls, **values):
+        """The instance for values as they are typed."""
+        return cls(**values)
+
+    @classmethod
+    def rule(cls, field):
+        """Metadata of a field: what its option means and allows."""
+        return cls.__dataclass_fields__[field].metadata
+
+    @classmethod
+    def option_name(cls, field):
+        """The option of a field as it is typed, for instance -scene_poisson."""
+        return f"-{cls.prefix}{field}"

@@ -1,0 +1,205 @@
+"""Going on from points of an earlier run: what must be the same, what may differ, and their places on the path.
+
+What decides the states that are there must be the same: the scene, heights by their checksum, where the
+path begins and its legs that are done. How states are solved for may differ, and so may legs that are
+not begun; the end of the leg under way may, too, where it lies ahead in the same direction.
+"""
+
+import hashlib
+import shlex
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..options.database import is_option
+from ..options.fields import InputError
+
+SOURCES = ("geometry_file",)
+"""Attributes of a scene that say where something came from: its checksum decides."""
+
+ROUNDING = 1e-9
+"""Relative distance of loads that are the same."""
+
+
+class Run(NamedTuple):
+    """One of the runs that made an archive: its first point (from 0), its options, versions of programs."""
+
+    first: int
+    options: str
+    versions: str
+
+
+def runs(file):
+    """The runs that an archive, an open file, was made by; older ones tell of the newest only."""
+    if "runs" not in file:
+        return [Run(0, file.attrs["options"], file.attrs["versions"])]
+    texts = (file["runs"][name].asstr() for name in Run._fields[1:])
+    return [Run(int(first), *others) for first, *others in zip(file["runs/first"], *texts)]
+
+
+def checksum(heights):
+    """SHA-256 of an array of heights, whatever it was stored in."""
+    return hashlib.sha256(np.ascontiguousarray(heights, dtype="<f8").tobytes()).hexdigest()
+
+
+def entries(text):
+    """Name (without dash) -> value of the options in a text, in one line or many; the later wins."""
+    try:
+        words = shlex.split(text)
+    except ValueError:  # a lone quotation mark
+        words = text.split()
+    found, name = {}, ""
+    for word in words:
+        if is_option(word):
+            name = word.lstrip("-")
+            found[name] = ""
+        elif name:
+            found[name] = f"{found[name]} {word}".strip()
+    return found
+
+
+def legs(found):
+    """The legs of the load path among options, as they are written."""
+    path = found.get("load_path", "")
+    return [" ".join(leg.split()) for leg in path.split(";")] if path.strip() else []
+
+
+def _meaning(text):
+    """What a text says of quantities, whatever its blanks, order and spelling of numbers."""
+    pieces = (piece.split("=") for piece in text.split(","))
+    return sorted(tuple(_number(part.strip()) for part in piece) for piece in pieces)
+
+
+def _number(text):
+    """A number in one spelling, or the text."""
+    try:
+        return repr(float(text))
+    except ValueError:
+        return text
+
+
+def differences(scene, options, others, other_options, done):
+    """What decides the states of two runs and differs: [(name, there, here), ...].
+
+    Parameters
+    ----------
+    scene, others : attributes of the scene there and here
+    options, other_options : text of the options there and here
+    done : number of legs that are done there
+    """
+    before, now = entries(options), entries(other_options)
+    names = [name for name in {**others, **scene} if name not in SOURCES]
+    pairs = [(name, scene.get(name, "not given"), others.get(name, "not given")) for name in names]
+    found = [(name, *(np.asarray(value).tolist() for value in (old, new))) for name, old, new in pairs
+             if not _agree(old, new)]
+    texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
+    for number in range(min(done, len(legs(before)))):
+        there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))] for entry in (before, now))
+        texts.append((f"leg {number + 1} of load_path, which is done,", there, here))
+    return found + [text for text in texts if _meaning(text[1]) != _meaning(text[2])]
+
+
+def _agree(old, new):
+    """Whether two attributes are the same; numbers that were derived are so to rounding, which machines differ in."""
+    old, new = np.asarray(old), np.asarray(new)
+    if old.shape != new.shape or {old.dtype.kind, new.dtype.kind} - set("fiu"):
+        return np.array_equal(old, new)
+    return np.allclose(old, new, rtol=1e-12, atol=0.0)
+
+
+def changes(options, other_options):
+    """What differs in the options there and here and decides no state that is there: sentences."""
+    before, now = entries(options), entries(other_options)
+    names = [name for name in sorted({**before, **now})
+             if not name.startswith("archive_") and before.get(name) != now.get(name)]
+    told = {name: [entry.get(name, "not given") or "given" for entry in (now, before)] for name in names}
+    return [f"-{name} is {here}, before that {there}" for name, (here, there) in told.items()]
+
+
+def has_more(options, other_options, event):
+    """Whether a path that ended at a point with an event goes on by other options.
+
+    Either that event was its end and is no more, or it has more legs now.
+    """
+    before, now = entries(options), entries(other_options)
+    return not _ends(now, event) and (_ends(before, event) or len(legs(now)) > len(legs(before)))
+
+
+def _ends(found, event):
+    """Whether options end a path at a point for its event."""
+    stops = [name.strip() for name in found.get("load_stop", "").split(",")]
+    at = {"fold": found.get("continuation_at_fold"), "bifurcation": found.get("continuation_at_bifurcation")}
+    return event in stops or at.get(event) == "stop"
+
+
+def on_path(points, initial, path, controls, told):
+    """Points of an earlier run with their places on a path whose legs may end elsewhere than they did.
+
+    Parameters
+    ----------
+    points : of the earlier run, oldest first: all, or the last ones
+    initial : component -> Control at the start
+    path : the legs, load.Leg
+    controls : what controls each component at the start and along each leg (``load.controls_along``)
+    told : function (controls, load) -> str, loads in words and in the scene's units
+
+    Raises
+    ------
+    InputError : for a point that does not lie on the path
+    """
+    placed = []
+    for point in points:
+        if point.leg > len(path):
+            raise InputError(f"the points to go on from reach leg {point.leg}, but -load_path has {len(path)}: "
+                             "give the legs that are done, too")
+        under, asked = tuple(point.controls), controls[point.leg][:len(point.controls)]
+        if under != asked:
+            raise InputError(f"the points to go on from are under {', '.join(under)} control in leg {point.leg}, "
+                             f"but -load_path has {', '.join(asked)} control there: legs that are begun must be the same")
+        if placed:
+            _check_between(placed[-1], point, path)
+        named = initial if point.leg == 0 else path[point.leg - 1].controls
+        placed.append(_placed(point, named, told))
+    return placed
+
+
+def _check_between(last, point, path):
+    """InputError unless a leg was done before points of a later one, and those between them move nothing."""
+    if 0 < last.leg < point.leg and last.position != 1.0:
+        raise InputError(f"the points to go on from leave leg {last.leg} before it ends: "
+                         "legs that are done must be the same")
+    for number in range(last.leg + 1, point.leg):
+        for component, (control, value) in path[number - 1].controls.items():
+            reached = [*(last.forces if control == "force" else last.displacements), 0.0, 0.0][component]
+            if value is not None and not _same(value, reached):
+                raise InputError(f"the points to go on from have none of leg {number}, which moves: "
+                                 "legs that are done must be the same")
+
+
+def _placed(point, named, told):
+    """A point with its place in a leg that ends at named values."""
+    load = np.asarray(point.load)
+    origin = load if point.leg == 0 or point.origin is None else np.asarray(point.origin)
+    end = np.array([named[i].value if i in named and named[i].value is not None else value
+                    for i, value in enumerate(origin)])
+    way, gone = end - origin, load - origin
+    moving = next((i for i in named if i < len(way) and way[i] != 0.0), None)
+    position = 0.0 if moving is None else float(gone[moving] / way[moving])
+    if abs(position - point.position) <= ROUNDING or point.leg == 0:
+        position = point.position
+    elif abs(position - 1.0) <= ROUNDING:
+        position = 1.0
+    aside = not all(_same(*pair) for pair in zip(load, end if point.leg == 0 else origin + position * way))
+    if aside or position > 1.0 or position * point.position < 0.0:
+        where = "beside it" if aside else "beyond its end" if position > 1.0 else "behind its beginning"
+        raise InputError(f"a point to go on from lies at {told(point.controls, load)} in leg {point.leg} of -load_path, {where}: "
+                         "legs that are begun must lead through their points")
+    if position == point.position:
+        return point
+    return replace(point, position=position, step=point.step * position / point.position)
+
+
+def _same(one, other):
+    """Whether two loads are the same but for rounding."""
+    return abs(one - other) <= ROUNDING * max(1.0, abs(one), abs(other))

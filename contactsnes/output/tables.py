@@ -1,0 +1,89 @@
+"""Tables in files: CSV for people and spreadsheets, HDF5 for programs. A file is replaced whole, so that it is never half written."""
+
+import csv
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ..system.devices import Lenient
+
+
+def markdown(heading, rows):
+    """Lines of a table in Markdown, from lists of texts."""
+    return [f"| {' | '.join(line)} |" for line in (heading, ["---"] * len(heading), *rows)]
+
+
+def write_between(path, begin, end, text):
+    """Put a text between two marks of a file, each of which stands there once; ValueError otherwise."""
+    content = Path(path).read_text(encoding="utf-8")
+    if content.count(begin) != 1 or content.count(end) != 1:
+        raise ValueError(f"{Path(path).name} has lost its marks '{begin.strip()}' and '{end.strip()}'")
+    before, rest = content.split(begin)
+    Path(path).write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
+
+
+def write_csv(path, columns, rows):
+    """Write a table with one line a row (a mapping), its heading the names of the columns; numbers in full."""
+    def write(partial):
+        with open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(columns), extrasaction="ignore", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    _replace(path, write)
+
+
+def write_hdf5(path, attributes, content):
+    """Write nested mappings of names to arrays, numbers, strings or lists of them as groups and datasets.
+
+    Parameters
+    ----------
+    path : path of the file
+    attributes : mapping, attributes of the root
+    content : nested mapping; a value may be a pair (data, unit), the unit then is the dataset's attribute ``unit``
+    """
+    def write(partial):
+        with Lenient(partial) as device, h5py.File(device, "w") as file:
+            file.attrs.update(attributes)
+            _fill(file, content)
+        device.check()
+    _replace(path, write)
+
+
+def read_hdf5(path):
+    """The attributes of the root and the content of a file of `write_hdf5`, units left out; strings as arrays of str."""
+    with h5py.File(path, "r") as file:
+        return dict(file.attrs), _content(file)
+
+
+def _fill(group, content):
+    """Write nested mappings into a group."""
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            _fill(group.create_group(name), value)
+            continue
+        data, unit = value if isinstance(value, tuple) else (value, None)
+        data = np.asarray(data)
+        if data.dtype.kind == "U":
+            data = data.astype(h5py.string_dtype())
+        group[name] = data
+        if unit is not None:
+            group[name].attrs["unit"] = unit
+
+
+def _content(group):
+    """Nested dictionaries of arrays from a group."""
+    return {name: _content(item) if isinstance(item, h5py.Group)
+            else (item.asstr()[...] if h5py.check_string_dtype(item.dtype) else item[...]) for name, item in group.items()}
+
+
+def _replace(path, write):
+    """Let ``write`` make a file beside ``path`` and put that in its place."""
+    partial = Path(path).with_name(Path(path).name + ".partial")
+    try:
+        write(partial)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

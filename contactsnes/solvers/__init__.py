@@ -1,0 +1,1 @@
+"""PETSc's nonlinear solvers around the contact problem: Newton's method, preconditioners, multigrid, dynamic relaxation."""

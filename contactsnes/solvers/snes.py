@@ -1,0 +1,243 @@
+"""PETSc's nonlinear solver around a form of the contact problem: operators, defaults, and the user's options over them."""
+
+import atexit
+import weakref
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..interface.laws import SOFTENING
+from ..options.database import read
+from ..options.fields import Options, option
+from .multigrid import create_levels
+
+NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
+    or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
+"""Reason to stop at a norm that is no number, by its older or its newer name."""
+
+
+COLD, WARM = 200, 16
+"""Most Newton iterations of a solve from afar, and of a step: one that needs more is better made shorter."""
+
+
+@dataclass(frozen=True)
+class NewtonOptions(Options):
+    """Options of Newton's step that PETSc does not have."""
+
+    prefix: ClassVar[str] = "snes_regularised_"
+    title: ClassVar[str] = "Newton in the regularised gap"
+    gap: bool = option(True, "take Newton's step in w = a + t_n(a)/kappa, where the repulsion is no exponential")
+    stiffness: float = option(0.2, "kappa, above the law's steepest softening 0.135", "phi_n/delta_n^2", above=SOFTENING)
+
+
+TELLING = 3
+"""Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
+
+
+class Jacobian:
+    """PETSc's Mat context: the exact Jacobian of a form, matrix-free."""
+
+    def __init__(self, form):
+        self.form = form
+
+    def mult(self, mat, x, y):
+        """y = J x."""
+        self.form.apply_jacobian(x.getArray(readonly=True), y.getArray())
+
+    def multTranspose(self, mat, x, y):
+        """y = J^T x."""
+        self.form.apply_transpose(x.getArray(readonly=True), y.getArray())
+
+    def view(self, mat, viewer):
+        """What -snes_view prints of the operator."""
+        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: {self.form.components} component(s) on "
+                           f"{self.form.nodes} nodes, {self.form.size - self.form.count} scalar unknown(s)\n")
+
+
+class RegularisedStep:
+    """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap (pointwise, no transform)."""
+
+    def __init__(self, form, stiffness):
+        self.form, self.stiffness = form, stiffness
+
+    def __call__(self, x, y):
+        """Change the step y (the update is x - y) where it is long; True if it was changed."""
+        form = self.form
+        step = y.getArray()[:form.count].reshape(form.shape)[0]
+        root = np.broadcast_to(form.root, step.shape)
+        far = np.abs(step) * root > 0.1
+        if not far.any():
+            return False
+        gap = form.gap(x.getArray(readonly=True))[0][far]
+        root = root[far]
+        step[far] = -form.contact.law.regularised_step(gap, -root * step[far], self.stiffness) / root
+        return True
+
+
+def equip(snes, form):
+    """Give a SNES a form's function and exact Jacobian, and our defaults for its linear systems."""
+    snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), PETSc.Vec().createSeq(form.size))
+    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
+    matrix.setUp()
+
+    def linearise(snes, x, operator, preconditioner):
+        form.linearise(x.getArray(readonly=True))
+        # Assembling tells PETSc that the preconditioner has to be set up again.
+        operator.assemble()
+        if preconditioner.handle != operator.handle:
+            preconditioner.assemble()
+
+    snes.setJacobian(linearise, matrix, matrix)
+    ksp = snes.getKSP()
+    ksp.setType("fgmres")
+    ksp.setGMRESRestart(60)
+    ksp.setTolerances(max_it=150)
+    ksp.getPC().setType("python")
+    ksp.getPC().setPythonType("contactsnes.solvers.preconditioners.ZonePC")
+
+
+class Ritz:
+    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last two linear solves that tell.
+
+    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body that rests, so that a negative
+    one belongs to an unstable mode of J (Sylvester's law of inertia, where J is symmetric). They cost no product.
+    """
+
+    def __init__(self):
+        self.found = []
+
+    def __call__(self, snes, iteration, norm):
+        if iteration == 0:
+            self.found = []
+            return
+        values = snes.getKSP().computeEigenvalues()
+        if len(values) >= TELLING:
+            self.found.append(float(values.real.min()))
+
+    @property
+    def smallest(self):
+        """That number, nan where no solve told anything."""
+        return min(self.found[-2:], default=np.nan)
+
+
+def solver_type():
+    """Type of SNES that the user asks for."""
+    return PETSc.Options().getString("snes_type", "newtonls")
+
+
+@contextmanager
+def full_steps(database, kind):
+    """Line searches of Newton's method that the user has not chosen are none while PETSc reads its options, which are
+    afterwards as they were, however that ends."""
+    names = {"newtonls": ("",), "fas": ("fas_levels_", "fas_coarse_")}.get(kind, ())
+    names = [name + "snes_linesearch_type" for name in names]
+    names = [name for name in names if not database.hasName(name)]
+    try:
+        for name in names:
+            database[name] = "basic"
+        yield
+    finally:
+        for name in names:
+            database.delValue(name)
+
+
+def create_snes(form, prefix="", tolerance=None):
+    """The SNES of a form, set up by our defaults and then by the user's options.
+
+    Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the form's own
+    preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
+    A ``tolerance`` stands in place of -snes_atol.
+    """
+    database = PETSc.Options(prefix)
+    _collect()
+    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    kept(snes)
+    snes.setOptionsPrefix(prefix)
+    snes.appctx = form
+    equip(snes, form)
+    kind = database.getString("snes_type", "newtonls")
+    newton = kind.startswith("newton")
+    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200 if newton else 10000)
+    if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
+        snes.setConvergenceTest(displacement_test, (form,))
+    ksp = snes.getKSP()
+    with full_steps(database, kind):
+        smoothers = create_levels(snes, form, equip) if kind == "fas" else []
+        if (newton or kind == "python") and not database.hasName("ksp_rtol"):
+            snes.setUseEW(True)
+            snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
+        snes.setFromOptions()
+    if tolerance is not None:
+        snes.setTolerances(atol=tolerance)
+    if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
+        # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
+        ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
+    form.ritz = Ritz()
+    if newton:
+        ksp.setComputeEigenvalues(True)
+        snes.setMonitor(form.ritz)
+    regularised = read(NewtonOptions, prefix)
+    for solver, its_form in ((snes, form), *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
+        if regularised.gap and solver.getType() == "newtonls":
+            solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
+    return snes
+
+
+def inner_solvers(snes, form):
+    """The SNES objects inside another one on the same form, nonlinear preconditioners and the parts of compositions.
+
+    They get our function, Jacobian and preconditioner, too; all other defaults of theirs are PETSc's.
+    """
+    parts = range(snes.getCompositeNumber()) if snes.getType() == "composite" else ()
+    inner = [*([snes.getNPC()] if snes.hasNPC() else []), *map(snes.getCompositeSNES, parts)]
+    for solver in inner:
+        equip(solver, form)
+        solver.setFromOptions()
+    return inner + [deeper for solver in inner for deeper in inner_solvers(solver, form)]
+
+
+_alive = weakref.WeakValueDictionary()
+
+
+def kept(thing):
+    """A PETSc object that is destroyed when a script ends, whoever holds it still: an exception with its frames, for instance."""
+    _alive[id(thing)] = thing
+    return thing
+
+
+def _collect():
+    """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the problem's size."""
+    getattr(PETSc, "garbage_cleanup", lambda: None)()
+
+
+@atexit.register
+def _destroy_all():
+    """Destroy what a script still holds when it ends: PETSc would do so when Python's contexts can be called no more."""
+    for thing in list(_alive.values()):
+        thing.destroy()
+    _collect()
+
+
+def displacement_test(snes, iteration, norms, form):
+    """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
+
+    In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is a step.
+    """
+    rtol, atol, stol, most = snes.getTolerances()
+    unknown, imbalance = snes.getSolution().getArray(readonly=True), snes.getFunction()[0].getArray(readonly=True)
+    if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
+        imbalance = form.residual(unknown, np.empty(form.size))
+    norm = form.displacement_norm(unknown, imbalance) if form.name == "force" else np.linalg.norm(imbalance)
+    if not np.isfinite(norm):
+        return NOT_A_NUMBER
+    form.last_norm = norm
+    if iteration == 0:
+        form.first_norm = norm
+    if norm <= atol:
+        return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+    if iteration and norm <= rtol * form.first_norm:
+        return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE
+    return PETSc.SNES.ConvergedReason.ITERATING

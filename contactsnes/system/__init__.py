@@ -1,0 +1,1 @@
+"""The machine around a run: standard streams, files and disks that fail."""
