@@ -19,7 +19,7 @@ import pytest
 
 from contactsnes.output import archive
 from contactsnes.commands import cli
-from contactsnes.continuation.points import NotConverged, unfinished_fold
+from contactsnes.continuation.points import NotConverged, new_points, unfinished_fold
 from contactsnes.scene.settings import OPTION_CLASSES
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -295,10 +295,10 @@ def test_fold_without_its_jump_is_found_again(events, unfinished):
     assert unfinished_fold(history) == unfinished
     kept, tail = history[:len(history) - unfinished], history[len(history) - unfinished:]
     again = [*([SimpleNamespace(event="none")] if tail else []), *tail, SimpleNamespace(event="jump"), SimpleNamespace(event="fold")]
-    assert [point.event for point in cli.new_points(again, unfinished)] == ["jump", "fold"]
+    assert [point.event for point in new_points(again, unfinished)] == ["jump", "fold"]
     if unfinished:
         with pytest.raises(NotConverged, match="not found again"):
-            list(cli.new_points(again[:1], unfinished))
+            list(new_points(again[:1], unfinished))
     assert all(point.event != "fold" or "jump" in events for point in kept)
 
 
