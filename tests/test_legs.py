@@ -122,7 +122,7 @@ def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monke
     start = branch.corrector.start
     monkeypatch.setattr(branch.corrector, "start", lambda *load: replace(start(*load), softest=softest))
     monkeypatch.setattr(branch.corrector, "examiner", lambda point: replace(point, stable=int(not modes), unstable_modes=modes))
-    next(iter(branch))
+    assert next(iter(branch)).stable == (0 if told else -1)
     assert any("the first point, at normal_displacement 0, is not stable: 2 modes" in sentence for sentence in sentences) is told
 
 
@@ -141,7 +141,8 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
         points = followed(path, scene, steps, "normal_displacement=-2", log=told.append)[1]
         found[stability] = [(point.leg, point.stable) for point in points if point.event == "none"]
     assert {stable for leg, stable in found["sign"] if leg < 3} == {1}
-    assert {stable for leg, stable in found["sign"] if leg == 3} == {0}
+    assert {stable for leg, stable in found["sign"] if leg == 3} == {stable for leg, stable in found["off"] if leg == 3} == {0}
+    assert {stable for leg, stable in found["off"] if leg < 3} == {-1}
     assert len([sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
     told.clear()
     # Also where what moves is not what was let go.
@@ -151,7 +152,8 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
     assert len([sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
     told.clear()
     for end in ("normal_force=3", "tangential_displacement=1"):
-        followed(f"normal_displacement=2; normal_force=hold; {end}", log=told.append)
+        points = followed(f"normal_displacement=2; normal_force=hold; {end}", log=told.append)[1]
+        assert {point.stable for point in points} == {-1}
     assert not any("unstable" in sentence for sentence in told)
 
 

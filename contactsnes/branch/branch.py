@@ -127,8 +127,7 @@ class Branch:
         grid = failures.Resolution(self.contact, self._log, self._last)
         try:
             for point in map(grid.marked, map(ledger.entered, points)):
-                self._say_what_cannot_be_held(point)
-                self._say_where_none_is_stable(point)
+                point = self._not_held(self._not_stable(point))
                 self._last = point
                 self._say_what_is_diluted(point)
                 yield point
@@ -252,33 +251,41 @@ class Branch:
                       f"{found.unstable_modes} modes are unstable now that a force holds what a displacement held; "
                       "-continuation_stability sign certifies points")
 
-    def _say_where_none_is_stable(self, point):
-        """Say of a first point or the end of a jump that it is not stable, if nobody checks: its linear solves tell at no cost."""
+    def _not_stable(self, point):
+        """A first point or the end of a jump marked, and told, where it is not stable and nobody checks: its linear solves tell."""
         examiner = self.corrector.examiner
         if self.stability is not None or examiner is None or not point.softest < 0.0 or not (point.leg == 0 or point.event == "jump"):
-            return
+            return point
         modes = examiner(replace(point, event="none", tangents=())).unstable_modes
-        if modes > 0:
-            what = "the end of a jump" if point.event == "jump" else "the first point"
-            self._log(f"{what}, at {self.corrector.told(point.controls, point.load)}, is not stable: {modes} modes are unstable; "
-                      "-continuation_stability sign certifies points, and follows jumps on")
+        if modes <= 0:
+            return point
+        what = "the end of a jump" if point.event == "jump" else "the first point"
+        self._log(f"{what}, at {self.corrector.told(point.controls, point.load)}, is not stable: {modes} modes are unstable; "
+                  "-continuation_stability sign certifies points, and follows jumps on")
+        return replace(point, stable=0, unstable_modes=modes)
 
-    def _say_what_cannot_be_held(self, point):
-        """Say of a leg whether it begins where the forces that it moves do not hold the body, if nobody checks stability.
+    def _not_held(self, point):
+        """A point marked where the force that moves does not hold the body, if nobody checks stability; told where its leg begins there.
 
         A displacement that goes against its force does so on an unstable part of the branch: what was stable while the
         displacement was held need not be so under the force.
         """
         last = self._last
-        if self.stability is not None or last is None or point.leg == last.leg or point.event == "jump":
-            return
+        if self.stability is not None or last is None or point.event == "jump":
+            return point
+        if point.state is last.state and point.leg == last.leg and point.event != "fold":
+            return replace(point, stable=last.stable)
         count = len(last.controls)
         forced = np.array([control == FORCE for control in point.controls[:count]])
-        moved = point.displacements[:count] - last.displacements
-        if (moved[~forced] == 0.0).all() and (point.forces[:count] - last.forces)[forced] @ moved[forced] < 0.0:
+        moved, changed = point.displacements[:count] - last.displacements, point.forces[:count] - last.forces
+        if (moved[~forced] != 0.0).any() or changed[forced] @ moved[forced] >= 0.0:
+            return point
+        if point.leg != last.leg:
             self._log(f"leg {point.leg} begins on an unstable part of the branch: at "
                       f"{self.corrector.told(point.controls, point.load)} the displacement goes against the force; "
                       "-continuation_stability sign tells more")
+        alone = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
+        return replace(point, stable=0) if alone else point
 
     def _leg_to(self, number, named, count, points, sizes):
         """A leg from the last point to named controls and values (None: held), or None where nothing moves.
