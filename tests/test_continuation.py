@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation import departures
-from contactsnes.continuation.arclength import ArcWalk, Trace
+from contactsnes.continuation.arclength import ArcWalk
+from contactsnes.continuation.walks import Trace
 from contactsnes.continuation.natural import (
     Walk, branch, fold_kind, grown, leg_history, predict, with_events
 )

@@ -88,6 +88,22 @@ def test_a_trace_finds_both_of_two_folds_near_each_other(maugis, begin, form, st
     np.testing.assert_allclose(folds(points)[:, 0], NEIGHBOURS[maugis], rtol=1e-8)
 
 
+@pytest.mark.parametrize("form, step", [("displacement", 0.704), ("force", 0.704), ("displacement", 0.2), ("force", 0.2)])
+def test_a_trace_passes_nearly_broken_bifurcations_on_its_branch(form, step, tmp_path):
+    """Two spots that are nearly the same, of which one makes contact first: the branch on which it is the other one is near.
+
+    The folds are those of steps of 0.005; long steps came upon two more, of the other branch.
+    """
+    x = 2.0 * np.pi * np.arange(-64, 64) / 128
+    waves = ((1, 1.07596378, 0.00257), (2, 0.454303575, 3.35e-6), (4, 0.18402526, 0.00106))
+    np.save(tmp_path / "two.npy", sum(height * np.cos(number * x + phase) for number, height, phase in waves))
+    scene = {"points": 128, "period": 60.0, "height": inf, "normal_maugis": 0.847, "geometry": "file", "poisson": 0.0,
+             "geometry_file": str(tmp_path / "two.npy"), "residual_friction": 0.52, "tangential_maugis": 0.166, "tangential": "on"}
+    points = walked(scene, "normal_displacement=2.316", step, step, "normal_displacement=-0.5", Form(form=form), at_fold="trace")
+    assert kinds(points) == [("fold", "jump_in"), ("fold", "pull_off")]
+    np.testing.assert_allclose(folds(points)[:, 0], (0.0668412, 0.058641), rtol=2e-6)
+
+
 def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
     """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two folds near each other hide."""
     scene = {"points": 192, "period": 38.343, "height": 50.0, "geometry": "sinusoid", "amplitude": 0.599, "normal_maugis": 1.54,

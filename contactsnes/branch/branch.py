@@ -9,7 +9,7 @@ from ..contact.even_form import refuse
 from ..contact.isolated import IsolatedContact, lay_out
 from ..contact.problem import DISPLACEMENT, FORCE, Contact
 from ..contact.states import State
-from ..continuation import arclength, natural
+from ..continuation import natural, walks
 from ..continuation.points import Leg, NotConverged, Point
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
@@ -84,7 +84,7 @@ class Branch:
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, solver_type())
         refuse_without_tangent(self.steps.stability, form, solver_type())
-        arclength.refuse(self.steps, solver_type())
+        walks.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector, self.steps.stability) if self.steps.stability != "off" else None
         # Branches of grids that pin bend at every node, and are marked as not resolved.
@@ -121,7 +121,7 @@ class Branch:
         points = natural.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
                                 at_fold=self.steps.at_fold, stops=self.load.stops, history=self.history,
                                 certify=self.stability or (lambda point: point),
-                                at_bifurcation=self.steps.at_bifurcation, walker=arclength.walker(self.steps))
+                                at_bifurcation=self.steps.at_bifurcation, walker=walks.walker(self.steps))
         ledger = energies.Ledger(self.contact, self.history)
         self._last, self._under_way = self.history[-1] if self.history else None, None
         grid = failures.Resolution(self.contact, self._log, self._last)

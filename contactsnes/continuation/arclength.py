@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..options.fields import InputError
-from . import departures
+from . import bifurcations, departures
 from .events import events_between, locate
 from .folds import Turn
 from .limit_points import FOLD_TOLERANCE, LimitPoint
@@ -20,6 +19,8 @@ BRIEF = 1e-4
 """A step along the arc below this part of the last ones has failed, if the load hardly moves in it."""
 LONG, SAME, BACK = 0.1, 1e-4, 0.45
 """Ranges in which a load that turns changes by more than rounding, those up to which folds are one, part of a way to lead back."""
+ASIDE = 0.05
+"""Ranges that a solve may end from its prediction without being asked whether the branch leads back from there."""
 PATIENCE = 40
 """Failures, less successes, after which a branch is given up."""
 NEARBY = 0.05
@@ -184,11 +185,19 @@ class ArcWalk(Walk):
         if (missed > 0.15 and missed > 0.5 * moved) or self.system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
+        if missed > ASIDE and (missed > 0.35 * moved or self.system.missed(self._back(point), last.state) > 0.5 * moved):
+            raise NotConverged("the branch where the step ended hardly leads back")
         ahead = self._way(last, point)
         if ahead == 0.0 or self._way(before, point) < min(self._way(before, last), ahead):
             raise NotConverged("the step led back along the branch")
         if abs(point.position - here) > 2.0 * self.leg.largest:
             raise NotConverged("the load moved by more than twice the largest step")
+
+    def _back(self, point):
+        """The state that the branch's direction at a new point has where the last one is."""
+        chord = self.history[-1][1].state, point.state
+        direction = self.system.direction(point, chord, self.leg)
+        return self.system.extrapolate([point, direction], [1.0, -self.system.chord_length(*chord)])
 
     def _slopes(self, point):
         """d(position)/d(length) at a new point, by the parabola through the last two and it, and the mean since the last."""
@@ -234,6 +243,7 @@ class ArcWalk(Walk):
             return None, False
         if late:
             limit = LimitPoint(self.system, self.leg, before, last, heading if before.event == "fold" else 0.0)
+        sides = (before, last) if late else (last, point)
         if not limit.bracketed or limit.sign != heading:
             if self._way(last, point) > NEARBY * self._way(before, last):
                 raise NotConverged("the load turns more than once in this step")
@@ -242,6 +252,8 @@ class ArcWalk(Walk):
         fold = limit.locate()
         if self.departed is not None and self.system.missed(self.departed.state, fold.state) < SAME:
             raise NotConverged("the step led back to the fold that a jump has left")
+        if self._way(*sides) > APART * LONG and bifurcations.crossed(self.system, self.certify, *sides):
+            raise NotConverged("the sides of the fold are as stable as each other, so that it is another branch's")
         return replace(fold, fold_kind=fold_kind(self.leg, heading)), late
 
     def _stands_still(self, last, point):
@@ -318,33 +330,3 @@ class ArcWalk(Walk):
             why = "it closes on itself"
         if why:
             raise NoEquilibrium(f"the branch does not lead to {self._place(1.0)}: {why}, at {self._place(here)}")
-
-
-class Trace(ArcWalk):
-    """Natural continuation to the first fold of a leg, arc length from there on."""
-
-    def __iter__(self):
-        last = self.history[-1][1]
-        if not last.arc and last.event != "fold":
-            self.at_fold = "stop"
-            yield from Walk.__iter__(self)
-            if not self.stopped or self.history[-1][1].event != "fold":
-                return
-            self.at_fold, self.stopped = "trace", False
-        yield from super().__iter__()
-
-
-def refuse(steps, solver):
-    """InputError where the length of a branch is asked for and the type of SNES solves without a tangent."""
-    asked = ("-continuation_type is 'arclength'" if steps.type == "arclength" else
-             "-continuation_at_fold is 'trace'" if steps.at_fold == "trace" else "")
-    if asked and not solver.startswith("newton"):
-        raise InputError(f"{asked}, but -snes_type {solver} has no tangent to follow a branch by: allowed are Newton's methods "
-                         "(newtonls, newtontr), or natural continuation that jumps or stops at a fold")
-
-
-def walker(steps):
-    """The class of walks that ``-continuation_type`` and ``-continuation_at_fold`` ask for."""
-    if steps.type == "arclength":
-        return ArcWalk
-    return Trace if steps.at_fold == "trace" else Walk

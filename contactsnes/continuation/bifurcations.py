@@ -75,6 +75,20 @@ def probe(system, leg, history, point):
             raise NotConverged(f"a mode that is stable at both ends of the step is not at {system.told(leg.controls, leg.load(position))}")
 
 
+def crossed(system, certify, first, last):
+    """Whether no odd number of modes loses its stability from one side of a fold to the other: the points are of two branches.
+
+    Parameters
+    ----------
+    system, certify : as of `examined`
+    first, last : points before and beyond the fold; one that is a fold itself tells nothing
+    """
+    if "fold" in (first.event, last.event):
+        return False
+    counts = [(point if point.unstable_modes >= 0 else (system.examiner or certify)(point)).unstable_modes for point in (first, last)]
+    return min(counts) >= 0 and (counts[1] - counts[0]) % 2 == 0
+
+
 def _doubt(system, leg, last, point):
     """Say where a branch loses its stability that is not certified; NotConverged where a point is another branch's."""
     def place(position):
