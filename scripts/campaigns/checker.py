@@ -510,6 +510,10 @@ class Checker:
         # Where a force has an extremum in a step, only its neighbours show how much it varies.
         if self.count > 2:
             doubts = np.maximum.reduce([doubts, np.append(doubts[1:], 0.0), np.append(0.0, doubts[:-1])])
+            for w, d, f in zip(self.weights, *loads):
+                steps = np.diff(d)
+                slopes = np.divide(np.diff(f), steps, out=np.zeros_like(steps), where=steps != 0.0)
+                doubts += 0.5 * w * steps ** 2 * np.append(np.abs(np.diff(slopes)), 0.0)
         for point in range(1, self.count):
             external = sum(w * (d[point] - d[point - 1]) * 0.5 * (f[point] + f[point - 1]) for w, d, f in zip(self.weights, *loads))
             doubt = doubts[point - 1]
