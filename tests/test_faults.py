@@ -363,7 +363,7 @@ def test_numbers_beyond_computing_are_refused_with_the_option():
 
 
 def test_files_are_read_under_limits_that_nobody_may_raise():
-    program = ("import resource; resource.setrlimit(resource.RLIMIT_CPU, (50, 50)); from contactsnes import devices; "
+    program = ("import resource; resource.setrlimit(resource.RLIMIT_CPU, (50, 50)); from contactsnes.system import devices; "
                "print(repr(devices.failure(lambda: None)))")
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.strip() == "''", done.stderr

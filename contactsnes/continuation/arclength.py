@@ -243,7 +243,6 @@ class ArcWalk(Walk):
             return None, False
         if late:
             limit = LimitPoint(self.system, self.leg, before, last, heading if before.event == "fold" else 0.0)
-        sides = (before, last) if late else (last, point)
         if not limit.bracketed or limit.sign != heading:
             if self._way(last, point) > NEARBY * self._way(before, last):
                 raise NotConverged("the load turns more than once in this step")
@@ -252,7 +251,7 @@ class ArcWalk(Walk):
         fold = limit.locate()
         if self.departed is not None and self.system.missed(self.departed.state, fold.state) < SAME:
             raise NotConverged("the step led back to the fold that a jump has left")
-        if self._way(*sides) > APART * LONG and bifurcations.crossed(self.system, self.certify, *sides):
+        if not late and self._way(last, point) > APART * LONG and bifurcations.crossed(self.system, self.certify, last, point):
             raise NotConverged("the sides of the fold are as stable as each other, so that it is another branch's")
         return replace(fold, fold_kind=fold_kind(self.leg, heading)), late
 

@@ -187,7 +187,7 @@ class LimitPoint:
         """The flattest station, two steps on: where the load is known to a tolerance, all else is known to its root only."""
         found = []
         try:
-            for _ in range(2):
+            while len(found) < 2 and self.right.place > self.left.place:
                 found.append(self._narrow(self._smooth(), closest=0.0, tight=True))
         except NotConverged:
             pass
