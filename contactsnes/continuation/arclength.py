@@ -243,12 +243,13 @@ class ArcWalk(Walk):
             return None, False
         if late:
             limit = LimitPoint(self.system, self.leg, before, last, heading if before.event == "fold" else 0.0)
-        if not limit.bracketed or limit.sign != heading:
-            if self._way(last, point) > NEARBY * self._way(before, last):
-                raise NotConverged("the load turns more than once in this step")
+        apart = limit.bracketed and limit.sign == heading
+        if not apart and self._way(last, point) > NEARBY * self._way(before, last):
+            raise NotConverged("the load turns more than once in this step")
+        fold = limit.locate() if apart else None
+        if fold is None or any(end.event == "fold" and self.system.missed(end.state, fold.state) < SAME for end in (before, last)):
             self.system.log(f"folds at {self._place(last.position)} are too near to each other to be told apart: going on")
             return None, False
-        fold = limit.locate()
         if self.departed is not None and self.system.missed(self.departed.state, fold.state) < SAME:
             raise NotConverged("the step led back to the fold that a jump has left")
         if not late and self._way(last, point) > APART * LONG and bifurcations.crossed(self.system, self.certify, last, point):
