@@ -447,7 +447,7 @@ def test_help(tmp_path):
     assert done.returncode == 0 and "-compare_repeats" in done.stdout and "-snes_fire_time_step" in done.stdout
 
 
-# The script behind the README's figure
+# The script behind the page's figure
 
 
 def script():
@@ -477,6 +477,7 @@ def test_the_figure_shows_methods_that_there_are():
     assert set(script().SHOWN) <= names
 
 
-def test_readme_has_the_marks_of_the_script():
-    readme, module = (ROOT / "README.md").read_text(encoding="utf-8"), script()
-    assert readme.count(module.BEGIN) == readme.count(module.END) == 1 and readme.index(module.BEGIN) < readme.index(module.END)
+def test_the_page_has_the_marks_of_the_script():
+    module = script()
+    text = module.PAGE.read_text(encoding="utf-8")
+    assert text.count(module.BEGIN) == text.count(module.END) == 1 and text.index(module.BEGIN) < text.index(module.END)

@@ -90,6 +90,6 @@ def test_results_are_written_drawn_and_read_again(script, measured, monkeypatch,
         script.main()
 
 
-def test_the_readme_has_its_marks(script):
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_has_its_marks(script):
+    text = script.PAGE.read_text(encoding="utf-8")
     assert text.count(script.BEGIN) == text.count(script.END) == 1

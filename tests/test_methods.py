@@ -168,8 +168,8 @@ def test_scenes_are_no_methods():
     assert {path.stem for path in FILES} - {path.stem for path in METHODS} >= {"cylinder", "sphere"}
 
 
-def test_readme_names_every_file():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_names_every_file():
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     assert [path.name for path in FILES if f"`{path.name}`" not in text] == []
 
 

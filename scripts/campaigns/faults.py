@@ -72,7 +72,7 @@ def plant(fault, folder):
 def copied(folder):
     """Copy what tests need of the tree into a folder."""
     ignore = shutil.ignore_patterns("__pycache__", "*.png", ".pytest_cache")
-    for name in ("contactsnes", "tests", "options", "scripts", "setup.cfg", "README.md", "pyproject.toml"):
+    for name in ("contactsnes", "docs", "examples", "tests", "options", "scripts", "setup.cfg", "README.md", "pyproject.toml"):
         source, target = ROOT / name, Path(folder, name)
         shutil.copytree(source, target, ignore=ignore) if source.is_dir() else shutil.copy(source, target)
 

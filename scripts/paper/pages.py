@@ -1,4 +1,4 @@
-"""The pages that show figures and statements: scripts/paper/README.md, and the gallery in the README."""
+"""The pages that show figures and statements: scripts/paper/README.md, and the gallery in docs."""
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from runs import ROOT, Finer
 from statement import evaluated, table
 
 HERE = ROOT / "scripts" / "paper"
+GALLERY = ROOT / "docs" / "gallery.md"
 BEGIN, END = "<!-- scripts/reproduce writes from here -->\n", "<!-- as far as here -->\n"
 CAPTIONS = {
     "figure2": "Figure 2: the traction-separation laws",
@@ -125,6 +126,6 @@ def write(results, runs, movements):
         *figure_table(movements), "", *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
         *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
-    gallery = [f'<img src="scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]
-    gallery += [f'<img src="scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">' for name, module in BEYOND.items()]
-    write_between(ROOT / "README.md", BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))
+    gallery = [f'<img src="../scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]
+    gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">' for name, module in BEYOND.items()]
+    write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))
