@@ -146,6 +146,16 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
     assert [line for line in told if line != "..." and not any(alike(line, other) for other in lines)] == []
 
 
+@every_page
+def test_other_blocks_have_nothing_to_run_but_scripts(page):
+    for block in blocks(page):
+        assert block.language in ("", "opts", "python", "sh", "text")
+        if block.language == "":
+            assert not re.search(r"^(contactsnes|python3?) ", block.text, flags=re.M)
+            for script in re.findall(r"(?:^| )(scripts/\S+)", block.text):
+                assert os.access(ROOT / script, os.X_OK), script
+
+
 # Links
 
 
