@@ -7,6 +7,7 @@ import importlib.util
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -92,3 +93,24 @@ def test_nothing_ends_in_silence(stress, tmp_path, monkeypatch, outcome):
     result = stress.judged(case, [], 5, compared=False)
     assert result.outcome == outcome and result.reason
     assert dataclasses.asdict(result)["outcome"] not in stress.SOUND
+
+
+def test_all_cases_go_to_the_page_and_some_do_not(stress, tmp_path, monkeypatch):
+    page, figure = tmp_path / "results.md", tmp_path / "stress.png"
+    monkeypatch.setattr(stress, "PAGE", page)
+    monkeypatch.setattr(stress, "FIGURE", figure)
+    page.write_text(f"before\n{stress.BEGIN}old\n{stress.END}after\n", encoding="utf-8")
+    cases = [next(stress.axes(True)), stress.random_case(1, 0)]
+    results = [stress.Result(outcome, "", 1, "", 0.0, 0.0, 0.0, 0.0) for outcome in ("converged", "timeout")]
+    everything = dict(method=None, only=None, quick=False, no_reference=False, random=None, seed=1, results=tmp_path)
+    stress.show(SimpleNamespace(**{**everything, "quick": True}), cases, results, "default")
+    assert "old" in page.read_text(encoding="utf-8") and not figure.exists()
+    stress.show(SimpleNamespace(**everything), cases, results, "default")
+    text = page.read_text(encoding="utf-8")
+    assert "| timeout | 1 |" in text and "| all | 2 |" in text and "old" not in text and figure.exists()
+    assert text.startswith("before\n") and text.endswith("after\n")
+
+
+def test_the_page_has_its_marks(stress):
+    text = stress.PAGE.read_text(encoding="utf-8")
+    assert text.count(stress.BEGIN) == text.count(stress.END) == 1
