@@ -1,7 +1,8 @@
-"""The documents: their commands and their Python run, links lead somewhere, pages say what there is.
+"""The documents: their commands and their Python run, links lead somewhere, pages are up to date.
 
-Blocks of ``sh``, ``opts`` and ``python`` are run page by page, in an empty folder that has options/ (docs/contributing.md
-tells how to write them); each line of a block of ``text`` has to be among what they print.
+Blocks of ``sh``, ``opts`` and ``python`` are run page by page, in an empty folder that has options/
+(docs/contributing.md tells how to write them); each line of a block of ``text`` has to be among what
+they print.
 """
 
 import importlib.machinery
@@ -63,7 +64,8 @@ def blocks(page):
 def prose(page):
     """Lines of a page outside its blocks, and outside what scripts write."""
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
-    return re.sub(r"<!-- \S+ writes from here -->.*?<!-- .*? -->", "", text, flags=re.S).splitlines()
+    written = r"<!-- \S+ writes from here -->.*?<!-- .*? -->"
+    return re.sub(written, "", text, flags=re.S).splitlines()
 
 
 def words(text):
@@ -77,8 +79,11 @@ def without_solving(arguments):
     command, *others = arguments
     if command == "plot" or "-help" in others:
         return None if command == "plot" else arguments
-    kept = [word for place, word in enumerate(others)
-            if not any(part.startswith("-compare_") for part in others[max(place - 1, 0):place + 1])]
+    kept, before = [], ""
+    for word in others:
+        if not (word.startswith("-compare_") or before.startswith("-compare_")):
+            kept.append(word)
+        before = word
     return ["info", *kept]
 
 
@@ -103,7 +108,7 @@ def run(command, info, folder):
 def alike(line, other):
     """Whether two lines have the same words and numbers: those of five digits or more to 1e-3.
 
-    Shorter ones are counts, costs and errors, which depend on the version of PETSc: a factor of two.
+    Shorter ones are counts, costs and errors, which depend on PETSc's version: a factor of two.
     """
     def number(word):
         try:
@@ -143,7 +148,8 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
         printed.append(call(["blocks.py"], tmp_path))
     lines = "\n".join(printed).splitlines()
     told = [line for block in found if block.language == "text" for line in block.text.splitlines()]
-    assert [line for line in told if line != "..." and not any(alike(line, other) for other in lines)] == []
+    missing = [line for line in told if not any(alike(line, other) for other in [*lines, "..."])]
+    assert missing == []
 
 
 @every_page
@@ -237,7 +243,7 @@ def test_marks_of_a_script_stand_once_on_its_page(script):
 def test_files_that_are_named_are_there():
     """Paths of the source, its scripts, tests and examples, in the words of any page."""
     pattern = r"`((?:contactsnes|scripts|tests|options|examples|docs)/[\w./-]*?\w(?:/|\b))`"
-    named = {(page.name, path) for page in PAGES for line in prose(page) for path in re.findall(pattern, line)}
+    named = {(page.name, path) for page in PAGES for path in re.findall(pattern, "\n".join(prose(page)))}
     assert len(named) > 50
     known = ("NAME.opts",)
     assert [(page, path) for page, path in sorted(named) if not path.endswith(known)
