@@ -1,8 +1,8 @@
 """The documents: their commands and their Python run, links lead somewhere, pages are up to date.
 
 Blocks of ``sh``, ``opts`` and ``python`` are run page by page, in an empty folder that has options/
-(docs/contributing.md tells how to write them); each line of a block of ``text`` has to be among what
-they print.
+(docs/contributing.md tells how to write them); each line of a block of ``text`` has to be among
+what they print.
 """
 
 import importlib.machinery
@@ -243,7 +243,8 @@ def test_marks_of_a_script_stand_once_on_its_page(script):
 def test_files_that_are_named_are_there():
     """Paths of the source, its scripts, tests and examples, in the words of any page."""
     pattern = r"`((?:contactsnes|scripts|tests|options|examples|docs)/[\w./-]*?\w(?:/|\b))`"
-    named = {(page.name, path) for page in PAGES for path in re.findall(pattern, "\n".join(prose(page)))}
+    named = {(page.name, path) for page in PAGES
+             for path in re.findall(pattern, "\n".join(prose(page)))}
     assert len(named) > 50
     known = ("NAME.opts",)
     assert [(page, path) for page, path in sorted(named) if not path.endswith(known)
