@@ -490,7 +490,7 @@ class Checker:
         if self.isolated:
             return
         energies = np.array([self.stored(point) for point in range(self.count)])
-        scale = 1.0 + np.abs(energies[:, 0]).max()
+        scale = 1.0 + sum(np.nanmax(np.abs(column), initial=0.0) for column in energies.T)
         work = sum(w * np.abs(self.path[d] * self.path[f]) for w, d, f in zip(self.weights, *(names(self.dimension, kind) for kind in (
             "displacement", "force"))))
         for column, values in zip(("elastic_energy", "interfacial_energy"), energies.T):
