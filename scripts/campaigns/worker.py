@@ -74,7 +74,8 @@ def run(job):
     if process == 0:
         status = 70
         try:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # as `contactsnes.__main__` has it before and after
+                signal.signal(number, lambda number, frame: os._exit(128 + number))
             limit = int(job["seconds"]) + 1
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
