@@ -70,12 +70,15 @@ def child(job):
 
 def run(job):
     """Fork, wait for the limit of CPU time, and on a busy machine a few times as long; exit status and CPU seconds."""
+    signals = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     begin, process = time.monotonic(), os.fork()
     if process == 0:
         status = 70
         try:
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # as `contactsnes.__main__` has it before and after
+            for number in signals:  # as `contactsnes.__main__` has it before and after
                 signal.signal(number, lambda number, frame: os._exit(128 + number))
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
             limit = int(job["seconds"]) + 1
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -92,6 +95,7 @@ def run(job):
             sys.stderr.flush()
         finally:
             os._exit(status)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
     return *wait(process, begin, job["seconds"], job.get("signal")), time.monotonic() - begin
 
 
