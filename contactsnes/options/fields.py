@@ -65,7 +65,9 @@ def allowed(rule):
         text = {"flag": "true or false", "text": "text", "number": "a number",
                 "integer": "an even number" if rule["even"] else "a whole number"}[rule["kind"]]
         words = (("above", "above"), ("minimum", "at least"), ("below", "below"), ("maximum", "at most"))
-        bounds = [f"{word} {as_text(rule[key])}" for key, word in words if rule[key] is not None]
+        # Computed bounds differ in their last bit from machine to machine.
+        rounded = {key: float(f"{rule[key]:.9g}") if isinstance(rule[key], float) else rule[key] for key, _ in words}
+        bounds = [f"{word} {as_text(rounded[key])}" for key, word in words if rule[key] is not None]
         text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
     several = {None: "", "directions": "; one, or one per direction with a comma",
                "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
