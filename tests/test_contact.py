@@ -22,7 +22,8 @@ from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.forms import DisplacementForm, ForceForm
 from contactsnes.grid.cell import Window
 from contactsnes.contact.isolated import IsolatedContact, lay_out
-from contactsnes.interface.laws import CUTOFF, Modified, SLIP
+from contactsnes.interface.laws.coupled import SLIP
+from contactsnes.interface.laws.modified import Modified
 from contactsnes.solvers.preconditioners import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0}, "thin": {"height": 2.0},
@@ -415,8 +416,8 @@ def test_window_holds_the_range_of_the_law():
     window = contact.window(cell)
     outside = cell.copy()
     outside[window.indices] = np.inf
-    assert outside.min() >= CUTOFF
-    assert window.size < 1.3 * np.count_nonzero(cell < CUTOFF)
+    assert outside.min() >= Modified.range
+    assert window.size < 1.3 * np.count_nonzero(cell < Modified.range)
 
 
 # Work

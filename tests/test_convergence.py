@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from contactsnes import Branch, Load, Scene, Steps
 from contactsnes import reference
 from contactsnes.contact.problem import DISPLACEMENT
-from contactsnes.interface.laws import SLIP, TANGENTIAL_PEAK
+from contactsnes.interface.laws.coupled import SLIP, TANGENTIAL_PEAK
 from contactsnes.contact.observables import Measurement
 from contactsnes.contact.states import State, with_components
 

@@ -9,7 +9,8 @@ import pytest
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
 from contactsnes.contact import states
 from contactsnes.contact.energies import Ledger, line_integral, stored, straight
-from contactsnes.interface.laws import CUTOFF, McGarry, Modified
+from contactsnes.interface.laws.mcgarry import McGarry
+from contactsnes.interface.laws.modified import Modified
 from contactsnes.contact.observables import observe
 from contactsnes.commands.progress import Progress
 
@@ -85,7 +86,7 @@ def test_tractions_are_derivatives_of_the_potential_where_there_is_one(law, deco
 
 
 def test_there_is_no_potential_where_slip_and_opening_meet():
-    apart, open_, overlap = CUTOFF + 1.0, 1.0, -0.5
+    apart, open_, overlap = Modified.range + 1.0, 1.0, -0.5
     for law, within in ((Modified(), True), (McGarry(), False)):
         assert law.potential(np.array([[open_], [1e-3]])) is None
         assert (law.potential(np.array([[overlap], [1e-3]])) is not None) == within

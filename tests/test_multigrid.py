@@ -15,7 +15,7 @@ from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E4
 from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
 from contactsnes.grid.cell import Window, transform_cost  # noqa: E402
-from contactsnes.interface.laws import MOVING_STIFFNESS, SOFTENING  # noqa: E402
+from contactsnes.interface.laws.coupled import Coupled  # noqa: E402
 from contactsnes.solvers.multigrid import CoarseForm, Transfer  # noqa: E402
 from contactsnes.options.database import read_file, unused_options  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
@@ -213,10 +213,10 @@ def test_overlap_moves_as_traction_and_the_rest_as_gap():
     assert laws[1][1] < 0.6 * laws[0][1] and np.abs(other[mine < -4.0] - mine[mine < -4.0]).min() > 0.5
     np.testing.assert_allclose(tractions[1][mine < -4.0], tractions[0][mine < -4.0], rtol=0.03)
     np.testing.assert_allclose(other[mine > 25.0] / laws[1][1], mine[mine > 25.0] / laws[0][1], rtol=1e-3)
-    kappa = MOVING_STIFFNESS / (laws[1][1] / laws[0][1]) ** 2
-    assert kappa > MOVING_STIFFNESS > SOFTENING
+    kappa = Coupled.moving_stiffness / (laws[1][1] / laws[0][1]) ** 2
+    assert kappa > Coupled.moving_stiffness > Coupled.softening
     np.testing.assert_allclose(laws[1][0].regularised(other, kappa) / laws[1][1],
-                               laws[0][0].regularised(mine, MOVING_STIFFNESS) / laws[0][1], atol=1e-7)
+                               laws[0][0].regularised(mine, Coupled.moving_stiffness) / laws[0][1], atol=1e-7)
 
 
 def test_a_correction_leads_where_injection_came_from():

@@ -8,7 +8,7 @@ from contactsnes.contact import edges as following, states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.continuation.natural import lagrange_weights
 from contactsnes.grid.cell import Window
-from contactsnes.interface.laws import CUTOFF
+from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps
 
 POINTS, PERIOD, MAUGIS = 512, 40.0, 3.0
@@ -174,7 +174,7 @@ def test_a_window_that_fits_is_kept():
     contact = line()
     # At the rim the gap is 2.7 + 30 (4 - 1) = 93 ranges: beyond the law, and not far beyond.
     state = parabola(contact, Window(contact.grid, (POINTS // 2 - 51,), (103,)), 2.0)
-    assert CUTOFF < states.normal_gap(contact, state)[0] < 4 * CUTOFF
+    assert Law.range < states.normal_gap(contact, state)[0] < 4 * Law.range
     assert states.fitted(contact, state) is state and states.covers(contact, state)
 
 
@@ -188,7 +188,7 @@ def test_a_window_that_is_too_small_grows():
     np.testing.assert_allclose(states.onto(fitted, small), state.displacement, atol=1e-9)
     outside = contact.extended(state)[0] + contact.initial_gap
     outside[fitted.window.indices] = np.inf
-    assert outside.min() >= CUTOFF
+    assert outside.min() >= Law.range
 
 
 def test_the_whole_cell_is_left_where_the_contact_is_small():
@@ -197,7 +197,7 @@ def test_the_whole_cell_is_left_where_the_contact_is_small():
     fitted = states.fitted(contact, state)
     assert fitted.window.size < POINTS // 2
     np.testing.assert_array_equal(fitted.displacement, fitted.window.take(state.displacement.reshape(1, -1)))
-    assert np.all(states.normal_gap(contact, state)[np.delete(np.arange(POINTS), fitted.window.take(np.arange(POINTS)))] >= CUTOFF)
+    assert np.all(states.normal_gap(contact, state)[np.delete(np.arange(POINTS), fitted.window.take(np.arange(POINTS)))] >= Law.range)
     np.testing.assert_array_equal(fitted.means, state.means)
 
 
@@ -212,7 +212,7 @@ def test_a_second_spot_within_range_is_not_covered_and_is_taken_in():
     window = Window(contact.grid, (POINTS // 2 - 128 - 70,), (141,))
     state = states.State(window, np.zeros((1, 141)), np.zeros(1))
     # Fifteen ranges are left at the second spot, far more at the rim of the window around the first.
-    assert states.normal_gap(contact, state)[[0, -1]].min() > CUTOFF
+    assert states.normal_gap(contact, state)[[0, -1]].min() > Law.range
     assert not states.covers(contact, state)
     far = two_bumps(depth=20.0)
     assert states.covers(far, states.State(Window(far.grid, window.start, window.shape), np.zeros((1, 141)), np.zeros(1)))

@@ -22,7 +22,6 @@ from ..contact.problem import FORCE, Contact
 from ..continuation.points import NoEquilibrium, NotConverged, TooCoarse
 from ..grid.cell import Grid, Transform
 from ..grid.transfer import resampled
-from ..interface.laws import NORMAL_PEAK
 from ..options.fields import as_text
 from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
@@ -139,7 +138,7 @@ class Estimator:
     def _least(self, point):
         """Below which size of a value an error is absolute: one, or what is large for the cell."""
         area = self.contact.grid.area
-        force = 1.0 if point.controls[0] == FORCE else min(1.0, NORMAL_PEAK * self.contact.ranges[0] * area)
+        force = 1.0 if point.controls[0] == FORCE else min(1.0, self.contact.law.normal_peak * self.contact.ranges[0] * area)
         return force, min(1.0, area), 1.0
 
     def _decays(self, point, contact):

@@ -22,6 +22,7 @@ from ..scene import settings as scenes
 from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
 from ..scene.resolution import PINNING, resolution
+from ..scene.traction import with_law
 from ..solvers.multigrid import GridsOptions
 from ..solvers.preconditioners import CoreOptions
 from ..solvers.pseudotime import PseudoOptions
@@ -56,6 +57,7 @@ class Branch:
     steps : Steps, optional; as they are typed, too
     form : Form, optional
     log : function (sentence), optional; called with what a user should know
+    law : Law, optional, in place of the scene's: an object of a class of one's own, perhaps
     history : points of an earlier run along this path to go on from, oldest first; its last leg may end farther ahead
 
     Raises
@@ -65,10 +67,10 @@ class Branch:
     NotConverged, NoEquilibrium : while iterating, after all points before the failure
     """
 
-    def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=()):
+    def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(), law=None):
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
-        scene = chosen(scene, load)
+        scene = chosen(scene if law is None else with_law(scene, law), load)
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)

@@ -15,7 +15,6 @@ from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics import jumps
 from ..grid.boxes import in_words
-from ..interface.laws import CUTOFF, DEEPEST, SLIP
 from ..scene.resolution import PINNING, resolution
 from ..solvers.snes import COLD, WARM, create_snes, solver_type
 from . import first_points as coldstart
@@ -120,7 +119,7 @@ class Corrector:
         """
         if point.controls[0] != FORCE or point.in_contact or leg.moving != 0 or leg.direction[0] <= 0.0:
             return None
-        if self.contact.grid.minimum(states.normal_gap(self.contact, point.state)) > CUTOFF:
+        if self.contact.grid.minimum(states.normal_gap(self.contact, point.state)) > self.contact.law.range:
             return replace(point, position=position)
         position, load = -leg.start[0] / leg.direction[0], leg.load(-leg.start[0] / leg.direction[0])
         if position > 1.0:
@@ -323,8 +322,8 @@ class Corrector:
         deepest = grid.minimum(gap[0])
         if not imbalance.norm <= tolerance:
             raise NotConverged(f"the solver stopped at residual_norm {imbalance.norm:.2e}, above -snes_atol {tolerance:g}")
-        if deepest < DEEPEST:
-            raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below {DEEPEST:g}, where the law is only a continuation")
+        if deepest < contact.law.deepest:
+            raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below {contact.law.deepest:g}, where the law is only a continuation")
         traction = contact.law.traction(gap)
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
         forces = factor * grid.sum(traction)
@@ -334,7 +333,7 @@ class Corrector:
             if control != APPROACH:
                 (forces if control == FORCE else displacements)[i] = form.load[i]
         touching = gap[0] < contact.scene.contact_threshold
-        slipped = np.linalg.norm(gap[1:], axis=0) > SLIP
+        slipped = np.linalg.norm(gap[1:], axis=0) > contact.law.slip_peak
         in_contact = grid.count(touching) > 0
         sliding = components > 1 and in_contact and grid.count(touching & ~slipped) == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact, sliding, imbalance.norm,

@@ -8,8 +8,8 @@ from scipy import ndimage
 
 from ..contact import states
 from ..continuation.points import NotConverged
-from ..interface.laws import SLIP
-from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness, softening
+from ..interface.laws.law import softening
+from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
 
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge has six."""
@@ -124,7 +124,7 @@ def slips(contact, point):
         return False
     touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
     slip = np.linalg.norm(point.state.displacement[1:], axis=0)
-    return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > SLIP)
+    return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > contact.law.slip_peak)
 
 
 def narrow(contact, before, after):

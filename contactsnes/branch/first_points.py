@@ -15,7 +15,6 @@ from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
 from ..grid.cell import Window
 from ..grid.transfer import extent, interpolation, resampled
-from ..interface.laws import CUTOFF, MOVING_STIFFNESS
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.snes import COLD
 
@@ -132,13 +131,14 @@ def refined(contact, finer, state):
         cell = resampled(contact.grid, finer.grid, contact.extended(state))
         return states.State(finer.grid.whole, cell.reshape(len(cell), -1), state.means)
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
+    stiffness = finer.law.moving_stiffness
     window = Window(finer.grid, [2 * first for first in coarse.start],
                     [2 * n if n == total else 2 * n - 1 for n, total in zip(coarse.shape, coarse.grid.shape)])
-    smooth = contact.law.regularised(states.normal_gap(contact, state), MOVING_STIFFNESS / ratio ** 2) / ratio
+    smooth = contact.law.regularised(states.normal_gap(contact, state), stiffness / ratio ** 2) / ratio
     smooth = interpolation(window) @ smooth
-    gap = finer.law.gap_of_regularised(smooth, MOVING_STIFFNESS)
+    gap = finer.law.gap_of_regularised(smooth, stiffness)
     # The sharper law reaches less far.
-    within = window.box(gap) < CUTOFF
+    within = window.box(gap) < finer.law.range
     part = tuple(extent(within, axis, margin=2 + count // 20) for axis, count in enumerate(window.shape))
     known = window.box(gap - window.take(finer.initial_gap))[part]
     window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)], known.shape)

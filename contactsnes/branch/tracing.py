@@ -10,7 +10,6 @@ from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
 from ..continuation.points import Direction, NotConverged
-from ..interface.laws import CUTOFF, MOVING_STIFFNESS, SLIP
 from ..scene.resolution import PINNING, resolution
 from ..solvers.snes import WARM, create_snes, kept, solver_type
 from .corrector import KSP_REASONS, Corrector, finite
@@ -94,7 +93,7 @@ class Tracer(Corrector):
         if event == "pull_off":
             return float(self.contact.grid.minimum(gap) - threshold)
         slip = np.linalg.norm(point.state.displacement[1:], axis=0)
-        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3) - np.nextafter(SLIP, np.inf))
+        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3) - np.nextafter(self.contact.law.slip_peak, np.inf))
 
     def stride(self, point, direction):
         """Length along a branch in which the edge that moves fastest, of contact or slip, passes a node of a line.
@@ -115,7 +114,7 @@ class Tracer(Corrector):
         """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in words, or ""."""
         gap = states.normal_gap(self.contact, point.state)
         free = point.controls[0] == FORCE or heading < 0.0
-        if free and not point.in_contact and self.contact.grid.minimum(gap) > CUTOFF:
+        if free and not point.in_contact and self.contact.grid.minimum(gap) > self.contact.law.range:
             return "it has left the range of the law"
         if FORCE in point.controls[1:] and point.in_contact:
             slip = np.linalg.norm(point.state.displacement[1:], axis=0)
@@ -139,7 +138,8 @@ class Tracer(Corrector):
         moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
         field = form.displacement(moved)
         # In the regularised gap a long step into overlap stays bounded.
-        ahead = self.contact.law.regularised_step(gap, field[0] - state.displacement[0], MOVING_STIFFNESS)
+        law = self.contact.law
+        ahead = law.regularised_step(gap, field[0] - state.displacement[0], law.moving_stiffness)
         field[0] = state.displacement[0] + ahead
         moved = form.pack(field, form.scalars(moved))
         if form.name == "displacement" and form.forced:

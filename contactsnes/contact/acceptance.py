@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from ..interface.laws import SLIP
 from .energies import weights
 from .states import onto, way
 
@@ -42,7 +41,7 @@ def strayed(contact, guess, last, found):
     if _made_or_lost(contact.grid, gap[0], gap[0] + change[0]):
         return np.inf
     touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
-    if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:])):
+    if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:], contact.law.slip_peak)):
         return np.inf
     return float(contact.grid.maximum(aside - allowed, initial=-STRAYS))
 
@@ -102,15 +101,16 @@ def _made_or_lost(grid, begin, end):
     return False
 
 
-def _through_sticking(begin, end):
-    """Nodes that slide at the begin and the end of a straight way of their slip (components, nodes), but stick in between.
+def _through_sticking(begin, end, peak):
+    """Nodes that slide at the begin and the end of a straight way of their slip (components, nodes), but stick in between: below the ``peak``
+    of the friction.
 
     A whole contact that slides back ends where it is predicted, on the other side of all that friction does to it.
     """
     change = end - begin
     part = np.clip(-np.sum(begin * change, axis=0) / np.maximum(np.sum(change * change, axis=0), 1e-300), 0.0, 1.0)
     begins, ends, least = (np.linalg.norm(slip, axis=0) for slip in (begin, end, begin + part * change))
-    return (begins > SLIP) & (ends > SLIP) & (least < SLIP)
+    return (begins > peak) & (ends > peak) & (least < peak)
 
 
 def _released(contact, gap, change):

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..grid.boxes import convolution
 from ..grid.even import asymmetry
-from ..interface.laws import CUTOFF
 from .even_form import EvenForm
 from .forms import DisplacementForm
 
@@ -84,7 +83,7 @@ class Balance:
         form.set_load(load)
         unknown = form.pack(state.displacement, state.means[form.forced])
         residual = form.residual(unknown, np.empty(form.size))
-        acts = form.gap(unknown)[0] < CUTOFF
+        acts = form.gap(unknown)[0] < self.contact.law.range
         if isinstance(solver, EvenForm) and acts.any():
             self._proved = state.window, len(controls)
         field = np.abs(form.displacement(residual))

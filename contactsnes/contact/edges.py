@@ -7,8 +7,6 @@ from ..grid.boxes import MOST
 from ..grid.cell import Window
 from ..grid.contours import crossings
 from ..grid.transfer import extent
-from ..interface.laws import SLIP
-from ..scene.resolution import friction_softening
 from .states import NEAR, State, combined, normal_gap, onto, wider
 
 SUPPORT = 12
@@ -45,7 +43,7 @@ def slip_fronts(contact, state, ends):
     of the friction. None where there are not two."""
     if len(ends) > 1 or len(state.displacement) < 2:
         return None
-    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]), SLIP)
+    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]), contact.law.slip_peak)
     within = (places > ends[0, 0]) & (places < ends[0, 1])
     return places[None, within] if list(signs[within]) == [-1, 1] else None
 
@@ -86,7 +84,7 @@ def _follow_spot(contact, states, weights, half=False):
     places = np.array([one + _nodes_between(window, state.window)[:, None] for one, state in zip(known, states)])
     target = np.tensordot(weights, places, axes=1)
     moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0) * contact.grid.spacings[0]
-    if moved * contact.scene.tangential_maugis ** 2 * friction_softening(contact.scene) < FAR or np.any(np.diff(target) < 4.0):
+    if moved * contact.scene.tangential_maugis ** 2 * contact.law.slip_softening < FAR or np.any(np.diff(target) < 4.0):
         # Fronts that hardly move, or meet each other or the edges, are not followed.
         places, target = places[..., [0, -1]], target[:, [0, -1]]
     if np.any(np.diff(target) < 4.0):

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from ..interface.laws import CUTOFF
 from .states import normal_gap, onto
 
 STICKING = 1e-6
@@ -75,7 +74,7 @@ def stored(contact, point):
     tractions = contact.law.traction(gap)
     work = [grid.inner(traction, field) for traction, field in zip(tractions, point.state.displacement)]
     elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point) - grid.node_area * np.array(work))
-    gap[1:] = np.where((gap[0] < CUTOFF) & (np.linalg.norm(gap[1:], axis=0) > STICKING), gap[1:], 0.0)
+    gap[1:] = np.where((gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING), gap[1:], 0.0)
     potential = contact.law.potential(gap, contact.scene.work_ratio)
     return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(potential))
 

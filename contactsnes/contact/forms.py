@@ -11,7 +11,6 @@ import numpy as np
 
 from ..grid.boxes import convolution
 from ..grid.cell import Convolution
-from ..interface.laws import CUTOFF
 from .problem import APPROACH, DISPLACEMENT, FORCE
 
 
@@ -276,7 +275,7 @@ class ForceForm:
         plan = self.compliance.transform
         plan.real.reshape(self.shape)[...] = imbalance.reshape(self.shape)
         plan.forward()
-        return self.spectral_norm(plan.spectrum, self.grid.count(self.gap(unknown)[0] < CUTOFF))
+        return self.spectral_norm(plan.spectrum, self.grid.count(self.gap(unknown)[0] < self.contact.law.range))
 
     def spectral_norm(self, spectrum, within):
         """The same from the transform of F (components, *half spectrum), which is overwritten; ``within``: nodes in range."""

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from ..continuation.points import NotConverged
 from ..grid.cell import Operator, Window
-from ..interface.laws import CUTOFF
+from ..interface import laws
 from ..interface.unbounded import free_space
 from ..options.fields import InputError
 from ..reference import jkr_line_half_width, jkr_sphere_radius
@@ -41,7 +41,7 @@ def half_width(scene, force):
     else:
         radius = jkr_sphere_radius(force)
         gap = lambda s: radius ** 2 / math.pi * (math.sqrt(s * s - 1) + (s * s - 2) * math.acos(1 / s))
-    wanted = CUTOFF / scene.normal_maugis
+    wanted = laws.of(scene).range / scene.normal_maugis
     return radius * brentq(lambda s: gap(s) - wanted, 1.0, 10.0 + 10.0 * math.sqrt(wanted) / radius)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from ..grid.cell import Convolution
 from ..grid.contours import first_largest
-from ..interface.laws import CUTOFF
 from . import states
 from .energies import BALANCES, energy_unit
 
@@ -78,7 +77,7 @@ class Measurement:
     def minimum_gap(self):
         """Smallest normal gap of the cell, u_n,r."""
         smallest = self.grid.minimum(self.gap[0])
-        if smallest >= CUTOFF and not self.window.is_whole:
+        if smallest >= self.contact.law.range and not self.window.is_whole:
             smallest = self.grid.minimum(self.contact.extended(self.state)[0] + self.contact.initial_gap)
         return float(smallest / self.contact.ranges[0])
 

@@ -14,8 +14,9 @@ from ..grid.cell import Convolution, Grid, Operator, Transform, enclosing
 from ..grid.even import Cosines, asymmetry
 from ..interface.elasticity import Body
 from ..interface.gap import initial_gap, is_convex
-from ..interface.laws import CUTOFF, LAWS
+from ..interface import laws
 from ..options.fields import InputError
+from ..scene.traction import with_law
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -55,11 +56,11 @@ class Contact:
     datum, isolated = 0.0, False
 
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None):
+        scene = scene if law is None else with_law(scene, law)
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
-        residual = (scene.residual_friction, scene.residual_adhesion) if scene.law == "modified" else ()
-        self.law = LAWS[scene.law](*residual) if law is None else law
+        self.law = laws.of(scene) if law is None else law
         if gap is None:
             gap = self.ranges[0] * initial_gap(self.scene.geometry, self.grid.coordinates(), self.grid.periods, amplitude=scene.amplitude,
                                                heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
@@ -202,7 +203,7 @@ class Contact:
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""
         made = enclosing if self.convex else fitting
-        return made(self.grid, normal_gap < CUTOFF, margin=0.05)
+        return made(self.grid, normal_gap < self.law.range, margin=0.05)
 
 
 def _of_heights(scene, heights):

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
-from ..interface.laws import CUTOFF
 from .problem import APPROACH, CERTAIN, FORCE
 
 NEAR = 15.0
@@ -63,7 +62,7 @@ def undeformed(contact, controls, load):
 
 def apart(contact):
     """The undeformed body, far outside the law's range; the normal component."""
-    displacement = np.full((1, contact.grid.size), 2.0 * CUTOFF - contact.grid.minimum(contact.initial_gap))
+    displacement = np.full((1, contact.grid.size), 2.0 * contact.law.range - contact.grid.minimum(contact.initial_gap))
     return State(contact.grid.whole, displacement, displacement[:, 0].copy())
 
 
@@ -139,12 +138,12 @@ def _nodes_of(source, box):
 
 def fitted(contact, state, afresh=False):
     """The state on the window that the law needs for it: the same state where its window will do, unless ``afresh``."""
-    window = state.window
+    window, reach = state.window, contact.law.range
     gap = normal_gap(contact, state)
     rim = window.rim()
     closest = contact.grid.minimum(gap, where=rim)
-    idle = len(window.parts) > 1 and gap.reshape(len(window.parts), -1).min(axis=1).max() > 1.2 * CUTOFF
-    if not afresh and not window.is_whole and not idle and 0.9 * CUTOFF <= closest < 4.0 * CUTOFF:
+    idle = len(window.parts) > 1 and gap.reshape(len(window.parts), -1).min(axis=1).max() > 1.2 * reach
+    if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
         return state
     cell = contact.extended(state)
     fresh = contact.window(cell[0] + contact.initial_gap)

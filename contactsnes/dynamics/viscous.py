@@ -16,7 +16,6 @@ from ..contact.even_form import HalfForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
 from ..grid.even import EvenWindow
-from ..interface.laws import CUTOFF
 from ..options.database import read
 from ..solvers.motion import LEVELLED, slides
 from ..solvers.snes import NewtonOptions, RegularisedStep, create_snes, kept
@@ -172,7 +171,7 @@ class Equations:
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
-            if component == 0 and target > 0.0 and grid.minimum(gap[0]) > CUTOFF:
+            if component == 0 and target > 0.0 and grid.minimum(gap[0]) > self.form.contact.law.range:
                 return 0
             if component > 0 and abs(unknown[self.form.count + place]) > LEVELLED:
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0

@@ -14,7 +14,7 @@ class InputError(ValueError):
 
 
 def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
-           many=None, infinite=False, even=False, word=None, default_text=None):
+           many=None, infinite=False, even=False, word=None, also=None, default_text=None):
     """A dataclass field that is an option of the database.
 
     Parameters
@@ -27,12 +27,12 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
     infinite : whether inf is allowed
     even : whether an integer has to be even
-    word : a text that is allowed besides
+    word : a text that is allowed besides; also : function (text), whether others are
     """
     if kind is None:
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
     rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
-                choices=choices, many=many, infinite=infinite, even=even, word=word,
+                choices=choices, many=many, infinite=infinite, even=even, word=word, also=also,
                 default_text=as_text(default) if default_text is None else default_text)
     return dataclasses.field(default=default, metadata=rule)
 
@@ -108,7 +108,7 @@ def _single(value, rule):
 
 def checked(name, value, rule):
     """The value of option `name`, or InputError."""
-    if isinstance(value, str) and value == rule["word"]:
+    if isinstance(value, str) and (value == rule["word"] or rule["also"] and rule["also"](value)):
         return value
     several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
     if rule["many"] == "list" and isinstance(value, str):
@@ -132,6 +132,28 @@ def checked(name, value, rule):
 
 COMMON = []
 """Dataclasses of options that every command knows, in the order of the help; whoever owns them declares them."""
+
+
+def extend(cls, added):
+    """Give a dataclass of options more of them, after its own: fields by name. Instances made before have the defaults.
+
+    What a law declares becomes so an option of the scene.
+    """
+    known = cls.__dataclass_fields__
+    for name in known.keys() & added.keys():
+        if known[name].metadata != added[name].metadata:
+            raise TypeError(f"{cls.option_name(name)} is declared twice, differently")
+    added = [(name, type(field.default), _fresh(field)) for name, field in added.items() if name not in known]
+    wider = dataclasses.make_dataclass(cls.__name__, added, bases=(cls,), frozen=True)
+    for name in ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__", "__dataclass_fields__"):
+        setattr(cls, name, getattr(wider, name))
+    for name, _, field in added:
+        setattr(cls, name, field.default)
+
+
+def _fresh(field):
+    """A field that no class has yet, with the default and the metadata of another."""
+    return dataclasses.field(default=field.default, metadata=field.metadata)
 
 
 def declare(*classes):

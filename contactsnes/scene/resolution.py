@@ -2,15 +2,14 @@
 
 import dataclasses
 import math
-from functools import lru_cache
 
-import numpy as np
-
-from ..interface.laws import LAWS, SOFTENING
+from ..interface import laws
 from ..options.fields import as_text
 
 LARGEST_RESOLUTION = 1.25
 """Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
+SOFTENING = math.exp(-2.0)
+"""Steepest normal softening of a exp(-a), for which that was measured, phi_n/delta_n^2."""
 PINNING = 1.8
 """``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes.
 
@@ -24,18 +23,17 @@ def resolution(scene, sheared, steepest=None):
     The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
     well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
     between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
-    s = (2/e) (1 - residual_friction) for the law modified, 4 e^(-3/2) for mcgarry, and c = 1/2 (plane strain), or
-    (1 - nu)/2 for waves transverse to the slip in two dimensions, and of both together (`coupled_softening`). Directions
-    without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that of a state in place of the law's where nothing
+    s the law's steepest softening in slip (``slip_softening``) and c = 1/2 (plane strain), or (1 - nu)/2 for waves
+    transverse to the slip in two dimensions, and of both together (``coupled_softening``). Directions without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that of a state in place of the law's where nothing
     overlaps.
     """
     if steepest is None:
-        steepest = SOFTENING * scene.normal_maugis ** 2
+        law = laws.of(scene)
+        steepest = law.softening * scene.normal_maugis ** 2
         if sheared:
             tangential = sharpness(scene) ** 2
-            law = (scene.law, scene.residual_friction, scene.residual_adhesion)
-            steepest = max(steepest, tangential * friction_softening(scene),
-                           coupled_softening(law, scene.normal_maugis, math.sqrt(tangential)))
+            steepest = max(steepest, tangential * law.slip_softening,
+                           law.coupled_softening(scene.normal_maugis, math.sqrt(tangential)))
     steepest /= SOFTENING
     uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
     return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION for spacing, same in zip(scene.spacings, uniform))
@@ -44,31 +42,6 @@ def resolution(scene, sheared, steepest=None):
 def sharpness(scene):
     """The tangential Maugis parameter, larger in two dimensions, where waves transverse to the slip are softer by 1 - nu."""
     return scene.tangential_maugis * (1.0 if scene.dimension == 1 else math.sqrt(1.0 / (1.0 - scene.poisson)))
-
-
-def softening(tangent):
-    """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it is positive or none is real."""
-    (normal, opening), (weakening, slipping) = tangent
-    discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
-    return np.where(discriminant >= 0.0, np.maximum(np.sqrt(np.maximum(discriminant, 0.0)) - 0.5 * (normal + slipping), 0.0), 0.0)
-
-
-def friction_softening(scene):
-    """Steepest fall of the friction with the slip, (2/e) (1 - residual_friction) or 4 e^(-3/2), phi_t/delta_t^2."""
-    return 2 / math.e * (1 - scene.residual_friction) if scene.law == "modified" else 4 * math.exp(-1.5)
-
-
-@lru_cache(maxsize=64)
-def coupled_softening(law, normal_maugis, tangential_maugis):
-    """Steepest softening of gap and slip together: minus the smallest real eigenvalue of the scaled tangent where a > 0.
-
-    Slip weakens adhesion and opening weakens friction: with full residual friction that alone softens. Units of E*/beta.
-    """
-    name, *residuals = law
-    scale = np.array([normal_maugis, tangential_maugis])
-    gaps = np.array(np.meshgrid(np.linspace(1e-9, 5.0, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
-    tangent = (LAWS[name](*residuals) if name == "modified" else LAWS[name]()).tangent(gaps)
-    return float(np.max(softening(tangent * np.multiply.outer(scale, scale)[..., None])))
 
 
 def default_spacing(scene):

@@ -15,9 +15,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..interface import shapes
-from ..options.fields import InputError, Options, as_text, declare, option
-from . import isolation
+from ..interface import laws, shapes
+from ..interface.laws import LAWS
+from ..options.fields import InputError, Options, as_text, declare, extend, option
+from . import isolation, traction
 from .load import Load
 from .resolution import default_spacing
 from .units import Units
@@ -57,14 +58,10 @@ class Scene(Units):
                                    default_text="none: rough needs it")
     rough_seed: int = option(0, "seed of the phases of roughness", minimum=0, maximum=2 ** 32 - 1)
     gap_offset: float = option(0.0, "constant added to the initial gap", "u_n,r")
-    law: str = option("modified", "tractions: modified (eq. 5 of the paper) or mcgarry (eq. 3)",
-                      choices=("modified", "mcgarry"))
+    law: str = option("modified", "tractions: " + ", ".join(f"{name} ({law.meaning})" for name, law in LAWS.items()),
+                      choices=tuple(LAWS), also=lambda name: name in laws.OBJECTS)
     normal_maugis: float = option(10.0, "lambda_n: u_n,r over the normal range of the law", above=0)
     tangential_maugis: float = option(1.0, "lambda_t: u_t,r over the tangential range of the law", above=0)
-    residual_friction: float = option(1.0, "tangential traction at large slip over its peak (law modified)",
-                                      minimum=0, maximum=1)
-    residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip (law modified)",
-                                      minimum=0, below=1)
     work_ratio: float = option(1.0, "tangential over normal work of adhesion; enters with elastic coupling, and in energies", above=0)
     poisson: float = option(0.5, "Poisson ratio", minimum=0, maximum=0.5)
     height: float = option(2000.0, "height of the layer", "beta", above=0, infinite=True)
@@ -146,6 +143,9 @@ class Scene(Units):
             return self.poisson < 0.5 or isolation.strains(self)
         k = 2 * math.pi * self.height / max(self.periods)
         return self.poisson < 0.5 or (k < 30 and (k / math.sinh(k)) ** 2 > 1e-16)
+
+
+extend(Scene, laws.OPTIONS)
 
 
 @dataclass(frozen=True)
@@ -303,11 +303,8 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     `estimates`: whether the errors of points are estimated.
     """
     sheared = any(tangential_legs(scene, load))
-    mcgarry, unsheared = "the law mcgarry has none", "no tangential unknown appears"
-    rules = (("scene_residual_friction", scene.law == "mcgarry", mcgarry),
-             ("scene_residual_adhesion", scene.law == "mcgarry", mcgarry),
-             ("scene_residual_friction", not sheared, unsheared),
-             ("scene_residual_adhesion", not sheared, unsheared),
+    unsheared = "no tangential unknown appears"
+    rules = (*traction.ineffective(scene, None if sheared else unsheared),
              ("scene_tangential_maugis", not sheared, unsheared),
              ("scene_work_ratio", not sheared, unsheared),
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
@@ -337,5 +334,6 @@ def attributes(scene):
     del values["accuracy"]  # an aim, which a run that is resumed may change
     if scene.roughness:
         values["rough_longest"] = scene.told(scene.roughness[2], "beta")
+    values = {name: value for name, value in values.items() if name not in traction.untold(scene)}
     homes = {"amplitude": "sinusoid", "geometry_file": "file"} | {name: "rough" for name in values if name.startswith("rough_")}
     return {name: value for name, value in values.items() if value is not None and scene.geometry == homes.get(name, scene.geometry)}

@@ -6,7 +6,6 @@ stiffnesses: the body's, plus the law's reference tangent, so that the fastest m
 
 import numpy as np
 
-from ..interface.laws import CUTOFF, SLIP
 
 RESTING = {1: 0.15, 2: 0.08}
 """Stiffness of the mean displacement of a body in contact over that of the softest wave, by dimension of the interface
@@ -63,7 +62,7 @@ class Motion:
 
     def _harmless_gap(self):
         """Normal gap, at most 0, above which no slip makes the law's tangent exceed the reference."""
-        gaps, slips = np.linspace(-5.0, 0.0, 501), np.array([0.0, 0.5 * SLIP, SLIP, 2.0 * SLIP])
+        gaps, slips = np.linspace(-5.0, 0.0, 501), self.form.contact.law.slip_peak * np.array([0.0, 0.5, 1.0, 2.0])
         probe = np.zeros((self.form.components, gaps.size, slips.size))
         probe[0], probe[1:2] = gaps[:, None], slips
         steepest = self._steepest(probe.reshape(len(probe), -1)).reshape(probe.shape[1:]).max(axis=1)
@@ -176,7 +175,7 @@ class Motion:
     def norm(self):
         """``residual_norm`` of the archive at the present state, to be sure rounded up; no transform."""
         np.multiply(self.force, 1.0 / self.form.root, out=self._work)
-        return self.form.spectral_norm(self._work, self.grid.count(self.gap[0] < CUTOFF))
+        return self.form.spectral_norm(self._work, self.grid.count(self.gap[0] < self.form.contact.law.range))
 
     def leaving(self):
         """The force-controlled component that no traction will balance from here on, or None.
@@ -190,7 +189,7 @@ class Motion:
             target = self._target[i]
             if velocity[i] * target <= 0.0 or imbalance[i] * target >= 0.0:
                 continue
-            if i == 0 and target > 0.0 and self.grid.minimum(self.gap[0]) > CUTOFF:
+            if i == 0 and target > 0.0 and self.grid.minimum(self.gap[0]) > self.form.contact.law.range:
                 return 0
             if i > 0 and slip[i] > LEVELLED:
                 pressed = 0 in self.form.forced and self._target[0] < 0.0
@@ -204,7 +203,7 @@ def slides(law, grid, gap, force, pressed):
 
     What is ``pressed`` down where the law acts nowhere will come into contact.
     """
-    within = gap[0] < CUTOFF
+    within = gap[0] < law.range
     if not within.any():
         return not pressed
     slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED

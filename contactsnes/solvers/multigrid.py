@@ -16,7 +16,6 @@ from petsc4py import PETSc
 from ..contact.forms import DisplacementForm
 from ..grid.cell import Window
 from ..grid.transfer import interpolation
-from ..interface.laws import MOVING_STIFFNESS
 from ..options.database import read
 from ..options.fields import InputError, Options, option
 
@@ -60,14 +59,15 @@ class Transfer:
         self.kept = np.flatnonzero(reduce(np.logical_and.outer, even))
         self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
         self.scalars = self.ranges[fine.forced]
-        self.stiffness = MOVING_STIFFNESS / self.ranges[0] ** 2
+        self.moving = fine.contact.law.moving_stiffness
+        self.stiffness = self.moving / self.ranges[0] ** 2
         self.injected = np.zeros(coarse.size)
 
     def inject(self, unknown, out):
         """out = I unknown: every other node, the coarse gap being that of the same w."""
         fine, coarse = self.fine, self.coarse
         field = fine.gap(unknown)[:, self.kept]
-        field[0] = fine.contact.law.regularised(field[0], MOVING_STIFFNESS)
+        field[0] = fine.contact.law.regularised(field[0], self.moving)
         field *= self.ranges[:, None]
         field[0] = coarse.contact.law.gap_of_regularised(field[0], self.stiffness) - coarse.initial_gap
         out[:coarse.count] = field.reshape(-1) / coarse.root
@@ -88,7 +88,7 @@ class Transfer:
         field[0] = law.regularised(gap + field[0], self.stiffness) - law.regularised(gap, self.stiffness)
         field = (field / self.ranges[:, None]) @ self.nodes.T
         gap, law = fine.gap(unknown)[0], fine.contact.law
-        field[0] = law.gap_of_regularised(law.regularised(gap, MOVING_STIFFNESS) + field[0], MOVING_STIFFNESS) - gap
+        field[0] = law.gap_of_regularised(law.regularised(gap, self.moving) + field[0], self.moving) - gap
         np.add(unknown[:fine.count], field.reshape(-1) / fine.root, out=out[:fine.count])
         np.add(unknown[fine.count:], change[coarse.count:] / self.scalars, out=out[fine.count:])
 

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from ..interface.laws import SOFTENING
+from ..interface.laws.coupled import SOFTENING
 from ..options.database import read
-from ..options.fields import Options, option
+from ..options.fields import InputError, Options, as_text, option
 from .multigrid import create_levels
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
@@ -30,7 +30,8 @@ class NewtonOptions(Options):
     prefix: ClassVar[str] = "snes_regularised_"
     title: ClassVar[str] = "Newton in the regularised gap"
     gap: bool = option(True, "take Newton's step in w = a + t_n(a)/kappa, where the repulsion is no exponential")
-    stiffness: float = option(0.2, "kappa, above the law's steepest softening 0.135", "phi_n/delta_n^2", above=SOFTENING)
+    stiffness: float = option(None, "kappa, above the law's steepest softening, 0.135 for a exp(-a)", "phi_n/delta_n^2",
+                              kind="number", above=SOFTENING, default_text="0.2 for a exp(-a), else 1.5 times the softening")
 
 
 TELLING = 3
@@ -61,7 +62,11 @@ class RegularisedStep:
     """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap (pointwise, no transform)."""
 
     def __init__(self, form, stiffness):
-        self.form, self.stiffness = form, stiffness
+        law = form.contact.law
+        self.form, self.stiffness = form, law.newton_stiffness if stiffness is None else stiffness
+        if self.stiffness <= law.softening:
+            raise InputError(f"-snes_regularised_stiffness is '{as_text(self.stiffness)}': allowed is a number above the law's steepest "
+                             f"softening, {law.softening:.6g}; try {law.newton_stiffness:.3g}, or leave it out")
 
     def __call__(self, x, y):
         """Change the step y (the update is x - y) where it is long; True if it was changed."""

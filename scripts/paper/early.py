@@ -13,7 +13,7 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
 from contactsnes import reference
-from contactsnes.interface.laws import SLIP
+from contactsnes.interface.laws.coupled import SLIP
 
 from beyond import percent
 from observed import onset, profile, sheared_part, width_below

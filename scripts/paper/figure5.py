@@ -11,7 +11,7 @@ from observed import onset, profile, sheared_part
 from runs import LOADS, TANGENTIAL, sheared
 from style import AREA, FORCE, GREY, branch, panels, shades
 
-from contactsnes.interface.laws import TANGENTIAL_PEAK
+from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
 
 COLOURS = dict(zip(TANGENTIAL, ("C0", "C1", "C2")))
 MARKERS = {25: "*", 0.8: "o"}

@@ -12,7 +12,7 @@ over which friction acts then is Hertz's and the range of the law); dashed red: 
 import numpy as np
 
 from contactsnes import reference
-from contactsnes.interface.laws import SLIP
+from contactsnes.interface.laws.coupled import SLIP
 
 from observed import onset, peel, power_law, profile, sheared_part, width_below
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, sheared

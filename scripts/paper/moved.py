@@ -20,7 +20,7 @@ from contactsnes.scene import settings as scenes
 from contactsnes.output.archive import Archive, Column
 from contactsnes.contact.problem import DISPLACEMENT
 from contactsnes.contact.forms import ForceForm
-from contactsnes.interface.laws import SLIP
+from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.solvers.motion import Motion
 from contactsnes.options.database import database_text, read
 from contactsnes.commands.session import create_branch, start_petsc, versions

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import curve_fit
 
-from contactsnes.interface.laws import SLIP
+from contactsnes.interface.laws.coupled import SLIP
 
 
 class Onset(NamedTuple):

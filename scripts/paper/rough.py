@@ -10,7 +10,7 @@ slope; stars: onset of gross sliding. (d) Gaps of the roughest contact before sh
 import numpy as np
 
 from contactsnes import reference
-from contactsnes.interface.laws import SLIP
+from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.roughness import surface
 
 from beyond import HEIGHT, finer, refined

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from contactsnes import reference
-from contactsnes.interface.laws import TANGENTIAL_PEAK
+from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
 
 import early
 import figure7

@@ -5,7 +5,8 @@ from scipy.integrate import quad
 
 from contactsnes import Scene, reference
 from contactsnes.scene.resolution import resolution
-from contactsnes.interface.laws import LAWS, TANGENTIAL_PEAK
+from contactsnes.interface.laws import LAWS
+from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
 
 import figure3
 from observed import pressed_area, profile, sheared_part

@@ -1,0 +1,174 @@
+"""Laws that declare themselves: what follows from their tractions, and laws of one's own."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from contactsnes import Branch, Contact, InputError, Load, Scene
+from contactsnes.interface import laws
+from contactsnes.interface.laws.law import Law
+from contactsnes.interface.laws.mcgarry import McGarry
+from contactsnes.interface.laws.modified import Modified
+from contactsnes.options.fields import extend, option
+from contactsnes.scene import settings
+from contactsnes.scene.resolution import resolution
+
+SMALL = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
+
+
+class Sticking(Law):
+    """a exp(-a), and a spring of its own stiffness along the surface, wherever it is."""
+
+    stiffness = option(0.5, "stiffness along the surface", minimum=0)
+    slip_options = ("stiffness",)
+
+    def evaluate(self, gap, traction, tangent=None):
+        decay, a = np.exp(-gap[0]), gap[0].copy()
+        if tangent is not None:
+            tangent[...] = self.stiffness * np.eye(len(gap))[:, :, None]
+            tangent[0, 0] = (1.0 - a) * decay
+        np.multiply(gap, self.stiffness, out=traction)
+        traction[0] = a * decay
+        return traction
+
+
+class Sampled(Modified):
+    """The modified law, of which nothing is known but its tractions."""
+
+    normal, normal_peak, tangential_peak = Law.normal, Law.normal_peak, Law.tangential_peak
+    slip_peak, softening, slip_softening = Law.slip_peak, Law.softening, Law.slip_softening
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 1.0])
+def test_what_follows_from_the_tractions(friction):
+    sampled, exact = Sampled(friction), Modified(friction)
+    for name in ("normal_peak", "tangential_peak", "softening"):
+        assert getattr(sampled, name) == pytest.approx(getattr(exact, name), rel=1e-6), name
+    assert sampled.slip_peak == pytest.approx(exact.slip_peak, abs=2e-4)
+    assert sampled.slip_softening == pytest.approx(exact.slip_softening, rel=1e-6, abs=1e-14)
+    a, w = np.array([-3.0, 0.0, 2.0, 40.0]), np.array([-700.0, -0.1, 0.0, 3.0, 50.0])
+    np.testing.assert_array_equal(sampled.regularised(a, 0.2), exact.regularised(a, 0.2))
+    np.testing.assert_allclose(sampled.gap_of_regularised(w, 0.2), exact.gap_of_regularised(w, 0.2),
+                               rtol=1e-9)
+
+
+def test_steepest_slip_softening_of_mcgarry():
+    assert McGarry().slip_softening == pytest.approx(Law._slipped.func(McGarry())[2], rel=1e-6)
+
+
+def test_laws_are_found_in_their_files():
+    assert {"mcgarry", "modified"} <= set(laws.LAWS)
+    assert all(cls.name == name and cls.meaning and cls.__doc__ for name, cls in laws.LAWS.items())
+    assert Scene.rule("law")["choices"] == tuple(laws.LAWS)
+    fields = {field.name: field for field in dataclasses.fields(Scene)}
+    for cls in laws.LAWS.values():
+        for name, field in cls.declared().items():
+            assert fields[name].metadata == field.metadata and fields[name].default == field.default
+
+
+def test_options_of_a_law_are_checked_as_those_of_a_scene():
+    for made in (Modified, Scene):
+        with pytest.raises(InputError, match="-scene_residual_friction is '2': allowed is"):
+            made(residual_friction=2)
+    assert laws.of(Scene(residual_friction=0.25)).residual_friction == 0.25
+    assert laws.of(Scene(poisson=0.3)) is laws.of(Scene())
+    with pytest.raises(TypeError, match="-scene_poisson is declared twice"):
+        extend(Scene, {"poisson": option(0.1, "another")})
+    with pytest.raises(TypeError, match="is not made by option"):
+        type("Bare", (Law,), {"length": dataclasses.field(default=1.0)})
+
+
+def test_scenes_before_an_extension_have_its_default():
+    @dataclasses.dataclass(frozen=True)
+    class Few(settings.Options):
+        prefix = "few_"
+        one: int = option(1, "one")
+
+    before = Few()
+    extend(Few, {"two": option(2, "two", minimum=2)})
+    assert (before.two, Few(two=3).two, Few(1, 4).two) == (2, 3, 4)
+    assert Few(two=2) == before and repr(Few(two=3)).endswith("Few(one=1, two=3)")
+    with pytest.raises(InputError, match="-few_two is '1'"):
+        Few(two=1)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        before.two = 3
+
+
+def last(law, **changes):
+    branch = Branch(Scene(**{**SMALL, **changes}), Load("normal_displacement=2", "tangential_displacement=0.5"), law=law)
+    return branch, list(branch)[-1]
+
+
+def test_a_branch_of_a_law_of_ones_own():
+    """A spring along the surface moves as a whole: its force is the slip's, over that of the layer in series."""
+    branch, point = last(Sticking(0.3))
+    assert branch.contact.law.stiffness == 0.3
+    slip = point.state.displacement[1]
+    assert point.forces[1] == pytest.approx(0.3 * branch.contact.grid.node_area * np.sum(slip), rel=1e-6)
+    assert branch.attributes()["law"] == "Sticking(stiffness=0.3)"
+    other, stiffer = last(Sticking(0.6))
+    assert other.attributes()["law"] == "Sticking(stiffness=0.6)" and stiffer.forces[1] > point.forces[1]
+    assert resolution(branch.scene, True) == pytest.approx(resolution(branch.scene, False))
+
+
+def test_an_object_of_a_named_law_is_that_law():
+    branch, point = last(Modified(0.4))
+    named, same = last(None, residual_friction=0.4)
+    assert branch.attributes() == named.attributes()
+    np.testing.assert_array_equal(point.state.displacement, same.state.displacement)
+
+
+def test_objects_that_look_alike_are_told_apart():
+    class Blunt(Sticking):
+        """Says nothing of itself."""
+
+        def __repr__(self):
+            return "Blunt"
+
+    one, two = Blunt(0.1), Blunt(0.2)
+    first, second = Contact(Scene(**SMALL), law=one), Contact(Scene(**SMALL), law=two)
+    assert (first.scene.law, second.scene.law) == ("Blunt", "Blunt 2")
+    assert laws.of(first.scene) is one and laws.of(second.scene) is two
+    assert Contact(first.scene).law is one
+
+
+def test_names_of_options_that_change_nothing():
+    load = Load("normal_displacement=1", "normal_displacement=2")
+    names = ["scene_residual_friction", "scene_residual_adhesion"]
+    why = dict(settings.ineffective(Scene(law="mcgarry"), load, names))
+    assert set(why) == set(names) and "the law mcgarry has none" in why["scene_residual_friction"]
+    why = dict(settings.ineffective(Scene(), load, names))
+    assert set(why) == set(names) and "no tangential unknown" in why["scene_residual_adhesion"]
+    sheared = Load("normal_displacement=1", "tangential_displacement=2")
+    assert not settings.ineffective(Scene(), sheared, names)
+
+
+def test_archives_tell_of_the_options_that_they_told_of():
+    for law in ("modified", "mcgarry"):
+        told = settings.attributes(Scene(law=law))
+        assert told["law"] == law and told["residual_friction"] == 1.0 and told["residual_adhesion"] == 0.0
+
+
+def test_regularised_steps_need_a_stiffness_above_the_softening():
+    from contactsnes.contact.forms import DisplacementForm
+    from contactsnes.solvers.snes import RegularisedStep
+
+    class Brittle(Sticking):
+        """Ten times as short."""
+
+        def evaluate(self, gap, traction, tangent=None):
+            shorter = np.array(gap)
+            shorter[0] *= 10.0
+            super().evaluate(shorter, traction, tangent)
+            if tangent is not None:
+                tangent[:, 0] *= 10.0
+            return traction
+
+    contact = Contact(Scene(**SMALL), law=Brittle())
+    form = DisplacementForm(contact, contact.grid.whole, ("displacement",))
+    assert contact.law.softening == pytest.approx(10 * math.exp(-2), rel=1e-3)
+    assert RegularisedStep(form, None).stiffness == pytest.approx(15 * math.exp(-2), rel=1e-3)
+    with pytest.raises(InputError, match="-snes_regularised_stiffness is '0.2': allowed is a number above the law's"):
+        RegularisedStep(form, 0.2)
