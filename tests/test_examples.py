@@ -60,6 +60,12 @@ def test_error_bars_reach_the_finer_grid(run):
     assert true.max() > 1e-6 and np.all(np.abs(estimated - true) < 0.1 * true + 1e-8)
 
 
+def test_friction_that_saturates_is_proportional_to_its_strength(run):
+    weak, strong = run("own_law", strengths=(0.2, 0.4))
+    assert np.all(np.diff(weak[1]) > 0.0) and weak[1, -1] < 1.001 * weak[1, -2]
+    assert strong[1, -1] == pytest.approx(2.0 * weak[1, -1], rel=1e-3)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_are_short(name):
     assert len((EXAMPLES / f"{name}.py").read_text(encoding="utf-8").splitlines()) < 40

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Contact, InputError, Load, Scene
-from contactsnes.interface import laws
+from contactsnes.interface import laws, own_laws
 from contactsnes.interface.laws.law import Law
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
@@ -172,3 +172,124 @@ def test_regularised_steps_need_a_stiffness_above_the_softening():
     assert RegularisedStep(form, None).stiffness == pytest.approx(15 * math.exp(-2), rel=1e-3)
     with pytest.raises(InputError, match="-snes_regularised_stiffness is '0.2': allowed is a number above the law's"):
         RegularisedStep(form, 0.2)
+
+
+# In a file of one's own
+
+FILE = """
+import numpy as np
+from contactsnes import Law, option
+
+class Drag(Law):
+    "a exp(-a), and a drag."
+    drag_strength = option(0.5, "friction", minimum=0)
+    slip_options, gap_corners, slip_peak = ("drag_strength",), ({corners}), 1.0
+
+    def evaluate(self, gap, traction, tangent=None):
+        a, slip = gap[0].copy(), gap[1:].copy()
+        root, held = np.sqrt(1 + np.sum(slip ** 2, axis=0)), self.drag_strength * np.exp(-np.maximum(a, 0))
+        if tangent is not None:
+            tangent[0, 1:] = 0
+            tangent[0, 0] = {normal}
+            tangent[1:, 0] = -held * (a > 0) * slip / root
+            identity = np.eye(len(slip))[:, :, None]
+            tangent[1:, 1:] = held * (identity / root - {along} * slip[:, None] * slip / root ** 3)
+        traction[0] = {traction}
+        traction[1:] = held * slip / root
+        return traction
+"""
+RIGHT = {"corners": "0.0,", "normal": "(1 - a) * np.exp(-a)", "along": "1.0", "traction": "a * np.exp(-a)"}
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """A function that writes a law, with changes, and gives its name; what it enters is forgotten."""
+    monkeypatch.setattr(laws, "OWN", {})
+    monkeypatch.setattr(laws, "OPTIONS", dict(laws.OPTIONS))
+    names = ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__", "__dataclass_fields__")
+    for name in names:
+        monkeypatch.setattr(Scene, name, getattr(Scene, name))
+
+    def write(**changes):
+        path = tmp_path / f"law{len(list(tmp_path.iterdir()))}.py"
+        path.write_text(FILE.format(**{**RIGHT, **changes}), encoding="utf-8")
+        return f"{path}:Drag"
+
+    yield write
+    if "drag_strength" in vars(Scene):
+        del Scene.drag_strength
+
+
+def test_a_law_in_a_file_is_one_of_the_laws(written):
+    scene = Scene(law=written(), drag_strength=0.3, **SMALL)
+    assert scene.drag_strength == 0.3 and laws.of(scene).drag_strength == 0.3
+    assert laws.of(dataclasses.replace(scene, drag_strength=0.4)).drag_strength == 0.4
+    told = settings.attributes(scene)
+    assert told["law"] == scene.law and told["drag_strength"] == 0.3
+    assert "drag_strength" not in settings.attributes(Scene())
+    with pytest.raises(InputError, match="-scene_drag_strength is '-1': allowed is a number at least 0"):
+        Scene(law=scene.law, drag_strength=-1)
+    load = Load("normal_displacement=1", "tangential_displacement=2")
+    names = ["scene_residual_friction", "scene_drag_strength"]
+    assert [name for name, _ in settings.ineffective(scene, load, names)] == names[:1]
+    assert [name for name, _ in settings.ineffective(Scene(), load, names)] == names[1:]
+    *_, point = Branch(scene, load)
+    assert point.forces[1] > 0.0
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"normal": "np.exp(-a)"}, r"d t_0 / d g_0 is .*, but differences of t_0 give"),
+    ({"along": "0.0"}, r"the slip .* d t_1 / d g_1 is"),
+    ({"corners": ""}, None),
+    ({"traction": "a * np.exp(-a) + 0.1 * np.tanh(20 * gap[0])"}, "d t_0 / d g_0"),
+    ({"traction": "a * np.exp(-a) + 0.1"}, "normal traction 0.1 at the normal gap 0 without slip: it has to be 0"),
+    ({"traction": "a * np.exp(-0.5 * a)", "normal": "(1 - 0.5 * a) * np.exp(-0.5 * a)"}, "end of the range"),
+    ({"traction": "undefined"}, "cannot be evaluated with 1 component.s. .NameError"),
+])
+def test_what_is_wrong_with_a_law_is_told(written, change, words):
+    name = written(**change)
+    if words is None:  # nothing is looked at across a corner, declared or not
+        Scene(law=name)
+        return
+    with pytest.raises(InputError, match=words) as error:
+        Scene(law=name)
+    assert "Drag" in str(error.value)
+
+
+def test_names_of_files_and_classes_are_checked(written, tmp_path):
+    name = written()
+    for wrong, words in ((name + "s", "has no law 'Drags': its laws are Drag; try .*:Drag"),
+                         ("nowhere.py:Drag", "there is no file 'nowhere.py'")):
+        with pytest.raises(InputError, match=words):
+            Scene(law=wrong)
+    (tmp_path / "broken.py").write_text("1 / 0", encoding="utf-8")
+    with pytest.raises(InputError, match="does not run .ZeroDivisionError"):
+        Scene(law=f"{tmp_path / 'broken.py'}:Drag")
+    (tmp_path / "taken.py").write_text(
+        "from contactsnes import Law, option\nclass Taken(Law):\n    poisson = option(0.1, 'mine')\n", encoding="utf-8")
+    with pytest.raises(InputError, match="-scene_poisson is declared twice, differently: give"):
+        Scene(law=f"{tmp_path / 'taken.py'}:Taken")
+
+
+def test_the_databases_law_brings_its_options(written, kept_options):
+    from contactsnes.options.database import check_names, help_text, install, read
+
+    name = written()
+    install({"scene_law": name, "scene_drag_strength": "0.7"})
+    check_names()
+    scene = read(Scene)
+    assert (scene.law, scene.drag_strength) == (name, 0.7) and "-scene_drag_strength" in help_text()
+
+
+@pytest.mark.parametrize("cls", laws.LAWS.values(), ids=str)
+def test_the_packages_laws_pass_what_is_asked_of_ones_own(cls):
+    own_laws.check(cls(), cls.name)
+
+
+def test_help_tells_of_the_options_of_a_law_in_a_file(written, capsys):
+    from contactsnes.commands import cli
+
+    name = written()
+    assert not cli._help_on_options(["-scene_law", name, "-help"])
+    assert "-scene_drag_strength" in capsys.readouterr().out
+    assert not cli._help_on_options(["nowhere.opts", "-help"])

@@ -18,7 +18,7 @@ from .. import __version__
 from ..branch.failures import uncomputable
 from ..compare.methods import CompareOptions
 from ..contact.balance import CONVERGENCE
-from ..options.database import database, database_text, help_text, read, unused_options
+from ..options.database import database, database_text, help_text, petsc_arguments, read, unused_options
 from ..options.fields import InputError, nearest
 from ..output.archive import ArchiveError, WriteError
 from ..scene import settings as scenes
@@ -118,18 +118,30 @@ def _no_command(command):
 def run(arguments, interrupts):
     """``contactsnes run``: follow the load path, show and keep its points."""
     if _asks_for_help(arguments):
-        return _help_on_options()
+        return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
     status = task.follow()
     return status if task.archive else status or told()
+
+
+def _words(arguments):
+    """The options that arguments and their files stand for; none where a file cannot be read, which help does not need."""
+    try:
+        return petsc_arguments(arguments)
+    except InputError:
+        return []
 
 
 def _asks_for_help(arguments):
     return any(argument in ("-h", "-help", "--help") for argument in arguments)
 
 
-def _help_on_options(more=()):
+def _help_on_options(arguments, more=()):
     begin_petsc([])
+    words = _words([argument for argument in arguments if not _asks_for_help([argument])])
+    for name, value in zip(words, words[1:]):
+        if name.lower() == "-scene_law":
+            scenes.Scene.prepare(lambda named=value: {"scene_law": named})
     return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)], units=UNITS))
 
 
@@ -139,7 +151,7 @@ def _help_on_options(more=()):
 def info(arguments):
     """``contactsnes info``: what would be solved."""
     if _asks_for_help(arguments):
-        return _help_on_options()
+        return _help_on_options(arguments)
     settings = start_petsc(arguments)
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
@@ -167,7 +179,7 @@ def info(arguments):
 def compare(arguments):
     """``contactsnes compare``: methods on one scene, measured on equal terms."""
     if _asks_for_help(arguments):
-        return _help_on_options((CompareOptions,))
+        return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
     os.environ.pop("MPLBACKEND", None)  # files are written: no backend has a say, and an unknown one would end the import
     from ..compare import figure as comparison_figure

@@ -137,6 +137,7 @@ def read(cls, prefix=""):
     from petsc4py import PETSc
 
     options = PETSc.Options(prefix + cls.prefix)
+    cls.prepare(database)
     given = [options.hasName(field.name) for field in dataclasses.fields(cls)]
     # Solvers ask often, and for little: the whole database takes milliseconds.
     return _instance(cls, database(), prefix) if any(given) else cls()
@@ -184,6 +185,8 @@ def check_names(classes=()):
     classes : dataclasses of options, with a `prefix`, of our own PC and SNES types; they may stand under the prefixes of solvers
         inside others, too
     """
+    for cls in COMMON:
+        cls.prepare(database)
     names, own = known_options(classes), tuple(cls.prefix for cls in classes)
     prefixes = (*(cls.prefix for cls in COMMON), *own)
     sentences = []

@@ -27,7 +27,7 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
     infinite : whether inf is allowed
     even : whether an integer has to be even
-    word : a text that is allowed besides; also : function (text), whether others are
+    word : a text that is allowed besides; also : function (text), whether it is, where ``word`` stands for many
     """
     if kind is None:
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
@@ -108,7 +108,7 @@ def _single(value, rule):
 
 def checked(name, value, rule):
     """The value of option `name`, or InputError."""
-    if isinstance(value, str) and (value == rule["word"] or rule["also"] and rule["also"](value)):
+    if isinstance(value, str) and (rule["also"](value) if rule["also"] else value == rule["word"]):
         return value
     several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
     if rule["many"] == "list" and isinstance(value, str):
@@ -181,6 +181,10 @@ class Options:
     def typed(cls, **values):
         """The instance for values as they are typed."""
         return cls(**values)
+
+    @classmethod
+    def prepare(cls, entries):
+        """Called before values are read: ``entries()`` are the options that are given, which may bring others with them."""
 
     @classmethod
     def rule(cls, field):

@@ -59,7 +59,8 @@ class Scene(Units):
     rough_seed: int = option(0, "seed of the phases of roughness", minimum=0, maximum=2 ** 32 - 1)
     gap_offset: float = option(0.0, "constant added to the initial gap", "u_n,r")
     law: str = option("modified", "tractions: " + ", ".join(f"{name} ({law.meaning})" for name, law in LAWS.items()),
-                      choices=tuple(LAWS), also=lambda name: name in laws.OBJECTS)
+                      choices=tuple(LAWS), word="FILE.py:NAME, a class of one's own",
+                      also=lambda name: name in laws.OBJECTS or name in laws.OWN)
     normal_maugis: float = option(10.0, "lambda_n: u_n,r over the normal range of the law", above=0)
     tangential_maugis: float = option(1.0, "lambda_t: u_t,r over the tangential range of the law", above=0)
     work_ratio: float = option(1.0, "tangential over normal work of adhesion; enters with elastic coupling, and in energies", above=0)
@@ -69,8 +70,19 @@ class Scene(Units):
                              choices=("auto", "on", "off"))
     contact_threshold: float = option(2.718281828, "contact is where the gap is below this", "delta_n", above=0)
 
+    def __new__(cls, *values, **named):
+        """A scene that is yet to be filled, which has the options of its law."""
+        traction.admit(cls, named.get("law") or "")
+        return super().__new__(cls)
+
+    @classmethod
+    def prepare(cls, entries):
+        """The options of a law in a file of one's own are known before they are read."""
+        traction.admit(cls, entries().get("scene_law", ""))
+
     def __post_init__(self):
         super().__post_init__()
+        traction.check(self)
         for name in ("points", "period", "spacing"):
             if self.dimension == 1 and isinstance(getattr(self, name), tuple):
                 raise InputError(f"-scene_{name} is '{as_text(self.as_typed(name))}': one dimension takes one number; "
@@ -304,7 +316,7 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     """
     sheared = any(tangential_legs(scene, load))
     unsheared = "no tangential unknown appears"
-    rules = (*traction.ineffective(scene, None if sheared else unsheared),
+    rules = (*traction.ineffective(scene, sheared),
              ("scene_tangential_maugis", not sheared, unsheared),
              ("scene_work_ratio", not sheared, unsheared),
              ("scene_amplitude", scene.geometry != "sinusoid", f"the geometry is {scene.geometry}"),
@@ -327,13 +339,12 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
 
 def attributes(scene):
     """Name -> value of a scene for the archive, as it is typed, with defaults filled in; two directions give a tuple."""
-    values = {field.name: scene.as_typed(field.name) for field in dataclasses.fields(scene)}
+    values = {field.name: scene.as_typed(field.name) for field in dataclasses.fields(scene) if field.name not in traction.untold(scene)}
     grid = (("spacing", scene.spacings),) if scene.isolated else (("points", scene.shape), ("amplitude", scene.amplitudes))
     for name, directions in (("period", scene.periods), *grid):
         values[name] = scene.told(directions if scene.dimension == 2 else directions[0], Scene.rule(name)["unit"])
     del values["accuracy"]  # an aim, which a run that is resumed may change
     if scene.roughness:
         values["rough_longest"] = scene.told(scene.roughness[2], "beta")
-    values = {name: value for name, value in values.items() if name not in traction.untold(scene)}
     homes = {"amplitude": "sinusoid", "geometry_file": "file"} | {name: "rough" for name in values if name.startswith("rough_")}
     return {name: value for name, value in values.items() if value is not None and scene.geometry == homes.get(name, scene.geometry)}

@@ -35,8 +35,16 @@ def _options(classes):
 
 LAWS = _found()
 OPTIONS = _options(LAWS.values())
+OWN = {}
+"""FILE.py:NAME -> class of a law in a file of one's own that was loaded."""
 OBJECTS = {}
 """Name -> law that was made in Python, of a class that no file of this folder has."""
+
+
+def enter(name, cls):
+    """Make a class in a file of one's own, and its options, known; TypeError where another law declares one differently."""
+    OPTIONS.update(_options((*LAWS.values(), *OWN.values(), cls)))
+    OWN[name] = cls
 
 
 def keep(law):
@@ -50,14 +58,14 @@ def keep(law):
 
 def named(name):
     """The class, or the object, of a law's name; None of one that is not known."""
-    return OBJECTS.get(name, LAWS.get(name))
+    return next((known[name] for known in (LAWS, OWN, OBJECTS) if name in known), None)
 
 
 def of(scene):
     """The law that a scene names, with the scene's values of its options; the same object for the same values."""
     if scene.law in OBJECTS:
         return OBJECTS[scene.law]
-    cls = LAWS[scene.law]
+    cls = named(scene.law)
     return _made(cls, tuple(getattr(scene, name) for name in cls.declared()))
 
 

@@ -23,21 +23,20 @@ TANGENTIAL_PEAK = np.sqrt(2.0 / np.e)
 class Coupled(Law):
     """Coupled law t_n = N(a) E(a, b), t_t = T(b) h(a) e with e = g_t / |g_t| (eqs. 3 and 5 of the paper).
 
-    N(a) = a exp(-a). Subclasses say how the normal traction fades with slip (``_fading``), which T(b) holds
-    (``_friction``) and whether the two are decoupled where the surfaces overlap (``decoupled_in_overlap``).
+    N(a) = a exp(-a). Subclasses say how the normal traction fades with slip (``fading``), which T(b) holds
+    (``friction``) and whether the two are decoupled where the surfaces overlap (``decoupled_in_overlap``), and ``friction_energy``.
     Below ``deepest`` both tractions continue linearly in a, with continuous slope.
     """
 
     decoupled_in_overlap = False
-    slip_peak, normal_peak, tangential_peak = SLIP, NORMAL_PEAK, TANGENTIAL_PEAK
-    softening, moving_stiffness, newton_stiffness = SOFTENING, 1.5 * SOFTENING, 0.2
+    normal_peak, softening, moving_stiffness, newton_stiffness = NORMAL_PEAK, SOFTENING, 1.5 * SOFTENING, 0.2
 
-    def _fading(self, squared_slip):
+    def fading(self, squared_slip):
         """E(b) and dE/d(b^2)."""
         fading = np.exp(-squared_slip)
         return fading, -fading
 
-    def _friction(self, slip):
+    def friction(self, slip):
         """T(b) / b and T'(b)."""
         peak = 2.0 * np.exp(-slip * slip)
         return peak, peak * (1.0 - 2.0 * slip * slip)
@@ -71,8 +70,8 @@ class Coupled(Law):
         slip_vector = gap[1:]
         squared_slip = np.einsum("in,in->n", slip_vector, slip_vector)
         slip = np.sqrt(squared_slip)
-        fading, fading_slope = self._fading(squared_slip)
-        secant, friction_slope = self._friction(slip)
+        fading, fading_slope = self.fading(squared_slip)
+        secant, friction_slope = self.friction(slip)
         held, held_slope = decay * (1.0 - depth), -decay
         if self.decoupled_in_overlap:
             overlap = gap[0] <= 0.0

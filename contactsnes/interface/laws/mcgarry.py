@@ -2,7 +2,7 @@
 
 import math
 
-from .coupled import Coupled
+from .coupled import SLIP, TANGENTIAL_PEAK, Coupled
 
 
 class McGarry(Coupled):
@@ -12,4 +12,5 @@ class McGarry(Coupled):
     """
 
     name, meaning = "mcgarry", "eq. 3"
+    slip_peak, tangential_peak = SLIP, TANGENTIAL_PEAK
     slip_softening = 4 * math.exp(-1.5)

@@ -30,6 +30,7 @@ class Modified(Coupled):
     residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip (law modified)",
                                       minimum=0, below=1)
     slip_options = ("residual_friction", "residual_adhesion")
+    slip_peak, tangential_peak = SLIP, TANGENTIAL_PEAK
     gap_corners, slip_corners = (0.0,), (SLIP,)
 
     @property
@@ -37,12 +38,14 @@ class Modified(Coupled):
         """Steepest fall of the friction with the slip, (2/e) (1 - residual_friction)."""
         return 2 / math.e * (1 - self.residual_friction)
 
-    def _fading(self, squared_slip):
+    def fading(self, squared_slip):
+        """E_r(b) and its derivative to b^2."""
         lost = (1.0 - self.residual_adhesion) * np.exp(-squared_slip)
         return self.residual_adhesion + lost, -lost
 
-    def _friction(self, slip):
-        secant, slope = super()._friction(slip)
+    def friction(self, slip):
+        """T(b) / b and T'(b), in two parts."""
+        secant, slope = super().friction(slip)
         beyond = slip > SLIP
         if beyond.any():
             past = slip[beyond] - SLIP
