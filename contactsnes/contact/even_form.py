@@ -6,7 +6,6 @@ from ..grid.boxes import cost
 from ..grid.even import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
 from ..options.fields import InputError
 from .forms import DisplacementForm
-from .problem import CERTAIN
 from .states import State, normal_gap, onto
 
 EVEN = 1e-6
@@ -152,7 +151,7 @@ class Symmetry:
         if centred(state.window) == state.window:
             return True
         alone = lone(state.window)
-        return self.contact.grid.minimum(normal_gap(self.contact, state), where=alone) >= CERTAIN
+        return self.contact.grid.minimum(normal_gap(self.contact, state), where=alone) >= self.contact.law.certain
 
     def leave(self, why):
         """Take no state for even from now on, for a reason in words."""

@@ -22,9 +22,6 @@ DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
 """Control of the mean surface itself, without the rigid compliance of the body: what a cold start holds."""
 
-CERTAIN = 30.0
-"""Normal gap, in ranges, that every node outside a window must have: there the law is below 1e-11 of its peak."""
-
 
 class Contact:
     """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much is made of each part.

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
-from .problem import APPROACH, CERTAIN, FORCE
+from .problem import APPROACH, FORCE
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
@@ -163,11 +163,11 @@ def covers(contact, state):
     if state.window.is_whole:
         return True
     gap = normal_gap(contact, state)
-    if contact.grid.minimum(gap, where=state.window.rim()) < CERTAIN:
+    if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
         return False
     if contact.convex:
         return True
-    return contact.grid.minimum(contact.gap_outside(state)) >= CERTAIN
+    return contact.grid.minimum(contact.gap_outside(state)) >= contact.law.certain
 
 
 def with_components(state, components):

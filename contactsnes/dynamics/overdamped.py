@@ -13,7 +13,6 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..contact import states
-from ..contact.problem import CERTAIN
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
@@ -196,13 +195,13 @@ class Flow:
         if window in (contact.grid.whole, contact.widest):
             return True
         gap = self.equations.unfolded(self.equations.gap(self.history[-1].unknown)[0])
-        if contact.grid.minimum(gap, where=window.rim()) < CERTAIN:
+        if contact.grid.minimum(gap, where=window.rim()) < contact.law.certain:
             return False
         if contact.convex:
             return True
         outside = self._extended()[0] + contact.initial_gap
         window.put(np.full(window.size, np.inf), outside)
-        return contact.grid.minimum(outside) >= CERTAIN
+        return contact.grid.minimum(outside) >= contact.law.certain
 
     def _extended(self):
         """Displacement over the cell (components, *grid): m - C tau off the window."""

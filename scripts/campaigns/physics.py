@@ -19,6 +19,8 @@ def tractions(law, a, b, friction=1.0, adhesion=0.0):
     law 'mcgarry': a exp(-a) exp(-b^2) and 2 b exp(-a) exp(-b^2). 'modified': the same where the surfaces are apart, but with the
     shares ``friction`` and ``adhesion`` left at large slip; in overlap neither depends on the other.
     """
+    if law not in ("mcgarry", "modified"):
+        raise ValueError(f"the checker has no law '{law}' of its own")
     slip = np.sqrt(np.sum(b ** 2, axis=0))
     bell, near = np.exp(-slip ** 2), np.exp(-a)
     secant = 2.0 * bell

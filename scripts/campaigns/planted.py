@@ -143,8 +143,8 @@ def _law():
     normal = Coupled._normal
 
     def wrong(self, a):
-        value, slope, decay, depth = normal(self, a)
-        return 1.001 * value, 1.001 * slope, decay, depth
+        value, slope, *held = normal(self, a)
+        return 1.001 * value, 1.001 * slope, *held
 
     Coupled._normal = wrong
 

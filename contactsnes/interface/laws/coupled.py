@@ -42,15 +42,19 @@ class Coupled(Law):
         return peak, peak * (1.0 - 2.0 * slip * slip)
 
     def _normal(self, a):
-        """N(a), N'(a), exp(-a), and the depth below ``deepest``, where the first continues linearly and exp(-a) ends."""
+        """N(a), N'(a), h(a) = exp(-a) and h'(a), which continue linearly below ``deepest``."""
         if not np.min(a, initial=0.0) < self.deepest:
             decay = np.exp(-a)
-            return a * decay, (1.0 - a) * decay, decay, 0.0
+            return a * decay, (1.0 - a) * decay, decay, -decay
         depth = np.minimum(a - self.deepest, 0.0)
         bounded = a - depth
         decay = np.exp(-bounded)
         slope = (1.0 - bounded) * decay
-        return bounded * decay + slope * depth, slope, decay, depth
+        return bounded * decay + slope * depth, slope, decay * (1.0 - depth), -decay
+
+    def _pressed(self, normal, normal_slope):
+        """h(a) and h'(a) in overlap of a law that decouples there, from N(a) and N'(a)."""
+        return 1.0, 0.0
 
     def normal(self, a):
         """N(a) and N'(a) without slip."""
@@ -61,7 +65,7 @@ class Coupled(Law):
 
         ``traction`` may be ``gap`` itself.
         """
-        normal, normal_slope, decay, depth = self._normal(gap[0])
+        normal, normal_slope, held, held_slope = self._normal(gap[0])
         if len(gap) == 1:
             traction[0] = normal
             if tangent is not None:
@@ -72,11 +76,11 @@ class Coupled(Law):
         slip = np.sqrt(squared_slip)
         fading, fading_slope = self.fading(squared_slip)
         secant, friction_slope = self.friction(slip)
-        held, held_slope = decay * (1.0 - depth), -decay
         if self.decoupled_in_overlap:
             overlap = gap[0] <= 0.0
             fading, fading_slope = np.where(overlap, 1.0, fading), np.where(overlap, 0.0, fading_slope)
-            held, held_slope = np.where(overlap, 1.0, held), np.where(overlap, 0.0, held_slope)
+            pressed, pressed_slope = self._pressed(normal, normal_slope)
+            held, held_slope = np.where(overlap, pressed, held), np.where(overlap, pressed_slope, held_slope)
         if tangent is not None:
             np.multiply(normal_slope, fading, out=tangent[0, 0])
             np.multiply(2.0 * normal * fading_slope, slip_vector, out=tangent[0, 1:])

@@ -35,7 +35,8 @@ class Law(Options):
     slip_options : names of options that change nothing without slip
     range : normal gap, in ranges, beyond which the law counts as zero
     deepest : normal gap, in ranges, below which tractions are only continued
-    slip_range : slip, in ranges, within which it is sampled
+    repulsion : overlap, in ranges, over which the repulsion grows by a factor e
+    opening_range, slip_range : gap and slip, in ranges, within which it is sampled
     gap_corners, slip_corners : normal gaps and slips, in ranges, across which the tangent or its slope jumps
     odd : whether a slip the other way has the other traction, and the same normal one
     """
@@ -43,7 +44,8 @@ class Law(Options):
     prefix = "scene_"
     name, meaning = "", ""
     slip_options = ()
-    range, deepest, slip_range = 37.0, -30.0, 6.0
+    range, deepest, repulsion = 37.0, -30.0, 1.0
+    opening_range, slip_range = 5.0, 6.0
     gap_corners, slip_corners = (), ()
     odd = True
 
@@ -157,10 +159,15 @@ class Law(Options):
         known = vars(self).setdefault("_coupled_softenings", {})
         if (normal_maugis, tangential_maugis) not in known:
             scale = np.array([normal_maugis, tangential_maugis])
-            gaps = np.array(np.meshgrid(np.linspace(1e-9, 5.0, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
+            gaps = np.array(np.meshgrid(np.linspace(1e-9, self.opening_range, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
             tangent = self.tangent(gaps) * np.multiply.outer(scale, scale)[..., None]
             known[normal_maugis, tangential_maugis] = float(np.max(softening(tangent)))
         return known[normal_maugis, tangential_maugis]
+
+    @property
+    def certain(self):
+        """Normal gap, in ranges, that every node outside a window must have: 30 of 37, where a exp(-a) is below 1e-11 of its peak."""
+        return 30.0 * self.range / 37.0
 
     # The regularised gap
 
@@ -183,7 +190,7 @@ class Law(Options):
 
     def gap_of_regularised(self, target, stiffness):
         """The normal gap a (nodes) with a + N(a) / stiffness = target, pointwise by a bracketed Newton iteration."""
-        new = np.where(target < 0.0, -np.log1p(-stiffness * np.minimum(target, 0.0)), target)
+        new = np.where(target < 0.0, -self.repulsion * np.log1p(-stiffness * np.minimum(target, 0.0)), target)
         # a and w have one sign, and N(a) is at most its peak, and negative in overlap: a lies between these.
         low, high = np.where(target > 0.0, target - self.normal_peak / stiffness, target), np.maximum(target, 0.0)
         nodes, now = np.arange(len(target)), new.copy()

@@ -25,10 +25,10 @@ class Modified(Coupled):
     decoupled_in_overlap = True
 
     name, meaning = "modified", "eq. 5 of the paper"
-    residual_friction: float = option(1.0, "tangential traction at large slip over its peak (law modified)",
-                                      minimum=0, maximum=1)
-    residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip (law modified)",
-                                      minimum=0, below=1)
+    residual_friction: float = option(1.0, "tangential traction at large slip over its peak "
+                                      "(laws modified, dugdale, pressure_friction)", minimum=0, maximum=1)
+    residual_adhesion: float = option(0.0, "work of adhesion at large slip over that without slip "
+                                      "(laws modified, dugdale, pressure_friction)", minimum=0, below=1)
     slip_options = ("residual_friction", "residual_adhesion")
     slip_peak, tangential_peak = SLIP, TANGENTIAL_PEAK
     gap_corners, slip_corners = (0.0,), (SLIP,)
