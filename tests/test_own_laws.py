@@ -1,7 +1,9 @@
 """Laws that declare themselves: what follows from their tractions, and laws of one's own."""
 
 import dataclasses
+import hashlib
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -235,6 +237,14 @@ def test_a_law_in_a_file_is_one_of_the_laws(written):
     assert [name for name, _ in settings.ineffective(Scene(), load, names)] == names[1:]
     *_, point = Branch(scene, load)
     assert point.forces[1] > 0.0
+
+
+def test_an_archive_knows_the_law_by_its_file(written):
+    """A file that says something else later is another law, whatever its name."""
+    load, name = Load("normal_displacement=1", "normal_displacement=2"), written()
+    told = Branch(Scene(law=name, **SMALL), load).attributes()
+    assert told["law_sha256"] == hashlib.sha256(Path(name.rpartition(":")[0]).read_bytes()).hexdigest()
+    assert "law_sha256" not in Branch(Scene(**SMALL), load).attributes()
 
 
 @pytest.mark.parametrize("change, words", [

@@ -116,6 +116,8 @@ class Branch:
             found["box_points"] = self.contact.grid.shape
         if self._heights is not None:
             found["heights_sha256"] = resuming.checksum(self._heights)
+        if hasattr(self.contact.law, "source_sha256"):
+            found["law_sha256"] = self.contact.law.source_sha256
         return found
 
     def __iter__(self):

@@ -1,5 +1,6 @@
 """Laws in files of one's own: `FILE.py:NAME` is loaded, and its tangent is compared with differences of its tractions."""
 
+import hashlib
 import importlib.util
 import itertools
 from pathlib import Path
@@ -41,6 +42,8 @@ def load(name):
         known = f"its laws are {', '.join(own)}" if own else "it has no subclass of contactsnes.interface.laws.Law"
         guess = nearest(title, own)
         raise InputError(f"-scene_law is '{name}': '{file}' has no law '{title}': {known}" + (f"; try {file}:{guess}" if guess else ""))
+    # What was computed with a law is of that law, not of what its file says later.
+    found[title].source_sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
     return found[title]
 
 
