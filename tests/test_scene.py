@@ -20,6 +20,7 @@ DEFAULTS = {
     **dict.fromkeys(("scene_rough_slope", "scene_rough_longest", "scene_rough_shortest"), ""), "scene_rough_seed": "0",
     "scene_gap_offset": "0", "scene_law": "modified", "scene_normal_maugis": "10",
     "scene_tangential_maugis": "1", "scene_residual_friction": "1", "scene_residual_adhesion": "0", "scene_work_ratio": "1",
+    "scene_dugdale_width": "0.1", "scene_pressure_friction": "0.1", "scene_xu_needleman_q": "1", "scene_xu_needleman_r": "0",
     "scene_poisson": "0.5", "scene_height": "2000", "scene_tangential": "auto", "scene_contact_threshold": "2.718281828",
     "scene_units": "dimensionless", **dict.fromkeys((
         "scene_work_of_adhesion_normal", "scene_work_of_adhesion_tangential", "scene_contact_modulus", "scene_radius",
