@@ -173,7 +173,7 @@ class Branch:
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
-                                  **{name: packed[name] for name in KEPT})
+                     **{name: packed[name] for name in KEPT})
 
     def _start(self):
         """The first point, at -load_start: without tangential load, then in steps to the one asked for.

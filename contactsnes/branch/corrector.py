@@ -17,7 +17,7 @@ from ..dynamics import jumps
 from ..grid.boxes import in_words
 from ..scene.resolution import PINNING, resolution
 from ..solvers.snes import COLD, WARM, create_snes, solver_type
-from . import first_points as coldstart
+from . import first_points
 
 
 def _names(cls):
@@ -154,7 +154,7 @@ class Corrector:
             except NotConverged as error:
                 why = f"no cold solve ({error})"
         self.log(f"{why}: the first point is where motion from the undeformed body leads")
-        undeformed = coldstart.beginning(self.contact, controls, load)
+        undeformed = first_points.beginning(self.contact, controls, load)
         return self.settle(undeformed, controls, load, f"at {self.told(controls, load)} from the undeformed body")
 
     def ambiguous(self):
@@ -171,7 +171,7 @@ class Corrector:
 
     def cold(self, controls, load):
         """The point at given loads that the body reaches from the start without overlap, without friction first."""
-        point = coldstart.first_point(self, controls[:1], load[:1])
+        point = first_points.first_point(self, controls[:1], load[:1])
         return point if len(controls) == 1 else self.solve(point.state, controls, load, COLD)
 
     def on(self, contact, tolerance):

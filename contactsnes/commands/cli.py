@@ -215,15 +215,15 @@ def plot(arguments):
     except SystemExit as stop:
         return stop.code
     os.environ.pop("MPLBACKEND", None)  # as in a comparison
-    from ..output import figures as plots
+    from ..output import figures
 
     for path in asked.archives:
         try:
-            figures = plots.plot(path, asked.output, asked.pdf, asked.points)
+            drawn = figures.plot(path, asked.output, asked.pdf, asked.points)
         except OSError as error:
             kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO) else InputError
             raise kind(f"the figures of {path} cannot be written: {error}") from None
-        print(*figures.files, *(f"no figure {name} of {path}: {why}" for name, why in figures.skipped.items()), sep="\n")
+        print(*drawn.files, *(f"no figure {name} of {path}: {why}" for name, why in drawn.skipped.items()), sep="\n")
     return 0
 
 

@@ -11,7 +11,7 @@ from ..contact.even_form import obstacles
 from ..interface.roughness import surface
 from ..options.database import database
 from ..options.fields import as_text
-from ..scene import resolution as cohesive
+from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
 from ..scene.load import names, quantities
@@ -21,7 +21,7 @@ from ..scene.units import DERIVED, Units, prefixed
 def resolution_warnings(settings):
     """Sentences on a grid that is too coarse, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
-    sentence = cohesive.resolution_warning(settings.scene, sheared)
+    sentence = resolution.resolution_warning(settings.scene, sheared)
     return (*((sentence,) if sentence else ()), *_seams(settings.scene))
 
 
@@ -104,7 +104,7 @@ def _by(shape):
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
-    resolved = cohesive.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
+    resolved = resolution.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
     return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
             f"normal Maugis parameter {scene.normal_maugis:.8g}, tangential {scene.tangential_maugis:.8g}; "
             f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",

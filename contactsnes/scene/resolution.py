@@ -4,12 +4,11 @@ import dataclasses
 import math
 
 from ..interface import laws
+from ..interface.laws.coupled import SOFTENING
 from ..options.fields import as_text
 
 LARGEST_RESOLUTION = 1.25
-"""Largest dx lambda_n^2 at which the cohesive zone is resolved (relative error of the force about 1e-6)."""
-SOFTENING = math.exp(-2.0)
-"""Steepest normal softening of a exp(-a), for which that was measured, phi_n/delta_n^2."""
+"""Largest dx lambda_n^2 at which the cohesive zone of a exp(-a) is resolved (relative error of the force about 1e-6)."""
 PINNING = 1.8
 """``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes.
 
