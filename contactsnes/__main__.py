@@ -6,7 +6,8 @@ import sys
 
 
 def main():
-    """Run the command; a signal before it has begun, or after its end, ends the program at once and without a word."""
+    """Run the command; a signal before it has begun, or after its end, ends the program at once and
+    without a word."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number and signal.getsignal(number) != signal.SIG_IGN:

@@ -16,7 +16,9 @@ from contactsnes.interface.laws.coupled import Coupled
 class Saturating(Coupled):
     """t_n = a exp(-a) exp(-b^2), t_t = s b / sqrt(1 + b^2) exp(-a); in overlap neither fades."""
     strength = option(0.5, "friction at large slip (law Saturating)", "phi_t/delta_t", above=0)
-    decoupled_in_overlap, gap_corners, slip_peak = True, (0.0,), 1.0
+    decoupled_in_overlap = True
+    gap_corners = (0.0,)
+    slip_peak = 1.0
 
     def friction(self, slip):
         return self.strength / np.sqrt(1 + slip**2), self.strength / np.sqrt(1 + slip**2)**3
@@ -25,7 +27,9 @@ class Saturating(Coupled):
 def main(folder="results", strengths=(0.2, 0.4)):
     """Draw tangential forces against displacements; both, for each strength."""
     Path(folder).mkdir(exist_ok=True)
-    axes, found, load = Figure().subplots(), [], Load("normal_displacement=2", "tangential_displacement=60")
+    axes = Figure().subplots()
+    found = []
+    load = Load("normal_displacement=2", "tangential_displacement=60")
     for law in map(Saturating, strengths):
         _, *points = Branch(Scene(points=128, period=20, height=80, normal_maugis=1), load, law=law)
         found.append(np.array([(point.displacements[1], point.forces[1]) for point in points]).T)

@@ -21,7 +21,9 @@ def main(folder="results", points=1024, period=60.0):
     scene = Scene(geometry="file", geometry_file=str(file), points=points, period=period,
                   normal_maugis=2.0)
     branch = Branch(scene, Load(start="normal_displacement=-2", path="normal_displacement=1"))
-    (above, below), areas, spots = Figure(layout="constrained").subplots(2), [], []
+    (above, below) = Figure(layout="constrained").subplots(2)
+    areas = []
+    spots = []
     for point in branch:
         areas.append(branch.observe(point)["contact_area"])
         gap = branch.contact.extended(point.state)[0] + branch.contact.initial_gap

@@ -1,4 +1,5 @@
-"""Archives: what is written is read, a kill at any moment leaves a readable archive, and a run resumes from it."""
+"""Archives: what is written is read, a kill at any moment leaves a readable archive, and a run
+resumes from it."""
 
 import io
 import multiprocessing
@@ -31,12 +32,10 @@ def no_children(monkeypatch):
 
 
 def content(**changed):
-    base = dict(
-        scene={"geometry": "cylinder", "normal_maugis": 10.0, "points": 8192},
-        options='-scene_normal_maugis 10\n-load_path "normal_force=25; tangential_displacement=400"\n-snes_atol 1e-8',
-        versions={"contactsnes": "0.1", "petsc": "3.18.5"},
-        columns=COLUMNS,
-    )
+    base = dict(scene={"geometry": "cylinder", "normal_maugis": 10.0, "points": 8192},
+                options='-scene_normal_maugis 10\n-load_path "normal_force=25; '
+                'tangential_displacement=400"\n-snes_atol 1e-8',
+                versions={"contactsnes": "0.1", "petsc": "3.18.5"}, columns=COLUMNS,)
     return {**base, **changed}
 
 
@@ -45,9 +44,12 @@ def fields_content(fields, **changed):
 
 
 def point(number):
-    """A point whose every number tells which it is; the state's size changes now and then, as a window does."""
-    row = dict(leg=number, normal_force=number / 3, contact_area=-number, event=("none", "fold")[number % 2])
-    state = dict(displacement=np.full((2, 40 + number // 100), number), load=number / 7, control="force")
+    """A point whose every number tells which it is; the state's size changes now and then, as a
+    window does."""
+    row = dict(leg=number, normal_force=number / 3, contact_area=-number,
+               event=("none", "fold")[number % 2])
+    state = dict(displacement=np.full((2, 40 + number // 100), number), load=number / 7,
+                 control="force")
     field = np.full((2, X.size), float(number))
     return row, state, field, -field
 
@@ -84,7 +86,8 @@ def test_a_record_gives_back_what_was_appended(tmp_path):
     assert record.points == archive.points == 150 and record.complete
     assert record.scene == content()["scene"] and record.options == content()["options"]
     assert record.versions == {"contactsnes": "0.1", "petsc": "3.18.5"}
-    assert record.units["normal_force"] == "w_n,r" and record.names["event"] == COLUMNS["event"].names
+    assert (record.units["normal_force"] == "w_n,r"
+            and record.names["event"] == COLUMNS["event"].names)
     assert set(record) == set(COLUMNS) and record.coordinates == () and record.initial_gap is None
     assert os.listdir(tmp_path) == ["run.h5"]
 
@@ -99,12 +102,15 @@ def test_h5py_alone_reads_an_archive_between_any_two_points(tmp_path):
             assert file["branch/normal_force"].shape == (count,)
             assert file["branch/normal_force"].attrs["unit"] == "w_n,r"
             assert list(file["branch/event"].attrs["names"]) == list(COLUMNS["event"].names)
-            assert file["fields/displacement"].shape == file["fields/traction"].shape == (count, 2, X.size)
-            assert np.array_equal(file["fields/x"], X) and np.array_equal(file["fields/initial_gap"], X**2 / 2)
+            assert file["fields/displacement"].shape == file["fields/traction"].shape == (count, 2,
+                                                                                          X.size)
+            assert np.array_equal(file["fields/x"],
+                                  X) and np.array_equal(file["fields/initial_gap"], X**2 / 2)
             assert not file.attrs["complete"]
 
 
-@pytest.mark.parametrize("fields, stored", [("none", []), ("last", [149]), ("all", list(range(150)))])
+@pytest.mark.parametrize("fields, stored", [("none", []), ("last", [149]),
+                                            ("all", list(range(150)))])
 def test_fields_of_the_points_asked_for_are_kept(tmp_path, fields, stored):
     archive = Archive.create(tmp_path / "run.h5", **fields_content(fields))
     append(archive, 150)
@@ -119,13 +125,15 @@ def test_fields_of_the_points_asked_for_are_kept(tmp_path, fields, stored):
 
 def test_two_dimensional_fields(tmp_path):
     shape = (3, 4, 6)
-    grid = dict(coordinates=(np.arange(4.0), np.arange(6.0)), components=3, initial_gap=np.ones((4, 6)), fields="all")
+    grid = dict(coordinates=(np.arange(4.0), np.arange(6.0)), components=3,
+                initial_gap=np.ones((4, 6)), fields="all")
     archive = Archive.create(tmp_path / "run.h5", **content(**grid))
     displacement = np.random.default_rng(1).random(shape)
     archive.append(*point(0)[:2], displacement, 2 * displacement)
     record = read(archive.path)
     assert np.array_equal(record.field("traction", 0), 2 * displacement)
-    assert [len(axis) for axis in record.coordinates] == [4, 6] and record.initial_gap.shape == (4, 6)
+    assert [len(axis) for axis in record.coordinates] == [4,
+                                                          6] and record.initial_gap.shape == (4, 6)
 
 
 def test_long_options_and_long_states(tmp_path):
@@ -142,7 +150,9 @@ def test_states_are_those_of_the_last_four_points(tmp_path):
     for count in range(1, 9):
         append(archive, 1)
         states = archive.states()
-        assert [state["load"] for state in states] == [number / 7 for number in range(max(0, count - 4), count)]
+        assert [state["load"] for state in states] == [number / 7
+                                                       for number in range(max(0, count - 4),
+                                                                           count)]
     assert states[-1]["displacement"].shape == (2, 40) and states[-1]["control"] == "force"
 
 
@@ -196,17 +206,20 @@ def test_finish_after_resuming_changes_nothing_else(tmp_path):
         append(complete, 1)
 
 
-@pytest.mark.parametrize(
-    "changed, message",
-    [
-        (dict(scene={**content()["scene"], "normal_maugis": 5.0}), "normal_maugis is 10.0 there and 5.0 here"),
-        (dict(scene={**content()["scene"], "height": 2.0}), "height is not given there and 2.0 here"),
-        (dict(options="-load_path normal_force=3"), "leg 1 of load_path, .*, is normal_force=25 there and normal_force=3 here"),
-        (dict(options=content()["options"] + " -load_start normal_force=1"), "load_start is not given there and normal_force=1 here"),
-        (dict(columns={"leg": Column("", "i8")}), r"columns or its grid .*contact_area, event, normal_force\)"),
-        (dict(fields="all", coordinates=(X,)), "archive_fields is none there and all here"),
-    ],
-)
+@pytest.mark.parametrize("changed, message",
+                         [(dict(scene={**content()["scene"], "normal_maugis": 5.0}),
+                           "normal_maugis is 10.0 there and 5.0 here"),
+                          (dict(scene={**content()["scene"], "height": 2.0}), "height is not "
+                           "given there and 2.0 here"),
+                          (dict(options="-load_path normal_force=3"), "leg 1 of load_path, .*, "
+                           "is normal_force=25 there and normal_force=3 here"),
+                          (dict(options=content()["options"] + " -load_start normal_force=1"),
+                           "load_start is not given there and "
+                           "normal_force=1 here"), (dict(columns={"leg": Column("", "i8")}),
+                                                    r"columns or its grid .*contact_area, event, "
+                                                    r"normal_force\)"),
+                          (dict(fields="all", coordinates=(X,)), "archive_fields is none "
+                           "there and all here"),],)
 def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
     append(Archive.create(tmp_path / "run.h5", **content()), 3)
     before = (tmp_path / "run.h5").read_bytes()
@@ -230,18 +243,24 @@ def test_method_and_spelling_of_options_do_not_hinder_resuming(tmp_path, options
 
 
 def test_which_options_made_which_points(tmp_path):
-    """Readable by h5py alone; a run without points counts for nothing, and points written anew keep their run."""
-    path, texts = tmp_path / "run.h5", [f"{content()['options']}\n-snes_atol 1e-{number}" for number in (8, 9, 10, 11)]
+    """Readable by h5py alone; a run without points counts for nothing, and points written anew keep
+    their run."""
+    path = tmp_path / "run.h5"
+    texts = [f"{content()['options']}\n-snes_atol 1e-{number}" for number in (8, 9, 10, 11)]
     append(Archive.create(path, **content(options=texts[0], warnings=["coarse"])), 3)
-    append(Archive.resume(path, **content(options=texts[1], versions={"petsc": "3.26"}, warnings=["steep"])), 80)
+    append(Archive.resume(path, **content(options=texts[1], versions={"petsc": "3.26"},
+                                          warnings=["steep"])), 80)
     Archive.resume(path, **content(options=texts[2])).finish()
     with h5py.File(path) as file:
-        assert file["runs/first"][:].tolist() == [0, 3, 83] and file["runs/options"].asstr()[:].tolist() == texts[:3]
-        assert file["runs/versions"].asstr()[1] == "petsc 3.26" and file.attrs["options"] == texts[2]
+        assert (file["runs/first"][:].tolist() == [0, 3, 83]
+                and file["runs/options"].asstr()[:].tolist() == texts[:3])
+        assert (file["runs/versions"].asstr()[1] == "petsc 3.26"
+                and file.attrs["options"] == texts[2])
         assert file.attrs["warnings"].splitlines() == ["coarse", "steep"]
     again = f"{texts[3]} -load_path 'normal_force=25; tangential_displacement=400; normal_force=1'"
     append(Archive.resume(path, **content(options=again)), 1)
-    assert [run.first for run in read(path).runs] == [0, 3, 83] and read(path).runs[-1].options == again
+    assert [run.first for run in read(path).runs] == [0, 3,
+                                                      83] and read(path).runs[-1].options == again
     with h5py.File(path, "r+") as file:
         del file["runs"], file["checksums"]
     assert [tuple(run)[:2] for run in read(path).runs] == [(0, again)]
@@ -249,13 +268,16 @@ def test_which_options_made_which_points(tmp_path):
     assert [run.first for run in read(path).runs] == [0, 84]
 
 
-@pytest.mark.parametrize("event, before, now, more", [
-    ("none", "-load_path a=1", "-load_path a=1 -snes_atol 1", False), ("none", "-load_path a=1", "-load_path a=1;a=2", True),
-    ("fold", "-continuation_at_fold stop", "-continuation_at_fold stop -load_path a=1;a=2", False),
-    ("fold", "-continuation_at_fold stop", "-continuation_at_fold trace", True),
-    ("pull_off", "-load_stop gross_sliding,pull_off", "-load_stop gross_sliding", True),
-    ("pull_off", "-load_stop pull_off", "-load_stop pull_off,gross_sliding", False),
-    ("pull_off", "", "-load_stop pull_off -load_path a=1", False)])
+@pytest.mark.parametrize("event, before, now, more",
+                         [("none", "-load_path a=1", "-load_path a=1 -snes_atol 1", False),
+                          ("none", "-load_path a=1", "-load_path a=1;a=2", True),
+                          ("fold", "-continuation_at_fold stop",
+                           "-continuation_at_fold stop -load_path a=1;a=2", False),
+                          ("fold", "-continuation_at_fold stop", "-continuation_at_fold trace",
+                           True), ("pull_off", "-load_stop gross_sliding,pull_off",
+                                   "-load_stop gross_sliding", True),
+                          ("pull_off", "-load_stop pull_off", "-load_stop pull_off,gross_sliding",
+                           False), ("pull_off", "", "-load_stop pull_off -load_path a=1", False)])
 def test_what_a_complete_path_has_more_to_offer(event, before, now, more):
     assert resuming.has_more(before, now, event) is more
 
@@ -266,7 +288,8 @@ def test_modes_may_be_kept_from_some_point_on(tmp_path):
     append(Archive.resume(path, **fields_content("all", modes=True)), 1)
     mode = np.ones((2, X.size))
     Archive.resume(path, **fields_content("all")).append(*point(3), mode)
-    assert np.isnan(read(path).field("mode", 2)).all() and np.array_equal(read(path).field("mode", 3), mode)
+    assert (np.isnan(read(path).field("mode", 2)).all()
+            and np.array_equal(read(path).field("mode", 3), mode))
     check(path, "all")
 
 
@@ -388,7 +411,8 @@ def run_into_a_limit(path):
 
 def test_a_full_disk_ends_the_run_and_leaves_the_archive(tmp_path):
     append(Archive.create(tmp_path / "run.h5", **fields_content("all")), 3)
-    run = multiprocessing.get_context("fork").Process(target=run_into_a_limit, args=(tmp_path / "run.h5",))
+    run = multiprocessing.get_context("fork").Process(target=run_into_a_limit,
+                                                      args=(tmp_path / "run.h5",))
     run.start()
     run.join()
     assert run.exitcode == 0
@@ -414,7 +438,8 @@ class Recorder(io.BytesIO):
         return super().truncate(size)
 
     def prefixes(self, before):
-        """Contents of the file after each change, large ones cut where a kill can cut them: between pages."""
+        """Contents of the file after each change, large ones cut where a kill can cut them: between
+        pages."""
         content = bytearray(before)
         for start, data in self.changes:
             if data is None:
@@ -430,11 +455,15 @@ class Recorder(io.BytesIO):
 
 @pytest.mark.parametrize("fields", ["none", "last", "all"])
 @pytest.mark.parametrize("points", [3, 65, 66])  # from 65 on two points share a chunk of the fields
-def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields, points):
+def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
+                                                              points):
     path, killed = tmp_path / "run.h5", tmp_path / "killed.h5"
     archive = Archive.create(path, **fields_content(fields))
     append(archive, points)
-    before, recorders, counts, stored = path.read_bytes(), [], [], []
+    before = path.read_bytes()
+    recorders = []
+    counts = []
+    stored = []
     opened = module._open
 
     def recording(name, mode):
@@ -467,7 +496,10 @@ def run_until_killed(path, fields, told=lambda: None):
 
 @pytest.mark.parametrize("fields", ["last", "all"])
 def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields):
-    random, path, points, context = np.random.default_rng(7), tmp_path / "run.h5", [], multiprocessing.get_context("fork")
+    random = np.random.default_rng(7)
+    path = tmp_path / "run.h5"
+    points = []
+    context = multiprocessing.get_context("fork")
     for number in range(15):
         begun = context.Event()
         run = context.Process(target=run_until_killed, args=(path, fields, begun.set))

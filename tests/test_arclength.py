@@ -1,4 +1,5 @@
-"""Arc length on contacts: folds against independent values, lengths that know no grid, what a traced branch costs, bad input."""
+"""Arc length on contacts: folds against independent values, lengths that know no grid, what a
+traced branch costs, bad input."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -9,27 +10,29 @@ import pytest
 
 petsc4py.init([])
 
-from test_continuation import Problem, System, followed as solved, path  # noqa: E402
+from test_continuation import Problem, System, path  # noqa: E402
+from test_continuation import followed as solved
 
-from contactsnes.contact import observables, states  # noqa: E402
-from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
-from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm  # noqa: E402
-from contactsnes.continuation.limit_points import LimitPoint, Station  # noqa: E402
-from contactsnes.scene.load import Load  # noqa: E402
-from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
-from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.contact import observables, states  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
+from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
+from contactsnes.continuation.limit_points import LimitPoint, Station  # noqa: E402
+from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 
 SOFT = {"points": 256, "period": 30.0, "normal_maugis": 2.0}
-SHEARED = {"points": 512, "period": 30.0, "normal_maugis": 3.0, "tangential_maugis": 1.5, "residual_friction": 0.0, "height": 100.0}
+SHEARED = {"points": 512, "period": 30.0, "normal_maugis": 3.0, "tangential_maugis": 1.5,
+           "residual_friction": 0.0, "height": 100.0}
 
 
 def followed(scene, start, path, form=None, **steps):
     """Branch, points and what ended it (None: its own end)."""
-    branch = Branch(Scene(**scene), Load(start=start, path=path), Steps(**{"type": "arclength", "at_fold": "trace", **steps}),
-                    form or Form())
+    branch = Branch(Scene(**scene), Load(start=start, path=path),
+                    Steps(**{"type": "arclength", "at_fold": "trace", **steps}), form or Form())
     points, error = [], None
     try:
         points.extend(branch)
@@ -43,11 +46,15 @@ def folds(points):
 
 
 def dense_fold(scene, guess, load):
-    """D at the fold of a normal contact nearby, by Newton's method on [F, J w, |w|^2 - 1] with dense matrices.
+    """D at the fold of a normal contact nearby, by Newton's method on [F, J w, |w|^2 - 1] with
+    dense matrices.
 
-    v + C t(a + v) + lambda D = 0 with the body's compliance 2/|q|, lambda^2 scaled, from its Fourier sum (Moore and Spence 1980).
+    v + C t(a + v) + lambda D = 0 with the body's compliance 2/|q|, lambda^2 scaled, from its
+    Fourier sum (Moore and Spence 1980).
     """
-    count, period, maugis = scene["points"], scene["period"], scene["normal_maugis"]
+    count = scene["points"]
+    period = scene["period"]
+    maugis = scene["normal_maugis"]
     x = (np.arange(count) - count // 2) * period / count
     wave = 2 * np.pi * np.fft.rfftfreq(count, period / count)
     kernel = np.fft.irfft(np.append(0.0, 2.0 * maugis ** 2 / wave[1:]), count)
@@ -58,12 +65,15 @@ def dense_fold(scene, guess, load):
         a = gap + v
         slope, bend = (1 - a) * np.exp(-a), (a - 2) * np.exp(-a)
         jacobian = np.eye(count) + compliance * slope
-        residual = np.concatenate([v + compliance @ (a * np.exp(-a)) + maugis * load, jacobian @ mode, [mode @ mode - 1]])
+        residual = np.concatenate([v + compliance @ (a * np.exp(-a)) + maugis * load,
+                                   jacobian @ mode, [mode @ mode - 1]])
         matrix = np.block([[jacobian, np.zeros((count, count)), np.full((count, 1), maugis)],
                            [compliance * (bend * mode), jacobian, np.zeros((count, 1))],
                            [np.zeros((1, count)), 2 * mode[None], np.zeros((1, 1))]])
         step = np.linalg.solve(matrix, residual)
-        v, mode, load = v - step[:count], mode - step[count:-1], load - step[-1]
+        v = v - step[:count]
+        mode = mode - step[count:-1]
+        load = load - step[-1]
     assert np.linalg.norm(step) < 1e-9
     return load, v, mode
 
@@ -72,40 +82,50 @@ def dense_fold(scene, guess, load):
 
 
 def test_folds_are_those_of_an_extended_system(options):
-    """Pull-off and jump-in under a displacement: load to 1e-9, null vector, on a small grid, by dense matrices."""
+    """Pull-off and jump-in under a displacement: load to 1e-9, null vector, on a small grid, by
+    dense matrices."""
     options(snes_atol="1e-10")
     branch, points, error = followed(SOFT, "normal_displacement=0", "normal_displacement=-4")
     assert error is None and [point.fold_kind for point in folds(points)] == ["pull_off", "jump_in"]
     for fold in folds(points):
         state = branch.contact.extended(fold.state)[0]
-        load, v, mode = dense_fold(SOFT, state + 1e-3 * np.cos(np.linspace(0.0, 3.0, state.size)), fold.load[0] + 1e-3)
+        load, v, mode = dense_fold(SOFT, state + 1e-3 * np.cos(np.linspace(0.0, 3.0, state.size)),
+                                   fold.load[0] + 1e-3)
         assert fold.load[0] == pytest.approx(load, rel=1e-9)
         np.testing.assert_allclose(state, v, atol=1e-4)
         tangent, = fold.tangents
-        found, expected = (vector / np.linalg.norm(vector) for vector in (tangent.state.displacement[0],
-                                                                          tangent.state.window.take(mode)))
+        found, expected = (vector / np.linalg.norm(vector)
+                           for vector in (tangent.state.displacement[0],
+                                          tangent.state.window.take(mode)))
         assert abs(found @ expected) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_folds_converge_to_johnson_kendall_and_roberts():
-    """Force at pull-off with the force held, and displacement with the displacement held: nearer at a shorter range."""
+    """Force at pull-off with the force held, and displacement with the displacement held: nearer at
+    a shorter range."""
     missed = []
     for maugis, count in ((2.0, 512), (5.0, 2048)):
         scene = {"points": count, "period": 100.0, "normal_maugis": maugis}
-        held = followed(scene, "normal_displacement=1", "normal_force=-3", at_fold="stop")[1][-1].forces[0]
-        moved = followed(scene, "normal_displacement=1", "normal_displacement=-5", at_fold="stop")[1][-1].displacements[0]
+        held = followed(scene, "normal_displacement=1", "normal_force=-3",
+                        at_fold="stop")[1][-1].forces[0]
+        moved = followed(scene, "normal_displacement=1", "normal_displacement=-5",
+                         at_fold="stop")[1][-1].displacements[0]
         missed.append([abs(held + 1.743883), abs(moved + 4.1136)])
-    assert np.all(np.array(missed[1]) < 0.25 * np.array(missed[0])) and missed[1][0] < 0.02 and missed[1][1] < 0.04
+    assert (np.all(np.array(missed[1]) < 0.25 * np.array(missed[0])) and missed[1][0] < 0.02
+            and missed[1][1] < 0.04)
 
 
 @pytest.mark.parametrize("path", ["normal_displacement=-5", "normal_force=-3",
-                                  "normal_force=1; tangential_displacement=150", "normal_force=1; tangential_force=8"])
+                                  "normal_force=1; tangential_displacement=150",
+                                  "normal_force=1; tangential_force=8"])
 def test_null_vectors_are_annihilated(options, path):
-    """J v = 0 at a fold with one tangent; at one in a corner, two tangents of loads that rise and fall."""
+    """J v = 0 at a fold with one tangent; at one in a corner, two tangents of loads that rise and
+    fall."""
     options(snes_atol="1e-10")
     branch, points, _ = followed(SHEARED, "normal_displacement=1", path, at_fold="stop")
     fold = points[-1]
-    assert fold.event == "fold" and fold.fold_kind == ("sliding" if "tangential" in path else "pull_off")
+    assert fold.event == "fold" and fold.fold_kind == ("sliding" if "tangential" in path
+                                                       else "pull_off")
     if len(fold.tangents) == 2:
         before, after = fold.tangents
         assert before.rate > 0.0 > after.rate
@@ -115,16 +135,20 @@ def test_null_vectors_are_annihilated(options, path):
     form.set_load(fold.load)
     form.linearise(form.pack(states.onto(fold.state, form.window), fold.state.means[form.forced]))
     vector = form.pack(tangent.state.displacement, tangent.state.means[form.forced])
-    assert np.linalg.norm(form.apply_jacobian(vector, np.empty(form.size))) < 1e-3 * np.linalg.norm(vector)
+    assert np.linalg.norm(form.apply_jacobian(vector, np.empty(form.size))) < 1e-3 * np.linalg.norm(
+        vector)
     assert abs(tangent.rate) < 1e-4
 
 
 def test_null_vectors_are_kept_with_fields():
-    """Beside displacement and traction, where no mode was looked for: the mode that stability finds at the fold."""
+    """Beside displacement and traction, where no mode was looked for: the mode that stability finds
+    at the fold."""
     found = []
     for stability in ("off", "eigenvalue"):
-        branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4", at_fold="stop", stability=stability)
-        fields = [observables.Measurement(branch.contact, point).fields() for point in (points[-2], points[-1])]
+        branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4",
+                                     at_fold="stop", stability=stability)
+        fields = [observables.Measurement(branch.contact, point).fields()
+                  for point in (points[-2], points[-1])]
         assert branch.steps.keeps_modes and len(fields[0]) == (2 if stability == "off" else 3)
         row = observables.observe(branch.contact, points[-1])
         assert row["fold_tangents"] == 1 and 0.0 < row["fold_precision"] <= 1e-8
@@ -135,7 +159,8 @@ def test_null_vectors_are_kept_with_fields():
 
 def test_a_sheared_fold_does_not_depend_on_steps():
     """Through corners of the law: the same load from long and short steps."""
-    loads = [folds(followed(SHEARED, "normal_displacement=1", "normal_force=1; tangential_displacement=150", at_fold="stop",
+    loads = [folds(followed(SHEARED, "normal_displacement=1",
+                            "normal_force=1; tangential_displacement=150", at_fold="stop",
                             largest_step=step)[1])[0].load[1] for step in (3.0, 12.0)]
     assert loads[0] == pytest.approx(loads[1], rel=2e-8)
 
@@ -147,7 +172,8 @@ def test_steps_know_neither_grid_nor_window():
     """The same places along the branch on two grids, and on the whole cell."""
     places = []
     for count, window in ((256, "auto"), (512, "auto"), (256, "off")):
-        _, points, _ = followed({**SOFT, "points": count}, "normal_displacement=2", "normal_displacement=-2", Form(window=window))
+        _, points, _ = followed({**SOFT, "points": count}, "normal_displacement=2",
+                                "normal_displacement=-2", Form(window=window))
         assert folds(points) == []
         places.append([point.position for point in points])
     for other in places[1:]:
@@ -156,7 +182,8 @@ def test_steps_know_neither_grid_nor_window():
 
 
 def test_chords_measure_the_law():
-    """Length and row of a way are those on any window that holds what the law acts on, and on any grid."""
+    """Length and row of a way are those on any window that holds what the law acts on, and on any
+    grid."""
     found = []
     for count in (256, 512):
         contact = Contact(Scene(**{**SOFT, "points": count}))
@@ -173,10 +200,12 @@ def test_chords_measure_the_law():
 
 @pytest.mark.parametrize("start, path", [("normal_displacement=2", "normal_displacement=-2"),
                                          ("normal_displacement=1", "normal_force=6"),
-                                         ("normal_displacement=3", "normal_force=4; tangential_displacement=30")])
+                                         ("normal_displacement=3",
+                                          "normal_force=4; tangential_displacement=30")])
 def test_a_traced_branch_costs_little_more_than_natural_steps(start, path):
     """Transforms of a path without folds: at most half as many again, the exact ends the same."""
-    natural, traced = (followed({**SHEARED, "points": 1024}, start, path, type=kind)[1] for kind in ("natural", "arclength"))
+    natural, traced = (followed({**SHEARED, "points": 1024}, start, path, type=kind)[1]
+                       for kind in ("natural", "arclength"))
     assert folds(natural) == folds(traced) == []
     cost = [sum(point.spent["transforms"] for point in points) for points in (natural, traced)]
     assert cost[1] <= 1.5 * cost[0]
@@ -203,28 +232,36 @@ def test_legs_that_only_switch_controls_add_no_point():
 
 @pytest.mark.parametrize("kind", ["natural", "arclength"])
 def test_a_trace_is_resumed_at_any_of_its_points(kind):
-    """From what an archive keeps of the last four points, the fold itself and the points behind it included."""
+    """From what an archive keeps of the last four points, the fold itself and the points behind it
+    included."""
     branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-4", type=kind)
     first = [point.event for point in points].index("fold")
     for cut in (first, first + 1, first + 2, len(points) - 2):
         again = Branch(branch.scene, branch.load, branch.steps, Form(),
-                       history=[branch.restored(branch.packed(point)) for point in points[max(cut - 4, 0):cut]])
+                       history=[branch.restored(branch.packed(point))
+                                for point in points[max(cut - 4, 0):cut]])
         whole = points[:cut] + list(again)
         assert whole[-1].load[0] == -4.0
-        assert [point.load[0] for point in folds(whole)] == pytest.approx([point.load[0] for point in folds(points)], rel=1e-8)
+        assert [point.load[0] for point in folds(whole)] == pytest.approx([point.load[0]
+                                                                           for point in folds(
+            points)], rel=1e-8)
 
 
 def test_a_body_that_is_pulled_off_by_force_leaves():
-    """Pull-off, then the unstable branch to where the law ends: its points stay, and there is no equilibrium."""
+    """Pull-off, then the unstable branch to where the law ends: its points stay, and there is no
+    equilibrium."""
     branch, points, error = followed(SOFT, "normal_displacement=1", "normal_force=-3")
-    assert isinstance(error, NoEquilibrium) and ("left the range of the law" in str(error) or "came back" in str(error))
+    assert isinstance(error, NoEquilibrium) and ("left the range of the law" in str(error)
+                                                 or "came back" in str(error))
     assert [point.event for point in points if point.event != "none"] == ["fold", "pull_off"]
     assert abs(points[-1].forces[0]) < 0.2
 
 
 def test_gross_sliding_is_located():
-    """The last node slips at that very load: to a part of its range that is as small as the load's."""
-    branch, points, _ = followed(SHEARED, "normal_displacement=1", "normal_force=1; tangential_displacement=150")
+    """The last node slips at that very load: to a part of its range that is as small as the
+    load's."""
+    branch, points, _ = followed(SHEARED, "normal_displacement=1",
+                                 "normal_force=1; tangential_displacement=150")
     sliding, = [point for point in points if point.event == "gross_sliding"]
     assert sliding.sliding and 0.0 <= branch.corrector.margin(sliding, "gross_sliding") < 1e-6
     slip = observables.observe(branch.contact, sliding)["maximum_tangential_gap"]
@@ -232,33 +269,43 @@ def test_gross_sliding_is_located():
 
 
 def test_a_load_that_stands_still_turns_nowhere():
-    """The whole contact slides at its residual friction: what the load still changes by is rounding, whatever its sign."""
-    scene = {"points": 96, "period": 60.0, "normal_maugis": 0.759, "geometry": "rough", "poisson": 0.5, "rough_slope": 0.224,
-             "rough_shortest": 5.0, "rough_hurst": 0.8, "rough_seed": 349, "residual_friction": 0.5, "tangential_maugis": 0.2}
-    steps = {"type": "natural", "predictor": "tangent", "initial_step": (3.65467, 1.09333), "largest_step": (3.65467, 1.09333)}
-    _, points, error = followed(scene, "normal_displacement=-0.5", "normal_displacement=2.241; tangential_force=0.82", **steps)
+    """The whole contact slides at its residual friction: what the load still changes by is
+    rounding, whatever its sign."""
+    scene = {"points": 96, "period": 60.0, "normal_maugis": 0.759, "geometry": "rough",
+             "poisson": 0.5, "rough_slope": 0.224, "rough_shortest": 5.0, "rough_hurst": 0.8,
+             "rough_seed": 349, "residual_friction": 0.5, "tangential_maugis": 0.2}
+    steps = {"type": "natural", "predictor": "tangent", "initial_step": (3.65467, 1.09333),
+             "largest_step": (3.65467, 1.09333)}
+    _, points, error = followed(scene, "normal_displacement=-0.5",
+                                "normal_displacement=2.241; tangential_force=0.82", **steps)
     assert isinstance(error, NoEquilibrium) and "slides without end" in str(error)
     assert abs(points[-1].forces[1] / points[-3].forces[1] - 1.0) < 1e-7
     assert [point.event for point in points if point.event != "none"] == ["fold", "gross_sliding"]
 
 
 def test_a_first_step_along_the_arc_passes_no_fold():
-    """The contact spreads over the cell at -0.3365; long steps of the load fail, and nothing tells how long one along the arc may be."""
-    scene = {"points": 192, "period": 60.0, "normal_maugis": 1.2, "geometry": "sinusoid", "height": 48.8, "amplitude": 0.413}
-    branch = Branch(Scene(**scene), Load(start="normal_displacement=-0.5", path="normal_displacement=3.497"),
+    """The contact spreads over the cell at -0.3365; long steps of the load fail, and nothing tells
+    how long one along the arc may be."""
+    scene = {"points": 192, "period": 60.0, "normal_maugis": 1.2, "geometry": "sinusoid",
+             "height": 48.8, "amplitude": 0.413}
+    branch = Branch(Scene(**scene), Load(start="normal_displacement=-0.5",
+                                         path="normal_displacement=3.497"),
                     Steps(type="arclength", initial_step=0.99925, largest_step=0.99925))
     found = [(point.event, point.load[0]) for point in branch if point.event != "none"]
-    assert [event for event, _ in found] == ["fold", "jump"] and found[0][1] == pytest.approx(-0.336494, abs=1e-5)
+    assert ([event for event, _ in found] == ["fold", "jump"]
+            and found[0][1] == pytest.approx(-0.336494, abs=1e-5))
 
 
 def test_nothing_infinite_is_followed():
     branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-0.2")
-    walk = ArcWalk(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])], "edge", "trace")
+    walk = ArcWalk(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])], "edge",
+                   "trace")
     walk.history = [(0.5, replace(point, position=0.5)) for point in points[:2]]
     assert np.isfinite(walk._pace ** 2)
     lost = replace(points[1].state, displacement=np.full_like(points[1].state.displacement, np.inf))
     for solve in (lambda: branch.corrector.solve(lost, points[1].controls, points[1].load),
-                  lambda: branch.corrector.solve_arc((points[0].state, points[1].state), 0.1, lost, 0.5, walk.leg)):
+                  lambda: branch.corrector.solve_arc((points[0].state, points[1].state), 0.1, lost,
+                                                     0.5, walk.leg)):
         with pytest.raises(NotConverged, match="its start holds NaN or infinite"):
             solve()
 
@@ -267,13 +314,15 @@ def test_nothing_infinite_is_followed():
 def test_methods_without_a_tangent_are_refused(options, steps):
     options(snes_type="ngmres")
     with pytest.raises(InputError, match="no tangent"):
-        Branch(Scene(**SOFT), Load(start="normal_displacement=1", path="normal_displacement=2"), Steps(**steps), Form())
+        Branch(Scene(**SOFT), Load(start="normal_displacement=1", path="normal_displacement=2"),
+               Steps(**steps), Form())
 
 
 @pytest.mark.parametrize("heading", [1.0, -1.0])
 @pytest.mark.parametrize("back, turns", [(0.2, True), (-0.2, True), (-0.6, False)])
 def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
-    """On position = s^3 - back s, from -1 to 1, which leads on at both ends; what nearly turns may do so."""
+    """On position = s^3 - back s, from -1 to 1, which leads on at both ends; what nearly turns may
+    do so."""
     def station(place):
         point = SimpleNamespace(position=heading * (place ** 3 - back * place))
         return Station(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
@@ -286,10 +335,12 @@ def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
 @pytest.mark.parametrize("heading", [1.0, -1.0])
 @pytest.mark.parametrize("noise", [1e-12, -1e-12])
 def test_beyond_a_fold_its_own_slope_decides_nothing(heading, noise):
-    """From the fold at 0 of heading (s^2 - 2 s^3 / 3) the load goes on as it heads, and turns at 1."""
+    """From the fold at 0 of heading (s^2 - 2 s^3 / 3) the load goes on as it heads, and turns at
+    1."""
     def direction(point, chord, leg):
         place = point.position
-        return SimpleNamespace(rate=heading * (2.0 * place - 2.0 * place ** 2) + (noise if place == 0.0 else 0.0))
+        return SimpleNamespace(rate=heading * (2.0 * place - 2.0 * place ** 2)
+                               + (noise if place == 0.0 else 0.0))
 
     system = SimpleNamespace(chord_length=lambda first, last: 1.5, direction=direction)
     before, beyond = (SimpleNamespace(state=None, position=place) for place in (0.0, 1.5))
@@ -299,9 +350,12 @@ def test_beyond_a_fold_its_own_slope_decides_nothing(heading, noise):
 
 @pytest.mark.parametrize("back", [1e-2, 1e-3])
 def test_two_folds_near_each_other_are_found(back):
-    """load = u^3 - back u turns at -sqrt(back/3) and its opposite, much nearer to each other than steps are long."""
-    problem = Problem(lambda x, load: x ** 3 - back * x - load, lambda x, load: np.array([[3.0 * x[0] ** 2 - back]]),
-                      lambda x, load: np.array([-1.0]))
-    points, error = solved(path(System(problem), (-1.0, 1.0), (-1.1,), walker=ArcWalk, at_fold="trace"))
+    """load = u^3 - back u turns at -sqrt(back/3) and its opposite, much nearer to each other than
+    steps are long."""
+    problem = Problem(lambda x, load: x ** 3 - back * x - load, lambda x,
+                      load: np.array([[3.0 * x[0] ** 2 - back]]), lambda x, load: np.array([-1.0]))
+    points, error = solved(path(System(problem), (-1.0, 1.0), (-1.1,), walker=ArcWalk,
+                                at_fold="trace"))
     found = [point.state[0] for point in points if point.event == "fold"]
-    assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)], rel=1e-3)
+    assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)],
+                                                    rel=1e-3)

@@ -1,4 +1,5 @@
-"""Figures beyond the paper's: their runs, and each of them drawn and told from one small run in the place of all."""
+"""Figures beyond the paper's: their runs, and each of them drawn and told from one small run in the
+place of all."""
 
 import sys
 from pathlib import Path
@@ -54,10 +55,13 @@ def test_runs_are_valid_scenes_and_loads(name):
     needed = pages.BEYOND[name].NEEDED
     assert len({run.name for run in needed}) == len(needed)
     for run in needed:
-        scene = Scene(**{key[6:]: value for key, value in run.options.items() if key.startswith("scene_")})
+        scene = Scene(**{key[6:]: value for key, value in run.options.items()
+                         if key.startswith("scene_")})
         sizes = {key: tuple(map(float, run.options[f"continuation_{key}"].split(",")))
-                 for key in ("initial_step", "largest_step") if f"continuation_{key}" in run.options}
-        check(scene, Load(start=run.options["load_start"], path=run.options["load_path"]), Steps(**sizes))
+                 for key in ("initial_step", "largest_step")
+                 if f"continuation_{key}" in run.options}
+        check(scene, Load(start=run.options["load_start"], path=run.options["load_path"]),
+              Steps(**sizes))
 
 
 def test_runs_of_one_name_are_one_run():
@@ -82,32 +86,38 @@ def test_held_force_is_held_until_the_contact_slides(small):
 
 
 def integral(x, half_width, traction):
-    """Principal value of int p(y)/(x - y) dy over |y| < a for p with inverse square roots at the edges, by Gauss-Chebyshev quadrature."""
+    """Principal value of int p(y)/(x - y) dy over |y| < a for p with inverse square roots at the
+    edges, by Gauss-Chebyshev quadrature."""
     count = 4000
     y = half_width * np.cos((np.arange(count) + 0.5) * np.pi / count)
-    return np.pi / count * np.sum(np.sqrt(half_width ** 2 - y ** 2) * traction(y) / (x[:, None] - y), axis=1)
+    return np.pi / count * np.sum(np.sqrt(half_width ** 2 - y ** 2) * traction(y)
+                                  / (x[:, None] - y), axis=1)
 
 
 def test_bonded_contact_does_not_move_sideways():
     half, count = runs.half_width(25), 4000
     x = half * np.cos(np.arange(500, 3501, 250) * np.pi / count)
     pressure = 0.5 * np.sqrt(half ** 2 - x ** 2)
-    pull = beyond.reference.ligament_force(half, runs.PERIOD) / (np.pi * np.sqrt(half ** 2 - x ** 2))
+    pull = beyond.reference.ligament_force(half,
+                                           runs.PERIOD) / (np.pi * np.sqrt(half ** 2 - x ** 2))
     for ratio in (0.0, 0.3):
         found = integral(x, half, lambda y: poisson.bonded_traction(y, 25, ratio))
-        assert found == pytest.approx(-np.pi * poisson.coupling(ratio) * (pull - pressure), abs=5e-4)
+        assert found == pytest.approx(-np.pi * poisson.coupling(ratio) * (pull - pressure),
+                                      abs=5e-4)
 
 
 def test_pressing_moves_the_surface_as_a_half_plane_does(tmp_path):
     found = runs.Results(tmp_path)
-    run = beyond.held("coupled", 0.8, steps=20, points=512, normal_maugis=2.0, period=60.0, poisson=0.0)
-    run.options.update(archive_fields="all", load_path="normal_force=0.8", continuation_initial_step="0.25",
-                       continuation_largest_step="1.5")
+    run = beyond.held("coupled", 0.8, steps=20, points=512, normal_maugis=2.0, period=60.0,
+                      poisson=0.0)
+    run.options.update(archive_fields="all", load_path="normal_force=0.8",
+                       continuation_initial_step="0.25", continuation_largest_step="1.5")
     found.make_all([run], 1, lambda line: None)
     record = found["coupled"]
     last = record.points - 1
     _, displacement = record.field("displacement", last)
-    normal, tangential = (np.fft.rfft(one) for one in record.field("traction", last) * np.array([[2.0], [1.0]]))
+    normal, tangential = (np.fft.rfft(one) for one in record.field("traction", last)
+                          * np.array([[2.0], [1.0]]))
     wave = 2 * np.pi * np.fft.rfftfreq(512, 60.0 / 512)[1:-1]
     expected = -2 / wave * (tangential + 1j * poisson.coupling(0.0) * normal)[1:-1]
     assert np.abs(np.fft.rfft(displacement)[1:-1] - expected).max() < 1e-6 * np.abs(expected).max()
@@ -121,7 +131,8 @@ def test_gap_of_the_contact_without_adhesion_is_that_of_hertz():
     edge = 0.5 * remnant.measured_width(25, 0.0)
     gap, _ = quad(lambda x: np.sqrt(x * x - half * half), half, edge)
     assert gap == pytest.approx(np.e / remnant.MAUGIS, rel=1e-8)
-    assert remnant.jkr_width(-1, 1.01 * remnant.least_share(-1)) > 0 and np.isnan(remnant.jkr_width(-1, 0.99 * remnant.least_share(-1)))
+    assert (remnant.jkr_width(-1, 1.01 * remnant.least_share(-1)) > 0
+            and np.isnan(remnant.jkr_width(-1, 0.99 * remnant.least_share(-1))))
 
 
 def test_layer_narrows_the_contact_less_and_less():
@@ -138,8 +149,8 @@ def test_cell_matters_as_the_square_of_its_period():
 def test_friction_of_uniform_slip_fades_where_tension_opens_the_gap(normal, tmp_path):
     found = runs.Results(tmp_path)
     run = beyond.held("pressed", onsets.FORCE, normal_maugis=float(normal), points=8192)
-    run.options.update(archive_fields="last", load_path=f"normal_force={onsets.FORCE:g}", continuation_initial_step="0.25",
-                       continuation_largest_step="1.5")
+    run.options.update(archive_fields="last", load_path=f"normal_force={onsets.FORCE:g}",
+                       continuation_initial_step="0.25", continuation_largest_step="1.5")
     found.make_all([run], 1, lambda line: None)
     record = found["pressed"]
     x, gap, *_ = observed.profile(record, record.points - 1)
@@ -148,7 +159,9 @@ def test_friction_of_uniform_slip_fades_where_tension_opens_the_gap(normal, tmp_
 
 
 def test_uniform_slip_tends_to_that_of_jkr():
-    distances = [onsets.uniform(normal, 0.1) / onsets.reference.uniform_slip_onset(onsets.FORCE, 0.1)[1] - 1 for normal in (20, 80, 320)]
+    distances = [onsets.uniform(normal, 0.1) / onsets.reference.uniform_slip_onset(onsets.FORCE,
+                                                                                   0.1)[1] - 1
+                 for normal in (20, 80, 320)]
     assert distances[0] < distances[1] < distances[2] < 0 and distances[2] > -0.01
 
 
@@ -157,8 +170,10 @@ def test_cases_are_told_in_words():
     told = [onsets.compressed("k", (1, 2, 3, 4), holds, known) for holds in
             ([1, 1, 1, 1], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 1, 0], [1, 0, 1, 1], [0, 0, 1, 0])]
     assert told == ["all k", "k >= 3", "k <= 2", "k = 2 to 3", "k = 1, 3, 4", "k = 3"]
-    assert onsets.compressed("k", (1, 2, 3, 4), [0, 0, 1, 1], np.array([0, 0, 1, 1], bool)) == "all k"
+    assert onsets.compressed("k", (1, 2, 3, 4), [0, 0, 1, 1],
+                             np.array([0, 0, 1, 1], bool)) == "all k"
 
 
 def test_cells_of_a_map_meet_between_their_places():
-    assert onsets.edges((1, 10, 100)) == pytest.approx([10 ** -0.5, 10 ** 0.5, 10 ** 1.5, 10 ** 2.5])
+    assert onsets.edges((1, 10, 100)) == pytest.approx([10 ** -0.5, 10 ** 0.5, 10 ** 1.5,
+                                                        10 ** 2.5])

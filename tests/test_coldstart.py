@@ -1,4 +1,5 @@
-"""First points by way of coarser grids: the state that the undeformed body reaches, for a fraction of the transforms."""
+"""First points by way of coarser grids: the state that the undeformed body reaches, for a fraction
+of the transforms."""
 
 import gc
 import weakref
@@ -11,15 +12,15 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes.branch import first_points as coldstart
-from contactsnes.dynamics import jumps
-from contactsnes.contact import states  # noqa: E402
 from contactsnes import Branch, Load  # noqa: E402
-from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.branch import first_points as coldstart
 from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.dynamics import jumps
 from contactsnes.grid.cell import Grid, Window  # noqa: E402
 from contactsnes.grid.transfer import resampled  # noqa: E402
-from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
 
 PAPER = {}
@@ -49,15 +50,19 @@ def first(scene, control, value, **form):
     ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
 def test_the_same_state_as_on_the_grid_itself(scene, control, value):
     system, through, cost = first(scene, control, value, symmetry="off")
-    assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,), np.array([value])))) > 1
+    assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,),
+                                                                  np.array([value])))) > 1
     _, direct, own = first(scene, control, value, cascade=False, symmetry="off")
     assert states.missed(system.contact, through.state, direct.state, largest=True) < 1e-6
     np.testing.assert_allclose(through.forces, direct.forces, rtol=1e-7, atol=1e-7)
     assert cost["transforms"] < own["transforms"]
 
 
-@pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40), (PAPER, 17.0, 50), ({**SPHERE, "points": 512}, 2.0, 40),
-                                                ({**SPHERE, "points": 512}, 4.0, 40), ({**SPHERE, "points": 512}, 6.0, 40)])
+@pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40),
+                                                (PAPER, 17.0, 50),
+                                                ({**SPHERE, "points": 512}, 2.0, 40),
+                                                ({**SPHERE, "points": 512}, 4.0, 40),
+                                                ({**SPHERE, "points": 512}, 6.0, 40)])
 def test_what_a_first_point_costs(scene, value, most):
     _, _, cost = first(scene, DISPLACEMENT, value)
     assert cost["transforms"] <= most
@@ -66,12 +71,15 @@ def test_what_a_first_point_costs(scene, value, most):
 def test_all_that_is_spent_is_counted():
     system, _, cost = first(PAPER, DISPLACEMENT, 10.0)
     assert cost["transforms"] == pytest.approx(system.contact.grid.transforms)
-    assert cost["nonlinear_iterations"] > 15 and cost["linear_iterations"] > cost["nonlinear_iterations"]
+    assert (cost["nonlinear_iterations"] > 15
+            and cost["linear_iterations"] > cost["nonlinear_iterations"])
 
 
 @pytest.mark.parametrize("scene, value", [
-    (PAPER, -2.0),                                                   # off the flat: two states may exist
-    ({"geometry": "sinusoid", "points": 2048, "normal_maugis": 4.0}, 5.0),  # full contact is another state
+    # off the flat: two states may exist
+    (PAPER, -2.0),
+    # full contact is another state
+    ({"geometry": "sinusoid", "points": 2048, "normal_maugis": 4.0}, 5.0),
     ({"geometry": "flat", "points": 2048, "normal_maugis": 4.0}, 1.0),      # no edge
     ({"points": 1024}, 10.0),                                        # edges stick between nodes
     (PAPER, 0.0)])
@@ -81,7 +89,8 @@ def test_grids_are_left_alone_where_they_may_lead_elsewhere(scene, value):
     assert coldstart.levels(contact, start) == [contact]
 
 
-@pytest.mark.parametrize("settings, options", [({"cascade": False}, {}), ({"form": "force"}, {}), ({"first": "relaxation"}, {}),
+@pytest.mark.parametrize("settings, options", [({"cascade": False}, {}), ({"form": "force"}, {}),
+                                               ({"first": "relaxation"}, {}),
                                                ({}, {"snes_type": "anderson"})])
 def test_other_methods_start_on_the_grid_itself(settings, options):
     database = PETSc.Options()
@@ -129,8 +138,10 @@ def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
     mine = states.normal_gap(soft, moved)[::2]
     overlap, open_ = gap < -0.3, gap > 3.5
     ratio = soft.ranges[0] / soft_again.ranges[0]
-    tractions = [contact.law.traction(values[None])[0] for contact, values in ((soft_again, gap), (soft, mine))]
-    # In units of length: gaps over maugis, tractions times maugis; kappa leaves both only approximately as they are.
+    tractions = [contact.law.traction(values[None])[0]
+                 for contact, values in ((soft_again, gap), (soft, mine))]
+    # In units of length: gaps over maugis, tractions times maugis; kappa leaves both only
+    # approximately as they are.
     np.testing.assert_allclose(ratio * tractions[1][overlap], tractions[0][overlap], rtol=0.35)
     np.testing.assert_allclose(mine[open_], gap[open_] * ratio, rtol=0.2)
 
@@ -163,11 +174,13 @@ def test_a_rough_line_starts_where_motion_leads(seed, control, value, self_affin
     options(jump_motion_type="inertial")
     _, inertial = on_heights(heights, LINE, control, value)
     for name in ("forces", "displacements"):
-        np.testing.assert_allclose(getattr(inertial, name), getattr(point, name), rtol=1e-7, atol=1e-7)
+        np.testing.assert_allclose(getattr(inertial, name), getattr(point, name), rtol=1e-7,
+                                   atol=1e-7)
 
 
 def test_a_cold_solve_on_a_rough_line_ends_elsewhere(self_affine):
-    """There is another equilibrium with half as much again of adhesion: the test above has a meaning."""
+    """There is another equilibrium with half as much again of adhesion: the test above has a
+    meaning."""
     system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
     cold = system.cold((DISPLACEMENT,), np.array([0.0]))
     assert cold.forces[0] < 1.3 * point.forces[0] < 0.0
@@ -202,12 +215,14 @@ def test_a_parabola_from_a_file_is_convex_and_a_dented_one_is_not():
 
 def test_relaxation_that_is_asked_for_says_that_it_is_not_the_reference(self_affine, options):
     heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), []
-    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire", snes_max_it=100000)
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire",
+            snes_max_it=100000)
     _, point = on_heights(heights, LINE, log=said.append, form="force")
     assert any("inertial motion" in sentence and "another one" in sentence for sentence in said)
 
 
-def test_a_sheared_rough_line_starts_where_motion_under_all_loads_leads(tmp_path, self_affine, options):
+def test_a_sheared_rough_line_starts_where_motion_under_all_loads_leads(tmp_path, self_affine,
+                                                                        options):
     """With inertia, too; by steps of the shear, spot by spot, it would cost ten times as much."""
     np.save(tmp_path / "heights.npy", self_affine(256, 24.0, 12.0, 0.75, 1.0, 0))
     scene = Scene(**{**LINE, "tangential": "on", "tangential_maugis": 1.0, "residual_friction": 0.5,
@@ -258,7 +273,8 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
     gc.disable()
     try:
         again = system.start((DISPLACEMENT,), np.array([0.0]))
-        # No failure keeps a motion with its solvers alive: PETSc may be gone when cycles are collected.
+        # No failure keeps a motion with its solvers alive: PETSc may be gone when cycles are
+        # collected.
         assert motions and all(motion() is None for motion in motions)
     finally:
         gc.enable()

@@ -1,7 +1,9 @@
-"""The contact problem: derivatives, the two forms of one balance, windows, and what all of it costs.
+"""The contact problem: derivatives, the two forms of one balance, windows, and what all of it
+costs.
 
-Displacements are in ranges of the law. Bodies: `thick` decouples its components, `soft` couples them and is soft in the
-mean, `thin` couples them although it is incompressible, `half` couples them and has a rigid mean.
+Displacements are in ranges of the law. Bodies: `thick` decouples its components, `soft` couples
+them and is soft in the mean, `thin` couples them although it is incompressible, `half` couples them
+and has a rigid mean.
 """
 
 import gc
@@ -17,24 +19,25 @@ import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
 from contactsnes.branch.accuracy import finer_contact
-from contactsnes.contact.problem import DISPLACEMENT, FORCE
 from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.forms import DisplacementForm, ForceForm
-from contactsnes.grid.cell import Window
 from contactsnes.contact.isolated import IsolatedContact, lay_out
+from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.grid.cell import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
 from contactsnes.solvers.preconditioners import CoreZone
 
-BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0}, "thin": {"height": 2.0},
-          "half": {"poisson": 0.1, "height": math.inf, "work_ratio": 0.5}}
-LINE = {"points": 64, "period": 16.0, "normal_maugis": 2.0, "tangential_maugis": 1.5, "residual_friction": 0.6,
-        "residual_adhesion": 0.1}
+BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0},
+          "thin": {"height": 2.0}, "half": {"poisson": 0.1, "height": math.inf, "work_ratio": 0.5}}
+LINE = {"points": 64, "period": 16.0, "normal_maugis": 2.0, "tangential_maugis": 1.5,
+        "residual_friction": 0.6, "residual_adhesion": 0.1}
 PLANE = {**LINE, "dimension": 2, "points": (16, 20), "period": (12.0, 14.0), "geometry": "sphere"}
 BOXES = {"whole": None, "part": ((20,), (17,)), "wrapped": ((58,), (15,)),
          "plane": None, "box": ((3, 17), (5, 6)), "strip": ((14, 0), (6, 20))}
 LINE_BOXES, PLANE_BOXES = ("whole", "part", "wrapped"), ("plane", "box", "strip")
-CONTROLS = {count: list(itertools.product((DISPLACEMENT, FORCE), repeat=count)) for count in (1, 2, 3)}
+CONTROLS = {count: list(itertools.product((DISPLACEMENT, FORCE), repeat=count))
+            for count in (1, 2, 3)}
 
 
 def contact_of(count, body="thick", **options):
@@ -59,7 +62,8 @@ def smooth_gaps(shape, seed=3):
     if len(gap) > 1:
         direction = random.normal(size=gap[1:].shape)
         direction /= np.linalg.norm(direction, axis=0)
-        gap[1:] = direction * np.where(random.random(shape[1]) < 0.5, random.uniform(0.1, SLIP - 0.1, shape[1]),
+        gap[1:] = direction * np.where(random.random(shape[1]) < 0.5,
+                                       random.uniform(0.1, SLIP - 0.1, shape[1]),
                                        random.uniform(SLIP + 0.1, 2.0, shape[1]))
     return gap
 
@@ -85,8 +89,8 @@ def taylor_order(problem, unknown, seed=5):
     product = problem.apply_jacobian(direction, np.empty(problem.size)).copy()
     here = problem.residual(unknown, np.empty(problem.size))
     steps = 0.5 ** np.arange(6)
-    errors = [np.linalg.norm(problem.residual(unknown + h * direction, np.empty(problem.size)) - here - h * product)
-              for h in steps]
+    errors = [np.linalg.norm(problem.residual(unknown + h * direction, np.empty(problem.size))
+                             - here - h * product) for h in steps]
     assert np.linalg.norm(product) > 0.0
     return order(steps, errors)
 
@@ -145,7 +149,8 @@ def test_transposed_products_are_adjoint(body, box):
                 product = form.apply_jacobian(first, np.empty(form.size))
                 transposed = form.apply_transpose(second, np.empty(form.size))
                 size = np.linalg.norm(product) * np.linalg.norm(second)
-                assert abs(second @ product - first @ transposed) < 1e-12 * size, (controls, form.name)
+                assert abs(second @ product - first @ transposed) < 1e-12 * size, (controls,
+                                                                                   form.name)
 
 
 @pytest.mark.parametrize("box", LINE_BOXES + PLANE_BOXES)
@@ -180,20 +185,23 @@ def test_arc_length_rows(box, body):
         for form in forms(contact, controls, box):
             form.set_load(start)
             anchor = unknown_of(form, smooth_gaps(form.shape))
-            arc = ArcLength(form, start, direction, anchor, 3.0 * random.normal(size=form.size), 0.7)
+            arc = ArcLength(form, start, direction, anchor, 3.0 * random.normal(size=form.size),
+                            0.7)
             residual = arc.residual(np.append(anchor, 0.4), np.empty(arc.size))
             assert residual[-1] == pytest.approx(-0.7, rel=1e-14)
             form.set_load(start + 0.4 * direction)
             np.testing.assert_array_equal(residual[:-1], form.residual(anchor, np.empty(form.size)))
             ahead = np.append(anchor + 0.7 * arc.tangent / (arc.tangent @ arc.tangent), 0.4)
             assert arc.residual(ahead, np.empty(arc.size))[-1] == pytest.approx(0.0, abs=1e-13)
-            assert taylor_order(arc, np.append(anchor, 0.4)) == pytest.approx(2.0, abs=0.1), (controls, form.name)
+            assert (taylor_order(arc, np.append(anchor, 0.4)) == pytest.approx(2.0, abs=0.1)), (
+                controls, form.name)
 
 
 # One balance in two forms
 
 def by_stiffness(contact, fields):
-    """The body's tractions, without the zero mode, of fields (components, *grid): by numpy's transforms."""
+    """The body's tractions, without the zero mode, of fields (components, *grid): by numpy's
+    transforms."""
     grid, count = contact.grid, len(fields)
     axes = tuple(range(1, fields.ndim))
     spectra = np.fft.rfftn(fields, axes=axes)
@@ -206,7 +214,8 @@ def by_stiffness(contact, fields):
 @pytest.mark.parametrize("box", ["whole", "plane"])
 @pytest.mark.parametrize("body", BODIES)
 def test_force_form_is_the_stiffness_times_the_displacement_form(body, box):
-    """F_force = K F_displacement for q != 0, whatever the state; the zero modes differ by the body's rigid stiffness."""
+    """F_force = K F_displacement for q != 0, whatever the state; the zero modes differ by the
+    body's rigid stiffness."""
     for count in ((1, 2) if box in LINE_BOXES else (1, 3)):
         contact = contact_of(3 if box in PLANE_BOXES else 2, body)
         grid, size = contact.grid, contact.grid.size
@@ -223,22 +232,28 @@ def test_force_form_is_the_stiffness_times_the_displacement_form(body, box):
             rows = imbalance[displacement_form.count:]
             imbalance = imbalance[:displacement_form.count].reshape(count, size)
             forces = force_form.residual(unknown, np.empty(force_form.size)).reshape(count, size)
-            expected = by_stiffness(contact, imbalance.reshape(count, *grid.shape)).reshape(count, size)
+            expected = by_stiffness(contact, imbalance.reshape(count, *grid.shape)).reshape(count,
+                                                                                            size)
             scale = np.max(np.abs(forces))
-            np.testing.assert_allclose(forces - forces.mean(axis=1)[:, None], expected, atol=1e-11 * scale)
+            np.testing.assert_allclose(forces - forces.mean(axis=1)[:, None], expected,
+                                       atol=1e-11 * scale)
             rigid = contact.rigid_compliance(count)
             for i, control in enumerate(controls):
                 mean = forces[i].mean()
                 if control == DISPLACEMENT:
-                    assert mean * (rigid[i] or 1.0) == pytest.approx(imbalance[i].mean(), abs=1e-11 * max(1, rigid[i]))
+                    assert mean * (rigid[i] or 1.0) == pytest.approx(imbalance[i].mean(),
+                                                                     abs=1e-11 * max(1, rigid[i]))
             prescribed = np.array([form.load[i] for i in form.forced])
-            factor = contact.load_factor(count)[force_form.forced] * size * force_form.root / np.maximum(1, abs(prescribed))
-            np.testing.assert_allclose(forces[force_form.forced].mean(axis=1) * factor, rows, atol=1e-11)
+            factor = contact.load_factor(
+                count)[force_form.forced] * size * force_form.root / np.maximum(1, abs(prescribed))
+            np.testing.assert_allclose(forces[force_form.forced].mean(axis=1) * factor, rows,
+                                       atol=1e-11)
 
 
 @pytest.mark.parametrize("body", BODIES)
 def test_norms_of_both_forms(body):
-    """The force form's norm is that of the displacement form, rounded up by little where every node is in range."""
+    """The force form's norm is that of the displacement form, rounded up by little where every node
+    is in range."""
     for dense in (True, False):
         contact = contact_of(2, body, **({"geometry": "flat"} if dense else {}))
         for controls in CONTROLS[2]:
@@ -247,10 +262,12 @@ def test_norms_of_both_forms(body):
             gap[0] += 0.0 if dense else contact.initial_gap
             unknown = unknown_of(force_form, gap)
             displacement = force_form.displacement(unknown)
-            other = displacement_form.pack(displacement, displacement.mean(axis=1)[displacement_form.forced])
+            other = displacement_form.pack(displacement,
+                                           displacement.mean(axis=1)[displacement_form.forced])
             for form in (displacement_form, force_form):
                 form.set_load(np.array([0.4, 2.0]))
-            exact = np.linalg.norm(displacement_form.residual(other, np.empty(displacement_form.size)))
+            exact = np.linalg.norm(displacement_form.residual(other,
+                                                              np.empty(displacement_form.size)))
             forces = force_form.residual(unknown, np.empty(force_form.size))
             norm = force_form.displacement_norm(unknown, forces)
             assert norm >= exact * (1 - 1e-12)
@@ -275,14 +292,17 @@ def test_solution_is_an_equilibrium_of_both_forms(options, tight):
         unknown = form.pack(cell)
         forces = form.residual(unknown, np.empty(form.size))
         # Imbalance over the peak of the law: the stiffest wave times the tolerance.
-        stiffest = math.pi * contact.grid.shape[0] / contact.grid.periods[0] / contact.ranges.min() ** 2
+        stiffest = (math.pi * contact.grid.shape[0] / contact.grid.periods[0]
+                    / contact.ranges.min() ** 2)
         assert np.max(np.abs(forces)) * form.root < 50 * stiffest * 1e-12
         assert form.displacement_norm(unknown, forces) < 1e-11
 
 
 @BOTH
-@pytest.mark.parametrize("load", [at(normal_displacement=6.0), Load(start="normal_displacement=6", path="normal_force=1"),
-                                  Load(start="normal_displacement=6", path="tangential_displacement=1")],
+@pytest.mark.parametrize("load", [at(normal_displacement=6.0),
+                                  Load(start="normal_displacement=6", path="normal_force=1"),
+                                  Load(start="normal_displacement=6",
+                                       path="tangential_displacement=1")],
                          ids=["displacement", "force", "sheared"])
 def test_newton_in_force_form_reaches_the_same_point(options, load, tight):
     scene = Scene(**SMALL, **options)
@@ -295,8 +315,10 @@ def test_newton_in_force_form_reaches_the_same_point(options, load, tight):
     np.testing.assert_allclose(points[-1].displacements, others[-1].displacements, atol=1e-8)
 
 
-@pytest.mark.parametrize("load", [Load(start="normal_displacement=0", path="normal_displacement=-8"),
-                                  Load(start="normal_displacement=6", path="tangential_displacement=30")],
+@pytest.mark.parametrize("load", [Load(start="normal_displacement=0",
+                                       path="normal_displacement=-8"),
+                                  Load(start="normal_displacement=6",
+                                       path="tangential_displacement=30")],
                          ids=["pull_off", "sliding"])
 def test_newton_in_force_form_reaches_the_same_fold(load):
     scene, steps = Scene(**SMALL, height=20.0), Steps(at_fold="stop")
@@ -312,7 +334,8 @@ def test_one_component_is_two_without_tangential_load(tight):
     _, others = points_of(Scene(**SMALL, tangential="on"), path)
     assert len(points[-1].controls) == 1 and len(others[-1].controls) == 2
     for name in ("load", "displacements", "forces"):
-        assert getattr(points[-1], name)[0] == pytest.approx(getattr(others[-1], name)[0], abs=1e-10)
+        assert getattr(points[-1], name)[0] == pytest.approx(getattr(others[-1], name)[0],
+                                                             abs=1e-10)
     two = others[-1].state.displacement
     assert not two[1].any()
     assert points[-1].state.window == others[-1].state.window
@@ -339,7 +362,8 @@ def test_fields_balance_on_the_whole_cell(options, tight):
         assert not point.state.window.is_whole
         cell = contact.extended(point.state)
         assert imbalance_on_the_cell(contact, point, cell) < 1e-9
-        np.testing.assert_allclose(cell.reshape(len(cell), -1).mean(axis=1), point.state.means, atol=1e-9)
+        np.testing.assert_allclose(cell.reshape(len(cell), -1).mean(axis=1), point.state.means,
+                                   atol=1e-9)
         outside = cell[0] + contact.initial_gap
         outside[point.state.window.indices] = np.inf
         assert outside.min() > 30.0
@@ -350,14 +374,16 @@ def test_window_changes_nothing(options, tight):
     scene = Scene(**SMALL, **options)
     rows, fields = [], []
     for window in ("auto", "off"):
-        branch = Branch(scene, SHEARED, form=Form(window=window), steps=Steps(initial_step=0.5, largest_step=0.5))
+        branch = Branch(scene, SHEARED, form=Form(window=window),
+                        steps=Steps(initial_step=0.5, largest_step=0.5))
         point = list(branch)[-1]
         assert point.state.window.is_whole == (window == "off")
         rows.append(branch.observe(point))
         fields.append(branch.contact.extended(point.state))
     np.testing.assert_allclose(*fields, atol=1e-8)
-    for name in ("normal_force", "tangential_force", "contact_area", "minimum_gap", "maximum_pressure",
-                 "maximum_tangential_gap", "maximum_tangential_traction", "approach", "mean_tangential_displacement"):
+    for name in ("normal_force", "tangential_force", "contact_area", "minimum_gap",
+                 "maximum_pressure", "maximum_tangential_gap", "maximum_tangential_traction",
+                 "approach", "mean_tangential_displacement"):
         assert rows[0][name] == pytest.approx(rows[1][name], abs=1e-8), name
 
 
@@ -368,7 +394,8 @@ def test_window_grows_with_the_contact():
     grown = branch.corrector.solve(small.state, (DISPLACEMENT,), np.array([10.0]), 100)
     assert grown.state.window.size > small.state.window.size
     contact, points = points_of(scene, at(normal_displacement=10.0))
-    np.testing.assert_allclose(branch.contact.extended(grown.state), contact.extended(points[0].state), atol=1e-6)
+    np.testing.assert_allclose(branch.contact.extended(grown.state),
+                               contact.extended(points[0].state), atol=1e-6)
     assert imbalance_on_the_cell(contact, grown, branch.contact.extended(grown.state)) < 1e-6
 
 
@@ -383,11 +410,14 @@ def shifted_scene(folder, shift, **options):
 
 @pytest.mark.parametrize("shift", [0, 37, 250, 256, 300, 511])
 def test_translation(tmp_path, shift, tight):
-    """The same contact anywhere in the cell, also across its border, where the window wraps around."""
+    """The same contact anywhere in the cell, also across its border, where the window wraps
+    around."""
     steps = Steps(initial_step=0.5, largest_step=0.5)
     contact, points = points_of(Scene(**SMALL, height=math.inf), SHEARED, steps=steps)
-    moved_contact, moved = points_of(shifted_scene(tmp_path, shift, height=math.inf), SHEARED, steps=steps)
-    np.testing.assert_allclose(moved_contact.initial_gap, np.roll(contact.initial_gap, shift), atol=1e-12)
+    moved_contact, moved = points_of(shifted_scene(tmp_path, shift, height=math.inf), SHEARED,
+                                     steps=steps)
+    np.testing.assert_allclose(moved_contact.initial_gap, np.roll(contact.initial_gap, shift),
+                               atol=1e-12)
     here, there = contact.extended(points[-1].state), moved_contact.extended(moved[-1].state)
     np.testing.assert_allclose(there, np.roll(here, shift, axis=-1), atol=1e-8)
     assert moved[-1].state.window.size == pytest.approx(points[-1].state.window.size, rel=0.05)
@@ -399,14 +429,17 @@ def test_translation(tmp_path, shift, tight):
 
 
 def test_body_far_from_the_flat():
-    """Nothing is within range: a window of next to nothing, no force, and displacements that are uniform."""
+    """Nothing is within range: a window of next to nothing, no force, and displacements that are
+    uniform."""
     for form in (Form(), Form(window="off"), Form(form="force")):
         branch = Branch(Scene(**SMALL), at(normal_displacement=-20.0), form=form)
         point = next(iter(branch))
         row = branch.observe(point)
         assert form != Form() or point.state.window.size == 3
-        assert abs(row["normal_force"]) < 1e-20 and row["contact_area"] == 0.0 and not point.in_contact
-        assert row["minimum_gap"] == pytest.approx(20.0, rel=1e-10) and row["approach"] == pytest.approx(-20.0, rel=1e-10)
+        assert (abs(row["normal_force"]) < 1e-20 and row["contact_area"] == 0.0
+                and not point.in_contact)
+        assert (row["minimum_gap"] == pytest.approx(20.0, rel=1e-10)
+                and row["approach"] == pytest.approx(-20.0, rel=1e-10))
         np.testing.assert_allclose(branch.contact.extended(point.state), 60.0, rtol=1e-10)
 
 
@@ -423,7 +456,8 @@ def test_window_holds_the_range_of_the_law():
 # Work
 
 class Counter:
-    """Cost of every real transform, from the sizes of its arrays, in transforms of a cell of ``size`` points."""
+    """Cost of every real transform, from the sizes of its arrays, in transforms of a cell of
+    ``size`` points."""
 
     def __init__(self, size):
         self.size, self.cost = size, 0.0
@@ -436,16 +470,19 @@ class Counter:
 
 @pytest.fixture
 def counter(monkeypatch):
-    """Counts pyFFTW's transforms and SciPy's cosine transforms; others would not be counted by the grid, and are errors."""
+    """Counts pyFFTW's transforms and SciPy's cosine transforms; others would not be counted by the
+    grid, and are errors."""
     count, cosines = Counter(SHARP["points"]), scipy.fft.dctn
 
     class CountedFFTW(pyfftw.FFTW):
         def execute(self):
-            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array, self.axes)
+            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array,
+                      self.axes)
             super().execute()
 
         def __call__(self, *args, **kwargs):
-            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array, self.axes)
+            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array,
+                      self.axes)
             return super().__call__(*args, **kwargs)
 
     def counted(values, kind, axes, overwrite_x):
@@ -456,8 +493,12 @@ def counter(monkeypatch):
         raise AssertionError("a transform that the grid does not count")
 
     monkeypatch.setattr(pyfftw, "FFTW", CountedFFTW)
-    names = [before + kind + "fft" + end for before, kind, end in itertools.product(("", "i"), ("", "r", "h"), ("", "2", "n"))]
-    names += [before + kind + end for before, kind, end in itertools.product(("", "i"), ("dct", "dst"), ("", "n"))]
+    names = [before + kind + "fft" + end for before, kind, end in itertools.product(("", "i"),
+                                                                                    ("", "r", "h"),
+                                                                                    ("", "2", "n"))]
+    names += [before + kind + end for before, kind, end in itertools.product(("", "i"),
+                                                                             ("dct", "dst"),
+                                                                             ("", "n"))]
     names += ["fftconvolve", "oaconvolve", "convolve"]
     for library in (np.fft, scipy.fft, scipy.signal):
         for name in names:
@@ -467,17 +508,23 @@ def counter(monkeypatch):
     return count
 
 
-WINDOW, CELL, STIFF = Form(), Form(window="off"), Form(form="force")
+WINDOW = Form()
+CELL = Form(window="off")
+STIFF = Form(form="force")
 ALL = Form(symmetry="off")
 
 
-@pytest.mark.parametrize("form, predictor", [(WINDOW, "none"), (WINDOW, "secant"), (WINDOW, "tangent"), (WINDOW, "edge"),
-                                             (CELL, "edge"), (STIFF, "tangent"), (STIFF, "edge"), (ALL, "edge")],
-                         ids=["window-none", "window-secant", "window-tangent", "window-edge", "cell-edge", "force-tangent",
-                              "force-edge", "no symmetry"])
+@pytest.mark.parametrize("form, predictor", [(WINDOW, "none"), (WINDOW, "secant"),
+                                             (WINDOW, "tangent"), (WINDOW, "edge"), (CELL, "edge"),
+                                             (STIFF, "tangent"), (STIFF, "edge"), (ALL, "edge")],
+                         ids=["window-none", "window-secant", "window-tangent", "window-edge",
+                              "cell-edge", "force-tangent", "force-edge", "no symmetry"])
 def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
-    branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=1", path="normal_displacement=20; "
-                    "tangential_displacement=3, normal_force=12"), Steps(predictor=predictor), form)
+    branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=1",
+                                                      path="normal_displacement=20; "
+                                                      "tangential_displacement=3, "
+                                                      "normal_force=12"),
+                    Steps(predictor=predictor), form)
     spent, windows = 0.0, set()
     for point in branch:
         branch.observe(point)
@@ -506,8 +553,9 @@ def held_arrays(root, depth=8):
         if isinstance(thing, np.ndarray):
             found[name] = thing
             return
-        parts = thing.items() if isinstance(thing, dict) else enumerate(thing) if isinstance(thing, (list, tuple)) \
-            else vars(thing).items() if hasattr(thing, "__dict__") else ()
+        parts = (thing.items() if isinstance(thing, dict) else enumerate(thing)
+                 if isinstance(thing, (list, tuple)) else vars(thing).items()
+                 if hasattr(thing, "__dict__") else ())
         for key, part in parts:
             visit(part, f"{name}.{key}", depth - 1)
 
@@ -517,7 +565,8 @@ def held_arrays(root, depth=8):
 
 @pytest.mark.parametrize("count, most", [(1, 8.0), (3, 13.0)])
 def test_memory_of_form_and_preconditioner(count, most):
-    """Vectors of components x nodes held beside the SNES: unknown, gap, traction, tangent, spectra, symbols, core zones."""
+    """Vectors of components x nodes held beside the SNES: unknown, gap, traction, tangent, spectra,
+    symbols, core zones."""
     contact = Contact(Scene(**PLANAR))
     form = DisplacementForm(contact, contact.grid.whole, (DISPLACEMENT,) * count)
     form.set_load(np.full(count, 0.5))
@@ -525,18 +574,21 @@ def test_memory_of_form_and_preconditioner(count, most):
     form.residual(unknown, np.empty(form.size))
     form.linearise(unknown)
     zone = CoreZone(form)
-    held = {name: array.nbytes / unknown.nbytes for name, array in held_arrays([form, zone]).items()}
+    held = {name: array.nbytes / unknown.nbytes
+            for name, array in held_arrays([form, zone]).items()}
     assert sum(held.values()) < most, held
 
 
 def test_forms_of_old_windows_are_released():
-    """A run over many windows keeps the memory of one or two: petsc4py 3.18 frees what Python drops only when told to."""
+    """A run over many windows keeps the memory of one or two: petsc4py 3.18 frees what Python drops
+    only when told to."""
     def alive():
         gc.collect()
         return sum(isinstance(thing, DisplacementForm) for thing in gc.get_objects())
 
     before = alive()
-    branch = Branch(Scene(**SHARP), Load(start="normal_displacement=1", path="normal_displacement=20"))
+    branch = Branch(Scene(**SHARP), Load(start="normal_displacement=1",
+                                         path="normal_displacement=20"))
     windows = {point.state.window.shape for point in branch}
     assert len(windows) > 3
     assert alive() <= before + 2
@@ -549,7 +601,8 @@ def test_product_allocates_less_than_a_vector(kind, count, body):
     contact = Contact(Scene(**{**PLANAR, "points": 256}, **BODIES[body]))
     controls = (DISPLACEMENT,) * count
     box = Window(contact.grid, (200, 40), (120, 112)) if kind == "window" else contact.grid.whole
-    form = ForceForm(contact, controls) if kind == "force" else DisplacementForm(contact, box, controls)
+    form = ForceForm(contact, controls) if kind == "force" else DisplacementForm(contact, box,
+                                                                                 controls)
     form.set_load(np.full(count, 0.5))
     vector, out = np.random.default_rng(7).normal(size=(2, form.size))
     form.linearise(vector)
@@ -571,8 +624,10 @@ def test_product_allocates_less_than_a_vector(kind, count, body):
 @pytest.mark.parametrize("made", ["cell", "coarse", "alone", "neighbours"])
 def test_a_contact_is_immutable(made):
     alone = IsolatedContact(lay_out(Scene(period=math.inf, spacing=0.3, normal_maugis=1.0), 1.0))
-    contact = {"cell": contact_of(2), "coarse": contact_of(1).coarse(0.5), "alone": alone, "neighbours": alone.periodic}[made]
-    for name in ("law", "initial_gap", "body", "grid", "scene", "ranges", "widest", "datum", "isolated", "anything"):
+    contact = {"cell": contact_of(2), "coarse": contact_of(1).coarse(0.5), "alone": alone,
+               "neighbours": alone.periodic}[made]
+    for name in ("law", "initial_gap", "body", "grid", "scene", "ranges", "widest", "datum",
+                 "isolated", "anything"):
         with pytest.raises(AttributeError, match=f"immutable, its {name} cannot be set"):
             setattr(contact, name, None)
     with pytest.raises(AttributeError, match="its law cannot be deleted"):
@@ -584,7 +639,8 @@ def test_a_contact_is_immutable(made):
 
 def test_a_law_in_place_of_the_scenes_is_that_of_all_that_is_made():
     """Of coarser and finer grids, too, and of the neighbours of an isolated contact."""
-    law, scene = Modified(0.3, 0.2), Scene(points=128, period=20.0, normal_maugis=2.0, residual_friction=0.9)
+    law = Modified(0.3, 0.2)
+    scene = Scene(points=128, period=20.0, normal_maugis=2.0, residual_friction=0.9)
     alone = lay_out(Scene(period=math.inf, spacing=0.3, normal_maugis=1.0), 1.0)
     for contact in (Contact(scene, law=law), IsolatedContact(alone, law=law)):
         for other in (contact, contact.coarse(0.5), finer_contact(contact, 2), contact.periodic):
@@ -597,7 +653,9 @@ def test_a_gap_in_place_of_the_scenes():
     other = Contact(contact.scene, gap=given)
     given[0] = np.nan
     np.testing.assert_array_equal(other.initial_gap, contact.initial_gap)
-    rough = Contact(contact.scene, np.cos(2 * np.pi * np.arange(64) / 64) + 0.1 * np.sin(6 * np.pi * np.arange(64) / 64))
+    rough = Contact(contact.scene, np.cos(2 * np.pi * np.arange(64) / 64)
+                    + 0.1 * np.sin(6 * np.pi * np.arange(64) / 64))
     finer, coarse = finer_contact(rough, 2), rough.coarse(0.1)
     np.testing.assert_allclose(finer.initial_gap[::2], rough.initial_gap, atol=1e-12)
-    np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0], rough.initial_gap[::2] / rough.ranges[0], atol=1e-12)
+    np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0],
+                               rough.initial_gap[::2] / rough.ranges[0], atol=1e-12)

@@ -1,4 +1,5 @@
-"""Continuation on problems of one or two unknowns whose branches, folds and bends are known in closed form."""
+"""Continuation on problems of one or two unknowns whose branches, folds and bends are known in
+closed form."""
 
 from dataclasses import replace
 
@@ -7,49 +8,69 @@ import pytest
 
 from contactsnes.continuation import departures
 from contactsnes.continuation.arclength import ArcWalk
-from contactsnes.continuation.walks import Trace
-from contactsnes.continuation.natural import (
-    Walk, branch, fold_kind, grown, leg_history, predict, with_events
-)
 from contactsnes.continuation.folds import Turn
 from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
-from contactsnes.continuation.points import (
-    Direction, Leg, NoEquilibrium, NoFold, NotConverged, Point, lagrange_weights
+from contactsnes.continuation.natural import (
+    Walk,
+    branch,
+    fold_kind,
+    grown,
+    leg_history,
+    predict,
+    with_events,
 )
+from contactsnes.continuation.points import (
+    Direction,
+    Leg,
+    NoEquilibrium,
+    NoFold,
+    NotConverged,
+    Point,
+    lagrange_weights,
+)
+from contactsnes.continuation.walks import Trace
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
 PREDICTORS = ("none", "secant", "tangent", "edge")
 
 
 class Problem:
-    """F(u, load) = 0 with its derivatives, stable where a motion du/dt = -F settles, and flags of contact and sliding."""
+    """F(u, load) = 0 with its derivatives, stable where a motion du/dt = -F settles, and flags of
+    contact and sliding."""
 
     in_contact = staticmethod(lambda u: True)
     sliding = staticmethod(lambda u: False)
 
     def __init__(self, residual, jacobian, load_derivative):
-        self.residual, self.jacobian, self.load_derivative = residual, jacobian, load_derivative
+        self.residual = residual
+        self.jacobian = jacobian
+        self.load_derivative = load_derivative
 
 
 def cubic(shift=0.0):
-    """u^3 - u = load + shift: stable for |u| > 1/sqrt 3, with folds at load = -+ 2/(3 sqrt 3) - shift."""
-    return Problem(lambda u, load: u ** 3 - u - load - shift, lambda u, load: np.diag(3 * u ** 2 - 1), lambda u, load: -np.ones(1))
+    """u^3 - u = load + shift: stable for |u| > 1/sqrt 3, with folds at load = -+ 2/(3 sqrt 3) -
+    shift."""
+    return Problem(lambda u, load: u ** 3 - u - load - shift, lambda u,
+                   load: np.diag(3 * u ** 2 - 1), lambda u, load: -np.ones(1))
 
 
 def follower():
     """The cubic with a second unknown that is twice the first: (u^3 - u - load, v - 2u)."""
-    return Problem(lambda u, load: np.array([u[0] ** 3 - u[0] - load, u[1] - 2 * u[0]]),
-                   lambda u, load: np.array([[3 * u[0] ** 2 - 1, 0.0], [-2.0, 1.0]]), lambda u, load: np.array([-1.0, 0.0]))
+    return Problem(lambda u, load: np.array([u[0] ** 3 - u[0] - load, u[1] - 2 * u[0]]), lambda u,
+                   load: np.array([[3 * u[0] ** 2 - 1, 0.0], [-2.0, 1.0]]), lambda u,
+                   load: np.array([-1.0, 0.0]))
 
 
 def circle():
     """u^2 + load^2 = 1: nothing beyond load 1, where a motion never ends."""
-    return Problem(lambda u, load: u ** 2 + load ** 2 - 1, lambda u, load: np.diag(2 * u), lambda u, load: 2 * load * np.ones(1))
+    return Problem(lambda u, load: u ** 2 + load ** 2 - 1, lambda u, load: np.diag(2 * u), lambda u,
+                   load: 2 * load * np.ones(1))
 
 
 def explicit(value, slope):
     """u = value(load), a branch without a fold."""
-    return Problem(lambda u, load: u - value(load), lambda u, load: np.eye(1), lambda u, load: -slope(load) * np.ones(1))
+    return Problem(lambda u, load: u - value(load), lambda u, load: np.eye(1), lambda u,
+                   load: -slope(load) * np.ones(1))
 
 
 def bend(slope, width, at=0.5):
@@ -60,7 +81,8 @@ def bend(slope, width, at=0.5):
 
 def curve(load, slope):
     """load = load(u) of one unknown, a branch with folds where the slope of the load vanishes."""
-    return Problem(lambda u, value: load(u) - value, lambda u, value: np.diag(slope(u)), lambda u, value: -np.ones(1))
+    return Problem(lambda u, value: load(u) - value, lambda u, value: np.diag(slope(u)), lambda u,
+                   value: -np.ones(1))
 
 
 def waves():
@@ -69,50 +91,67 @@ def waves():
 
 
 def corner(rising=1.0, falling=-3.0, at=0.3):
-    """load = at + rising (u - at) for u below ``at``, then at + falling (u - at): a fold in a corner, without curvature."""
-    return curve(lambda u: at + np.where(u < at, rising, falling) * (u - at), lambda u: np.where(u < at, rising, falling))
+    """load = at + rising (u - at) for u below ``at``, then at + falling (u - at): a fold in a
+    corner, without curvature."""
+    return curve(lambda u: at + np.where(u < at, rising, falling) * (u - at),
+                 lambda u: np.where(u < at, rising, falling))
 
 
 def cusp(depth):
-    """u^3 + 3 depth u = load: folds at -+ 2 (-depth)^(3/2) for a negative depth, none for others, a cusp at 0."""
+    """u^3 + 3 depth u = load: folds at -+ 2 (-depth)^(3/2) for a negative depth, none for others, a
+    cusp at 0."""
     return curve(lambda u: u ** 3 + 3 * depth * u, lambda u: 3 * u ** 2 + 3 * depth)
 
 
 def loop():
     """(u - 2)^2 + v^2 = 1 with v = load: an isola."""
     return Problem(lambda x, load: np.array([(x[0] - 2) ** 2 + x[1] ** 2 - 1, x[1] - load]),
-                   lambda x, load: np.array([[2 * (x[0] - 2), 2 * x[1]], [0.0, 1.0]]), lambda x, load: np.array([0.0, -1.0]))
+                   lambda x, load: np.array([[2 * (x[0] - 2), 2 * x[1]], [0.0, 1.0]]), lambda x,
+                   load: np.array([0.0, -1.0]))
 
 
 def cube_root():
     """u^3 = load, with a vertical tangent at 0 that is no fold."""
-    return Problem(lambda u, load: u ** 3 - load, lambda u, load: np.diag(3 * u ** 2), lambda u, load: -np.ones(1))
+    return Problem(lambda u, load: u ** 3 - load, lambda u, load: np.diag(3 * u ** 2), lambda u,
+                   load: -np.ones(1))
 
 
 def pitchfork():
     """(u - load, v (v^2 + 1/2 - load)): the branch v = 0 loses stability at 1/2 and goes on."""
     return Problem(lambda x, load: np.array([x[0] - load, x[1] * (x[1] ** 2 + 0.5 - load)]),
-                   lambda x, load: np.diag([1.0, 3 * x[1] ** 2 + 0.5 - load]), lambda x, load: np.array([-1.0, -x[1]]))
+                   lambda x, load: np.diag([1.0, 3 * x[1] ** 2 + 0.5 - load]), lambda x,
+                   load: np.array([-1.0, -x[1]]))
 
 
 class System:
-    """What continuation asks of a solver, by dense Newton iterations on a `Problem`; a state is an array of unknowns.
+    """What continuation asks of a solver, by dense Newton iterations on a `Problem`; a state is an
+    array of unknowns.
 
-    ``fails`` says at which loads a solve fails whatever it starts from, and ``arc_fails`` one by arc length; ``iterations`` is
-    how many it reports, ``most`` how many it may take. ``guesses``, ``attempts`` and ``used`` record starts and loads of
-    solves, and the points extrapolated from.
+    ``fails`` says at which loads a solve fails whatever it starts from, and ``arc_fails`` one by
+    arc length; ``iterations`` is how many it reports, ``most`` how many it may take. ``guesses``,
+    ``attempts`` and ``used`` record starts and loads of solves, and the points extrapolated from.
     """
 
     examiner = None
 
-    def __init__(self, problem, most=16, fails=lambda load: False, arc_fails=lambda load: False, iterations=None):
-        self.problem, self.most, self.fails, self.arc_fails, self.iterations = problem, most, fails, arc_fails, iterations
-        self.guesses, self.used, self.attempts, self.sentences = [], [], [], []
+    def __init__(self, problem, most=16, fails=lambda load: False, arc_fails=lambda load: False,
+                 iterations=None):
+        self.problem = problem
+        self.most = most
+        self.fails = fails
+        self.arc_fails = arc_fails
+        self.iterations = iterations
+        self.guesses = []
+        self.used = []
+        self.attempts = []
+        self.sentences = []
         self.log = self.sentences.append
         self.spent = 0
 
     def told(self, controls, load):
-        return ", ".join(f"{name} {value:.6g}" for name, value in zip(("normal_displacement", "tangential_displacement"), load))
+        return ", ".join(f"{name} {value:.6g}"
+                         for name, value in zip(("normal_displacement", "tangential_displacement"),
+                                                load))
 
     def adapted(self, point, controls, load):
         return replace(point, controls=controls, load=load)
@@ -134,7 +173,8 @@ class System:
         return self.distance(first, second)
 
     def strayed(self, guess, last, state):
-        return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last), 10.0)))
+        return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last),
+                                                                             10.0)))
 
     def doubtful(self, *_):
         return False
@@ -149,7 +189,8 @@ class System:
 
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
-        slope = -np.linalg.solve(self.problem.jacobian(point.state, load), self.problem.load_derivative(point.state, load))
+        slope = -np.linalg.solve(self.problem.jacobian(point.state, load),
+                                 self.problem.load_derivative(point.state, load))
         return point.state + step * leg.direction[leg.moving] * slope
 
     def solve(self, guess, controls, load):
@@ -158,7 +199,8 @@ class System:
         if self.fails(load[-1]):
             raise NotConverged("no solution is looked for here")
         problem = self.problem
-        state, count = self._newton(lambda u: problem.residual(u, load[-1]), lambda u: problem.jacobian(u, load[-1]), guess)
+        state, count = self._newton(lambda u: problem.residual(u, load[-1]),
+                                    lambda u: problem.jacobian(u, load[-1]), guess)
         return self._point(state, load, count)
 
     def lost(self, point, leg, heading):
@@ -177,22 +219,26 @@ class System:
 
     def _bordered(self, x, row, leg, slope=0.0):
         rate, load = leg.direction[leg.moving], leg.load(x[-1])[leg.moving]
-        return np.block([[self.problem.jacobian(x[:-1], load), rate * self.problem.load_derivative(x[:-1], load)[:, None]],
+        return np.block([[self.problem.jacobian(x[:-1], load),
+                          rate * self.problem.load_derivative(x[:-1], load)[:, None]],
                          [row[None], np.full((1, 1), slope)]])
 
     def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
         (share, rate), row = border, border[0] * self._row(chord)
-        unknown, count = self._newton(
-            lambda x: np.append(self.problem.residual(x[:-1], leg.load(x[-1])[leg.moving]),
-                                row @ (x[:-1] - chord[0]) + rate * (x[-1] - position) - share * length),
-            lambda x: self._bordered(x, row, leg, rate), np.append(guess, position))
+        unknown, count = self._newton(lambda x: np.append(self.problem.residual(x[:-1],
+                                                                                leg.load(
+            x[-1])[leg.moving]), row @ (x[:-1] - chord[0]) + rate * (x[-1] - position)
+                                                          - share * length),
+                                      lambda x: self._bordered(x, row, leg, rate),
+                                      np.append(guess, position))
         load = leg.load(unknown[-1])
         if self.arc_fails(load[-1]):
             raise NotConverged("no solution is looked for here")
         return replace(self._point(unknown[:-1], load, count), leg=leg.number, position=unknown[-1])
 
     def direction(self, point, chord, leg):
-        change = np.linalg.solve(self._bordered(np.append(point.state, point.position), self._row(chord), leg),
+        change = np.linalg.solve(self._bordered(np.append(point.state, point.position),
+                                                self._row(chord), leg),
                                  np.append(np.zeros(len(point.state)), 1.0))
         return Direction(change[:-1], change[-1])
 
@@ -214,7 +260,8 @@ class System:
                 return self.solve(state, controls, load)
             if np.abs(state).max() > 1e3:
                 raise NoEquilibrium(f"no equilibrium {where}")
-            state = state - 0.1 * force / (0.1 + np.abs(self.problem.jacobian(state, load[-1])).max())
+            state = state - 0.1 * force / (0.1
+                                           + np.abs(self.problem.jacobian(state, load[-1])).max())
         raise NotConverged("the motion did not settle")
 
     def _newton(self, residual, jacobian, guess):
@@ -234,18 +281,23 @@ class System:
 
     def _point(self, state, load, count):
         problem, load = self.problem, np.array(load)
-        return Point(state, ("displacement",) * len(load), load, load, load, problem.in_contact(state), problem.sliding(state),
-                     0.0, spent={"last_iterations": count if self.iterations is None else self.iterations})
+        return Point(state, ("displacement",) * len(load), load, load, load,
+                     problem.in_contact(state), problem.sliding(state), 0.0,
+                     spent={"last_iterations": count if self.iterations is None
+                            else self.iterations})
 
 
 def path(system, values, guess, *, sizes=(1 / 40, 1 / 20, 1e-6), resumed=None, **settings):
-    """The branch of a system from values[0] along legs to the others; ``resumed``: the last points of an interrupted one."""
+    """The branch of a system from values[0] along legs to the others; ``resumed``: the last points
+    of an interrupted one."""
     def maker(number, start, end):
-        return lambda points: None if start == end else Leg(number, ("displacement",), np.array([start]), np.array([end]), 0, *sizes)
+        return lambda points: None if start == end else Leg(number, ("displacement",),
+                                                            np.array([start]), np.array([end]), 0,
+                                                            *sizes)
 
     def start():
-        return replace(system.solve(np.array(guess, dtype=float), ("displacement",), np.array([values[0]])),
-                       spent=system.account())
+        return replace(system.solve(np.array(guess, dtype=float), ("displacement",),
+                                    np.array([values[0]])), spent=system.account())
 
     legs = [maker(number, *ends) for number, ends in enumerate(zip(values, values[1:]), start=1)]
     return branch(system, start, legs, history=resumed or (), **settings)
@@ -273,7 +325,8 @@ def assert_solutions(system, points):
 
 
 def assert_steps(points, largest=1 / 20, legs=1):
-    """Every leg is walked in order from its beginning to its exact end, in steps no longer than the largest."""
+    """Every leg is walked in order from its beginning to its exact end, in steps no longer than the
+    largest."""
     for number in range(1, legs + 1):
         places = [0.0, *(point.position for point in points if point.leg == number)]
         assert places[-1] == 1.0
@@ -286,9 +339,11 @@ def assert_steps(points, largest=1 / 20, legs=1):
 def test_weights_reproduce_polynomials():
     rng = np.random.default_rng(3)
     for count in (1, 2, 3, 4):
-        nodes, polynomial = np.cumsum(rng.uniform(0.1, 1.0, count)), np.polynomial.Polynomial(rng.normal(size=count))
+        nodes = np.cumsum(rng.uniform(0.1, 1.0, count))
+        polynomial = np.polynomial.Polynomial(rng.normal(size=count))
         for target in (nodes[-1] + 0.7, nodes[0], nodes.mean()):
-            np.testing.assert_allclose(lagrange_weights(nodes, target) @ polynomial(nodes), polynomial(target), rtol=1e-12)
+            np.testing.assert_allclose(lagrange_weights(nodes, target) @ polynomial(nodes),
+                                       polynomial(target), rtol=1e-12)
 
 
 @pytest.mark.parametrize("predictor", PREDICTORS)
@@ -305,11 +360,13 @@ def test_legs_end_exactly_and_every_point_is_a_solution(predictor):
 def test_a_leg_to_where_it_is_adds_no_point():
     points, error = followed(path(System(explicit(np.sin, np.cos)), [0.5, 0.5, 1.0, 1.0], [0.0]))
     assert error is None
-    assert sum(point.load[0] == 0.5 for point in points) == 1 and sum(point.load[0] == 1.0 for point in points) == 1
+    assert sum(point.load[0] == 0.5 for point in points) == 1 and sum(point.load[0] == 1.0
+                                                                      for point in points) == 1
 
 
 def test_predictors_have_their_orders():
-    """Halving the step divides the error by 2 (none), 4 (secant, tangent) or 8 (edge: a parabola)."""
+    """Halving the step divides the error by 2 (none), 4 (secant, tangent) or 8 (edge: a
+    parabola)."""
     system = System(explicit(np.exp, np.exp))
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
     for predictor, order in zip(PREDICTORS, (1, 2, 2, 3)):
@@ -317,12 +374,14 @@ def test_predictors_have_their_orders():
         for step in (0.02, 0.01):
             history = [(place, system.solve(np.ones(1), ("displacement",), leg.load(place)))
                        for place in 0.5 + step * np.arange(-2.0, 1.0)]
-            wrong.append(abs(predict(system, history, leg, 0.5 + step, predictor)[0] - np.exp(0.5 + step)))
+            wrong.append(abs(predict(system, history, leg, 0.5 + step, predictor)[0]
+                             - np.exp(0.5 + step)))
         assert np.log2(wrong[0] / wrong[1]) == pytest.approx(order, abs=0.1)
 
 
 def test_step_rule():
-    """Twice the step after a solve for nothing, the same at the target, never half or less, never above the largest."""
+    """Twice the step after a solve for nothing, the same at the target, never half or less, never
+    above the largest."""
     assert grown(0.1, 0, 1.0) == pytest.approx(0.2)
     assert grown(0.1, 8, 1.0) == pytest.approx(0.1)
     assert grown(0.1, 0, 0.15) == 0.15
@@ -343,7 +402,8 @@ def test_steps_grow_with_few_iterations_and_not_with_many():
 @pytest.mark.parametrize("iterations", [10, 16])
 def test_slow_solvers_finish_their_legs(iterations):
     """A solver that needs many iterations at any step must not shrink its steps without end."""
-    points, error = followed(path(System(explicit(np.sin, np.cos), iterations=iterations), [0.0, 1.0], [0.0]))
+    points, error = followed(path(System(explicit(np.sin, np.cos), iterations=iterations),
+                                  [0.0, 1.0], [0.0]))
     assert error is None and points[-1].position == 1.0
 
 
@@ -351,8 +411,10 @@ def test_legs_have_their_own_steps():
     system = System(explicit(np.sin, np.cos))
     legs = [lambda points: Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6),
             lambda points: Leg(2, ("displacement",), np.ones(1), np.zeros(1), 0, 0.01, 0.02, 1e-6)]
-    points, _ = followed(branch(system, lambda: replace(system.solve(np.zeros(1), ("displacement",), np.zeros(1)), spent={}), legs))
-    first, second = ([point.position for point in points if point.leg == number] for number in (1, 2))
+    points, _ = followed(branch(system, lambda: replace(system.solve(np.zeros(1), ("displacement",),
+                                                                     np.zeros(1)), spent={}), legs))
+    first, second = ([point.position for point in points if point.leg == number]
+                     for number in (1, 2))
     assert first[0] == 0.1 and len(first) == 10
     assert second[0] == 0.01 and np.max(np.diff(second)) <= 0.02 * (1 + 1e-9)
 
@@ -369,9 +431,11 @@ def test_large_moves_along_a_straight_branch_are_no_trouble(predictor):
 
 
 def test_a_failed_step_returns_to_the_last_point():
-    """After a failure the next solve starts from the last good point, nearer to it, and nothing else was kept."""
+    """After a failure the next solve starts from the last good point, nearer to it, and nothing
+    else was kept."""
     failing = {4: True}
-    system = System(explicit(np.sin, np.cos), fails=lambda load: failing.pop(len(system.attempts), False))
+    system = System(explicit(np.sin, np.cos), fails=lambda load: failing.pop(len(system.attempts),
+                                                                             False))
     points, error = followed(path(system, [0.0, 1.0], [0.0], predictor="none"))
     assert error is None and len(system.sentences) == 1
     assert_solutions(system, points)
@@ -385,7 +449,8 @@ def test_a_failed_step_returns_to_the_last_point():
 
 @pytest.mark.parametrize("predictor", PREDICTORS)
 def test_failures_without_a_reason_are_passed(predictor):
-    """Loads at which the solver fails though nothing is wrong: arc length passes them, in steps no longer than allowed."""
+    """Loads at which the solver fails though nothing is wrong: arc length passes them, in steps no
+    longer than allowed."""
     system = System(explicit(np.sin, np.cos), fails=lambda load: 0.3 < load < 0.32)
     points, error = followed(path(system, [0.0, 1.0], [0.0], predictor=predictor))
     assert error is None and events(points) == []
@@ -394,7 +459,8 @@ def test_failures_without_a_reason_are_passed(predictor):
 
 
 def test_where_no_solve_succeeds_the_points_before_are_handed_out():
-    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42, arc_fails=lambda load: load > 0.42)
+    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42,
+                    arc_fails=lambda load: load > 0.42)
     points, error = followed(path(system, [0.0, 1.0], [0.0]))
     assert isinstance(error, NotConverged) and "no solution is looked for here" in str(error)
     assert 0.35 < points[-1].load[0] <= 0.42 and len(system.attempts) < 200
@@ -407,7 +473,8 @@ def test_a_first_point_that_fails_ends_the_path():
 
 
 def test_no_step_is_below_the_smallest():
-    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42, arc_fails=lambda load: True)
+    system = System(explicit(np.sin, np.cos), fails=lambda load: load > 0.42,
+                    arc_fails=lambda load: True)
     points, error = followed(path(system, [0.0, 1.0], [0.0], sizes=(0.05, 0.05, 0.03)))
     assert isinstance(error, NotConverged)
     steps = np.abs(np.diff(system.attempts))
@@ -426,8 +493,10 @@ def test_folds_are_located_and_left_by_a_jump(problem, guess, predictor):
     assert error is None and events(points) == ["fold", "jump", "fold", "jump"]
     assert_solutions(system, points)
     assert_steps(points, legs=2)
-    for number, (load, before, after, kind) in enumerate([(CUBIC_FOLD, -1, 2, "jump_in"), (-CUBIC_FOLD, 1, -2, "pull_off")], 1):
-        fold, jump = (next(point for point in points if point.leg == number and point.event == name) for name in ("fold", "jump"))
+    for number, (load, before, after, kind) in enumerate([(CUBIC_FOLD, -1, 2, "jump_in"),
+                                                          (-CUBIC_FOLD, 1, -2, "pull_off")], 1):
+        fold, jump = (next(point for point in points if point.leg == number and point.event == name)
+                      for name in ("fold", "jump"))
         assert fold.load[0] == pytest.approx(load, rel=2 * FOLD_TOLERANCE)
         assert (fold.fold_kind, jump.fold_kind) == (kind, "")
         assert jump.load[0] == fold.load[0] and jump.position == fold.position
@@ -436,7 +505,8 @@ def test_folds_are_located_and_left_by_a_jump(problem, guess, predictor):
         assert jump.state[0] == pytest.approx(after / np.sqrt(3), abs=2e-3)
 
 
-@pytest.mark.parametrize("sizes", [(0.003, 0.006, 1e-7), (0.025, 0.05, 1e-6), (0.11, 0.13, 1e-5), (0.5, 0.5, 1e-6)])
+@pytest.mark.parametrize("sizes", [(0.003, 0.006, 1e-7), (0.025, 0.05, 1e-6), (0.11, 0.13, 1e-5),
+                                   (0.5, 0.5, 1e-6)])
 @pytest.mark.parametrize("most", [3, 5, 16])
 def test_folds_do_not_depend_on_steps_or_solver(sizes, most):
     system = System(cubic(), most=most)
@@ -449,49 +519,60 @@ def test_folds_do_not_depend_on_steps_or_solver(sizes, most):
 def test_a_fold_at_load_zero():
     points, error = followed(path(System(cubic(shift=CUBIC_FOLD)), [-2.0, 1.0], [-1.5]))
     assert error is None and events(points) == ["fold", "jump"]
-    assert next(point.load[0] for point in points if point.event == "fold") == pytest.approx(0.0, abs=1e-7)
+    assert (next(point.load[0] for point in points if point.event == "fold")
+            == pytest.approx(0.0, abs=1e-7))
 
 
 @pytest.mark.parametrize("size", [0.2, 1.0, 20.0])
 def test_jumps_may_be_short_or_long(size):
     """The cubic in u / size: the jump is of 1.73 size."""
-    problem = Problem(lambda u, load: (u / size) ** 3 - u / size - load, lambda u, load: np.diag(3 * (u / size) ** 2 - 1) / size,
-                      lambda u, load: -np.ones(1))
+    problem = Problem(lambda u, load: (u / size) ** 3 - u / size - load, lambda u,
+                      load: np.diag(3 * (u / size) ** 2 - 1) / size, lambda u, load: -np.ones(1))
     points, error = followed(path(System(problem), [-1.875, 2.0], [-1.5 * size]))
     assert error is None and events(points) == ["fold", "jump"]
-    assert next(point.state[0] for point in points if point.event == "jump") == pytest.approx(2 * size / np.sqrt(3), rel=2e-3)
+    assert next(point.state[0] for point in points if point.event == "jump") == pytest.approx(
+        2 * size / np.sqrt(3), rel=2e-3)
 
 
 def test_stop_ends_at_the_fold():
     points, error = followed(path(System(cubic()), [-1.875, 2.0, -1.0], [-1.5], at_fold="stop"))
-    assert error is None and points[-1].event == "fold" and points[-1].leg == 1 and events(points) == ["fold"]
+    assert (error is None and points[-1].event == "fold" and points[-1].leg == 1
+            and events(points) == ["fold"])
     assert points[-1].load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE)
 
 
 def test_where_nothing_lies_beyond_the_fold_the_path_ends():
     points, error = followed(path(System(circle()), [0.0, 2.0], [1.0]))
     assert isinstance(error, NoEquilibrium) and "beyond the fold" in str(error)
-    assert points[-1].event == "fold" and points[-1].load[0] == pytest.approx(1.0, rel=2 * FOLD_TOLERANCE)
+    assert points[-1].event == "fold" and points[-1].load[0] == pytest.approx(1.0,
+                                                                              rel=2
+                                                                              * FOLD_TOLERANCE)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_path_that_is_to_stop_at_pull_off_does_not_end_well_at_another_fold(way):
-    """What moves is a displacement: no force pulls the body off, and that nothing lies beyond is told."""
-    points, error = followed(path(System(circle()), [0.5 * way, 2.0 * way], [0.8], stops=("pull_off",)))
+    """What moves is a displacement: no force pulls the body off, and that nothing lies beyond is
+    told."""
+    points, error = followed(path(System(circle()), [0.5 * way, 2.0 * way], [0.8],
+                                  stops=("pull_off",)))
     assert isinstance(error, NoEquilibrium) and points[-1].event == "fold"
 
 
 def test_an_unstable_branch_is_left_backwards():
-    """From the middle of the cubic to its fold: beyond it, motion leads back to it, and before it on to the far branch."""
+    """From the middle of the cubic to its fold: beyond it, motion leads back to it, and before it
+    on to the far branch."""
     points, error = followed(path(System(cubic()), [0.0, 2.0], [0.0]))
     assert error is None and events(points) == ["fold", "jump"]
-    before, after = (next(point for point in points if point.event == name) for name in ("fold", "jump"))
-    assert before.load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE) and before.state[0] == pytest.approx(-1 / np.sqrt(3), abs=2e-3)
+    before, after = (next(point for point in points if point.event == name)
+                     for name in ("fold", "jump"))
+    assert (before.load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE)
+            and before.state[0] == pytest.approx(-1 / np.sqrt(3), abs=2e-3))
     assert after.state[0] == pytest.approx(2 / np.sqrt(3), abs=2e-3)
 
 
 class Unsteady(System):
-    """Motions under the load of a fold that leave, so many of them; under other loads they settle."""
+    """Motions under the load of a fold that leave, so many of them; under other loads they
+    settle."""
 
     leaving, end = 1, 2.0
 
@@ -520,8 +601,11 @@ def test_a_jump_that_is_not_found_is_no_missing_equilibrium():
 
 @pytest.mark.parametrize("end, expected", [(2.0, NoEquilibrium), (0.95, NotConverged)])
 def test_where_solves_fail_the_end_of_the_leg_says_whether_there_is_anything(end, expected):
-    """tanh u = load has a solution for loads below 1, but solves fail beyond 0.9; just there a motion would settle."""
-    problem = Problem(lambda u, load: np.tanh(u) - load, lambda u, load: np.diag(np.cosh(np.minimum(u, 300.0)) ** -2.0), lambda u, load: -np.ones(1))
+    """tanh u = load has a solution for loads below 1, but solves fail beyond 0.9; just there a
+    motion would settle."""
+    problem = Problem(lambda u, load: np.tanh(u) - load, lambda u,
+                      load: np.diag(np.cosh(np.minimum(u, 300.0)) ** -2.0), lambda u,
+                      load: -np.ones(1))
     system = System(problem, fails=lambda load: 0.9 < load, arc_fails=lambda load: 0.9 < load)
     points, error = followed(path(system, [0.0, end], [0.0]))
     assert isinstance(error, expected) and 0.85 < points[-1].load[0] <= 0.9
@@ -563,7 +647,8 @@ def test_the_primary_branch_of_a_pitchfork_is_followed():
 
 
 def test_another_branch_is_not_taken_for_the_next_point():
-    """A solve that lands on the far branch is refused: the path has a fold, however well the solver converges."""
+    """A solve that lands on the far branch is refused: the path has a fold, however well the solver
+    converges."""
     system = System(cubic(), most=200)
     points, _ = followed(path(system, [-1.875, 2.0], [-1.5], sizes=(0.1, 0.1, 1e-6)))
     assert events(points) == ["fold", "jump"]
@@ -576,7 +661,9 @@ class Landing(System):
 
     def __init__(self, end, problem=None, softest=np.nan, jumped=False):
         super().__init__(problem or explicit(lambda load: load, lambda load: 1.0))
-        self.end, self.softest, self.jumped = np.array(end), softest, jumped
+        self.end = np.array(end)
+        self.softest = softest
+        self.jumped = jumped
 
     def solve(self, guess, controls, load):
         return replace(self._point(self.end, load, 3), softest=self.softest)
@@ -595,7 +682,8 @@ class Landing(System):
     def points(self, *states):
         """[(position, point), ...] of states a tenth of a leg apart."""
         found = enumerate(map(np.array, states))
-        return [(0.1 * k, replace(self._point(state, np.array([0.1 * k]), 3), position=0.1 * k, softest=0.5)) for k, state in found]
+        return [(0.1 * k, replace(self._point(state, np.array([0.1 * k]), 3), position=0.1 * k,
+                                  softest=0.5)) for k, state in found]
 
 
 UNIT_LEG = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
@@ -604,12 +692,16 @@ ONE_ASIDE = 0.4 * NODES + np.where(np.arange(100) == 3, 0.6, 0.0)
 LATE = explicit(lambda load: 4 * load, lambda load: 4.0 if load < 0.05 else 0.0)
 
 
-@pytest.mark.parametrize("states, predictor, end, refused", [
-    ([[0.0], [0.05]], "none", [0.2], False), ([[0.0], [0.05]], "none", [0.45], True),
-    ([[0.0], [0.2]], "secant", [0.5], False), ([[0.0], [0.2]], "secant", [0.7], True),
-    ([0.0 * NODES, 0.2 * NODES], "secant", 0.4 * NODES, False), ([0.0 * NODES, 0.2 * NODES], "secant", ONE_ASIDE, True)])
+@pytest.mark.parametrize("states, predictor, end, refused",
+                         [([[0.0], [0.05]], "none", [0.2], False),
+                          ([[0.0], [0.05]], "none", [0.45], True),
+                          ([[0.0], [0.2]], "secant", [0.5], False),
+                          ([[0.0], [0.2]], "secant", [0.7], True),
+                          ([0.0 * NODES, 0.2 * NODES], "secant", 0.4 * NODES, False),
+                          ([0.0 * NODES, 0.2 * NODES], "secant", ONE_ASIDE, True)])
 def test_a_step_that_ends_off_its_prediction_is_refused(states, predictor, end, refused):
-    """Of natural steps: four times as far as the last one, off by half of the way, or with one node that jumped."""
+    """Of natural steps: four times as far as the last one, off by half of the way, or with one node
+    that jumped."""
     system = Landing(end)
     history = system.points(*states)
     walk = Walk(system, UNIT_LEG, history, predictor, "jump")
@@ -630,15 +722,20 @@ def test_what_a_step_released_is_asked_where_its_end_was_foretold():
 @pytest.mark.parametrize("problem, refused", [(None, False), (LATE, True)])
 def test_the_tangent_at_a_far_first_point_leads_back(problem, refused):
     system = Landing([4.0], problem or explicit(lambda load: 4 * load, lambda load: 4.0))
-    walk = Walk(system, replace(UNIT_LEG, end=np.array([10.0])), system.points([0.0]), "tangent", "jump")
+    walk = Walk(system, replace(UNIT_LEG, end=np.array([10.0])), system.points([0.0]), "tangent",
+                "jump")
     assert (followed(walk._step(0.1, "tangent") for _ in range(1))[1] is not None) is refused
 
 
-@pytest.mark.parametrize("states, guess, end, position, sentence", [
-    ([[0.0], [0.2]], [0.4], [0.45], 0.2, ""), ([[0.0], [0.2]], [0.4], [0.7], 0.2, "another branch"),
-    ([0.0 * NODES, 0.2 * NODES], 0.4 * NODES, ONE_ASIDE, 0.2, "another branch"),
-    ([[0.0], [0.2]], [0.05], [0.05], 0.2, "back along the branch"), ([[0.0], [0.2]], [0.4], [0.4], 0.35, "more than twice")])
-def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end, position, sentence):
+@pytest.mark.parametrize("states, guess, end, position, sentence",
+                         [([[0.0], [0.2]], [0.4], [0.45], 0.2, ""),
+                          ([[0.0], [0.2]], [0.4], [0.7], 0.2, "another branch"),
+                          ([0.0 * NODES, 0.2 * NODES], 0.4 * NODES, ONE_ASIDE, 0.2,
+                           "another branch"), ([[0.0], [0.2]], [0.05], [0.05], 0.2,
+                                               "back along the branch"),
+                          ([[0.0], [0.2]], [0.4], [0.4], 0.35, "more than twice")])
+def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end, position,
+                                                              sentence):
     system = Landing(end)
     walk = ArcWalk(system, UNIT_LEG, system.points(*states), "secant", "jump")
     point = replace(system.solve(None, ("displacement",), np.array([position])), position=position)
@@ -646,9 +743,13 @@ def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end
     assert sentence in str(found) if sentence else found is None
 
 
-@pytest.mark.parametrize("states, end, softest, sentence", [
-    ([[0.0], [0.2]], [0.45], 0.1, ""), ([[0.0], [0.2]], [0.65], 0.1, "another branch"),
-    ([0.0 * NODES, 0.2 * NODES], ONE_ASIDE, 0.1, "another branch"), ([[0.0], [0.2]], [0.4], -0.1, "lost its stability")])
+@pytest.mark.parametrize("states, end, softest, sentence", [([[0.0], [0.2]], [0.45], 0.1, ""),
+                                                            ([[0.0], [0.2]], [0.65], 0.1,
+                                                             "another branch"),
+                                                            ([0.0 * NODES, 0.2 * NODES], ONE_ASIDE,
+                                                             0.1, "another branch"),
+                                                            ([[0.0], [0.2]], [0.4], -0.1,
+                                                             "lost its stability")])
 def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence):
     system = Landing(end, softest=softest)
     trail = system.points(*states)
@@ -656,13 +757,14 @@ def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence)
     assert sentence in str(found) if sentence else found is None
 
 
-@pytest.mark.parametrize("end, softest, tight, sentence", [
-    (-0.6, 0.1, False, ""), (-0.45, 0.1, False, "strayed"), (-0.6, -0.1, False, "another mode"), (-0.6, -0.1, True, "")])
+@pytest.mark.parametrize("end, softest, tight, sentence",
+                         [(-0.6, 0.1, False, ""), (-0.45, 0.1, False, "strayed"),
+                          (-0.6, -0.1, False, "another mode"), (-0.6, -0.1, True, "")])
 def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
     system = Landing([end], cubic(), softest)
     leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
-    before, beyond = (replace(system._point(np.array([u]), leg.load(0.5 * (u ** 3 - u + 1.0)), 3), position=0.5 * (u ** 3 - u + 1.0),
-                              softest=0.5) for u in (-0.7, -0.5))
+    before, beyond = (replace(system._point(np.array([u]), leg.load(0.5 * (u ** 3 - u + 1.0)), 3),
+                              position=0.5 * (u ** 3 - u + 1.0), softest=0.5) for u in (-0.7, -0.5))
     limit = LimitPoint(system, leg, before, beyond)
     found = followed(limit._station(0.5 * limit.right.place, tight) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
@@ -670,10 +772,12 @@ def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
 
 @pytest.mark.parametrize("end, back", [(0.001, True), (0.01, False), (-0.2, False), (-0.01, True)])
 def test_a_jump_leads_away_from_its_fold(end, back):
-    """A motion that began a tenth beside a fold has left it a twentieth ahead of it, or half of that distance on any side."""
+    """A motion that began a tenth beside a fold has left it a twentieth ahead of it, or half of
+    that distance on any side."""
     system = Landing([end])
     fold = replace(system.points([0.0])[0][1], event="fold", fold_kind="jump_in")
-    found = followed(departures.jumped(system, UNIT_LEG, fold, [lambda: np.array([0.1])], "there", lambda: None) for _ in range(1))[1]
+    found = followed(departures.jumped(system, UNIT_LEG, fold, [lambda: np.array([0.1])], "there",
+                                       lambda: None) for _ in range(1))[1]
     assert "led back" in str(found) if back else found is None
 
 
@@ -683,7 +787,8 @@ def test_the_walk_starts_a_leg_next_to_its_fold():
     guess = np.sort(np.roots([1.0, 0.0, -1.0, -start]).real)[0]
     points, error = followed(path(System(cubic()), [start, 2.0], [guess]))
     assert error is None and events(points) == ["fold", "jump"]
-    assert points[1].load[0] == pytest.approx(CUBIC_FOLD, rel=2 * FOLD_TOLERANCE) and points[1].leg == 1
+    assert points[1].load[0] == pytest.approx(CUBIC_FOLD,
+                                              rel=2 * FOLD_TOLERANCE) and points[1].leg == 1
 
 
 def test_the_search_leaves_the_fold_behind_before_it_jumps():
@@ -694,19 +799,23 @@ def test_the_search_leaves_the_fold_behind_before_it_jumps():
         history = []
         for u in (last - 0.03, last):
             load = np.array([u ** 3 - u])
-            history.append((0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load)))
+            history.append((0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",),
+                                                                load)))
         fold, beyond, _ = Turn(system, leg, history).search(NotConverged("a step"))
         assert fold.state[0] < beyond[0] and beyond[0] ** 3 - beyond[0] < fold.load[0] * (1 - 1e-6)
 
 
 def test_an_arc_that_turns_on_a_straight_branch_is_no_fold():
-    """A poor direction may lead the arc back along the branch: the last point is then where the branch has been."""
+    """A poor direction may lead the arc back along the branch: the last point is then where the
+    branch has been."""
     leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
-    for problem, states, back in ((explicit(lambda load: load, lambda load: 1.0), (0.1, 0.2, 0.3, 0.27), True),
+    for problem, states, back in ((explicit(lambda load: load, lambda load: 1.0),
+                                   (0.1, 0.2, 0.3, 0.27), True),
                                   (cubic(), (-0.7, -0.64, -0.58, -0.54), False)):
         system = System(problem)
         loads = [problem.residual(np.array([u]), 0.0) for u in states]
-        trail = [(0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load)) for u, load in zip(states, loads)]
+        trail = [(0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load))
+                 for u, load in zip(states, loads)]
         assert trail[3][0] < trail[2][0] and Turn(system, leg, trail[:2])._returns(trail) is back
 
 
@@ -714,21 +823,27 @@ def test_an_arc_that_turns_on_a_straight_branch_is_no_fold():
 def test_an_arc_has_turned_where_it_is_nearer_to_its_way_than_to_its_end(aside, back):
     system = System(cubic())
     places, states = (0.1, 0.2, 0.3, 0.27), (0.1, 0.2, 0.3, 0.27 + aside)
-    trail = [(place, system._point(np.array([u]), np.array([place]), 3)) for place, u in zip(places, states)]
+    trail = [(place, system._point(np.array([u]), np.array([place]), 3))
+             for place, u in zip(places, states)]
     assert Turn(system, UNIT_LEG, trail[:2])._returns(trail) is back
 
 
 def test_an_arc_is_followed_until_the_load_falls():
-    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    system = System(cubic())
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
     places = [(0.5 * (u ** 3 - u + 1.0), u) for u in (-0.62, -0.61, -0.6)]
-    trail = [(place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)), position=place)) for place, u in places]
+    trail = [(place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)),
+                             position=place)) for place, u in places]
     found = Turn(system, leg, trail)._bracketed(trail)
-    assert len(found) > 6 and found[-1][0] < found[-2][0] and found[-1][1].state[0] > -1 / np.sqrt(3.0)
+    assert (len(found) > 6 and found[-1][0] < found[-2][0]
+            and found[-1][1].state[0] > -1 / np.sqrt(3.0))
 
 
-@pytest.mark.parametrize("drop, slope, located", [(1e-9, 1e-9, True), (1e-9, 1.0, False), (1e-4, 1e-9, False), (1e-4, 1.0, False)])
+@pytest.mark.parametrize("drop, slope, located", [(1e-9, 1e-9, True), (1e-9, 1.0, False),
+                                                  (1e-4, 1e-9, False), (1e-4, 1.0, False)])
 def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, slope, located):
-    """Loads that fall by no more than residuals leave open are no fold either while they rise by their slope."""
+    """Loads that fall by no more than residuals leave open are no fold either while they rise by
+    their slope."""
     class Pinned(Landing):
         def direction(self, point, chord, leg):
             return Direction(np.ones(1), slope)
@@ -741,31 +856,40 @@ def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, s
         assert not found and "slope did not" in str(error)
     else:
         fold, _, left = found[0]
-        assert fold.fold_precision < FOLD_TOLERANCE if located else fold is None and left == trail[:-1]
+        assert (fold.fold_precision < FOLD_TOLERANCE if located else fold is None
+                and left == trail[:-1])
 
 
 def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
-    """Short steps beyond a peak, whose loads rise by rounding still: it lies before the last two pairs of points."""
-    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    """Short steps beyond a peak, whose loads rise by rounding still: it lies before the last two
+    pairs of points."""
+    system = System(cubic())
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
     trail = []
     for k, u in enumerate((-0.6, -0.57, -0.5695, -0.569, -0.5685)):
         place = 0.5 * (u ** 3 - u + 1.0)
         point = system.solve(np.array([u]), ("displacement",), leg.load(place))
         trail.append((place, replace(point, position=place)))
     high = trail[1][0]
-    trail = trail[:2] + [(high + rise, replace(point, position=high + rise)) for rise, (_, point) in zip((1e-9, 2e-9, 1e-9), trail[2:])]
+    trail = trail[:2] + [(high + rise, replace(point, position=high + rise))
+                         for rise, (_, point) in zip((1e-9, 2e-9, 1e-9), trail[2:])]
     fold, _, kept = Turn(system, leg, trail)._locate(trail)
-    assert fold.fold_precision < FOLD_TOLERANCE and abs(leg.load(fold.position)[0] / CUBIC_FOLD - 1.0) < 1e-8 and len(kept) == 2
+    assert fold.fold_precision < FOLD_TOLERANCE and abs(leg.load(fold.position)[0] / CUBIC_FOLD
+                                                        - 1.0) < 1e-8 and len(kept) == 2
 
 
 def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
-    system, leg = System(cubic()), Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    system = System(cubic())
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
     trail = []
     for u in (-0.62, -0.6, -0.55):
         place = 0.5 * (u ** 3 - u + 1.0)
-        trail.append((place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)), position=place)))
+        trail.append((place, replace(system.solve(np.array([u]), ("displacement",),
+                                                  leg.load(place)), position=place)))
     walk = ArcWalk(system, leg, trail[:1], "edge", "jump")
-    walk.history, walk.departed, walk.level = trail[:2], None, None
+    walk.history = trail[:2]
+    walk.departed = None
+    walk.level = None
     walk.departed, _ = walk._fold_before(trail[2][1])
     assert abs(leg.load(walk.departed.position)[0] / CUBIC_FOLD - 1.0) < 1e-8
     with pytest.raises(NotConverged, match="led back to the fold"):
@@ -773,30 +897,38 @@ def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
 
 
 def test_a_point_of_the_arc_serves_where_no_solve_does():
-    """The places of a trail are points of the branch: the last one before the place in question, or none beyond the leg's last."""
-    system, leg = System(explicit(np.sin, np.cos)), Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
-    trail = [(place, system.solve(np.zeros(1), ("displacement",), leg.load(place))) for place in (0.1, 0.2, 0.33, 0.47)]
+    """The places of a trail are points of the branch: the last one before the place in question, or
+    none beyond the leg's last."""
+    system = System(explicit(np.sin, np.cos))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
+    trail = [(place, system.solve(np.zeros(1), ("displacement",), leg.load(place)))
+             for place in (0.1, 0.2, 0.33, 0.47)]
     system.fails = system.arc_fails = lambda load: True
     turn = Turn(system, leg, trail[:2])
     found = turn._natural(trail, 0.4)
-    assert found.position == 0.33 and found.state is trail[2][1].state and found.leg == 1 and 0.0 < found.step <= 0.05
+    assert (found.position == 0.33 and found.state is trail[2][1].state and found.leg == 1
+            and 0.0 < found.step <= 0.05)
     with pytest.raises(NoFold):
         turn._natural(trail, 0.3)
 
 
 @pytest.mark.parametrize("walker", [Walk, ArcWalk, Trace])
 def test_what_is_not_located_to_its_precision_is_no_fold(walker):
-    """Solves next to the fold fail: the path ends there and says so; the load is known to the part in which they fail."""
-    system = System(cubic(), fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4, arc_fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4)
+    """Solves next to the fold fail: the path ends there and says so; the load is known to the part
+    in which they fail."""
+    system = System(cubic(), fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4,
+                    arc_fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4)
     points, error = followed(path(system, [-1.875, 2.0], [-1.5], walker=walker))
-    assert isinstance(error, NotConverged) and folds(points) == [] and points[-1].load[0] < CUBIC_FOLD
+    assert isinstance(error,
+                      NotConverged) and folds(points) == [] and points[-1].load[0] < CUBIC_FOLD
     assert "fold" in str(error) or any("no fold" in sentence for sentence in system.sentences)
 
 
 def test_the_precision_of_a_fold_is_told_with_it():
     for walker in (Walk, ArcWalk):
         points, _ = followed(path(System(cubic()), [-1.875, 2.0, -1.5], [-1.5], walker=walker))
-        assert len(folds(points)) == 2 and all(0.0 < point.fold_precision <= FOLD_TOLERANCE for point in folds(points))
+        assert len(folds(points)) == 2 and all(0.0 < point.fold_precision <= FOLD_TOLERANCE
+                                               for point in folds(points))
         assert all(point.fold_precision == 0.0 for point in points if point.event != "fold")
         for fold, load in zip(folds(points), (CUBIC_FOLD, -CUBIC_FOLD)):
             assert abs(fold.load[0] / load - 1.0) <= max(10.0 * fold.fold_precision, 1e-12)
@@ -804,7 +936,8 @@ def test_the_precision_of_a_fold_is_told_with_it():
 
 @pytest.mark.parametrize("limit", [0.02, 0.1, 0.3])
 def test_a_fold_that_steps_are_too_long_for_is_located_by_shorter_ones(limit):
-    """A solver that finds only what its guess hardly misses, as Newton's method where a fold is sharp."""
+    """A solver that finds only what its guess hardly misses, as Newton's method where a fold is
+    sharp."""
     class Short(System):
         def solve_arc(self, chord, length, guess, *rest, **settings):
             point = super().solve_arc(chord, length, guess, *rest, **settings)
@@ -813,13 +946,16 @@ def test_a_fold_that_steps_are_too_long_for_is_located_by_shorter_ones(limit):
             return point
 
     for walker in (Walk, ArcWalk):
-        points, error = followed(path(Short(cubic()), [-1.875, 2.0], [-1.5], walker=walker, at_fold="stop", sizes=(0.1, 0.2, 1e-6)))
-        assert error is None and [point.load[0] for point in folds(points)] == pytest.approx([CUBIC_FOLD], rel=FOLD_TOLERANCE)
+        points, error = followed(path(Short(cubic()), [-1.875, 2.0], [-1.5], walker=walker,
+                                      at_fold="stop", sizes=(0.1, 0.2, 1e-6)))
+        assert error is None and [point.load[0] for point in folds(points)] == pytest.approx(
+            [CUBIC_FOLD], rel=FOLD_TOLERANCE)
 
 
 def test_kinds_of_folds():
     def kind(moving, change):
-        return fold_kind(Leg(1, ("force", "displacement"), np.zeros(2), np.array(change), moving, 0.1, 0.1, 0.1))
+        return fold_kind(Leg(1, ("force", "displacement"), np.zeros(2), np.array(change), moving,
+                             0.1, 0.1, 0.1))
 
     assert kind(0, [1.0, 0.0]) == "jump_in" and kind(0, [-1.0, 0.0]) == "pull_off"
     assert kind(1, [0.0, 1.0]) == "sliding" and kind(1, [0.0, -1.0]) == "sliding"
@@ -831,7 +967,8 @@ def test_kinds_of_folds():
 def traced(problem, values, guess, walker=ArcWalk, **settings):
     """A system, the points of its branch traced through folds, and what ended it."""
     system = System(problem)
-    points, error = followed(path(system, values, guess, walker=walker, **{"at_fold": "trace", **settings}))
+    points, error = followed(path(system, values, guess, walker=walker,
+                                  **{"at_fold": "trace", **settings}))
     assert_solutions(system, points)
     return system, points, error
 
@@ -842,12 +979,16 @@ def folds(points):
 
 @pytest.mark.parametrize("walker", [ArcWalk, Trace])
 @pytest.mark.parametrize("predictor", PREDICTORS)
-@pytest.mark.parametrize("sizes", [(1 / 40, 1 / 20, 1e-6), (0.004, 0.01, 1e-6), (0.2, 0.3, 1e-6)], ids=["default", "short", "long"])
+@pytest.mark.parametrize("sizes", [(1 / 40, 1 / 20, 1e-6), (0.004, 0.01, 1e-6), (0.2, 0.3, 1e-6)],
+                         ids=["default", "short", "long"])
 def test_a_branch_is_traced_through_its_folds(walker, predictor, sizes):
-    """To rounding, there and back: each fold at its load with its kind and null vector, each leg to its exact end."""
-    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], walker, predictor=predictor, sizes=sizes)
+    """To rounding, there and back: each fold at its load with its kind and null vector, each leg to
+    its exact end."""
+    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], walker, predictor=predictor,
+                              sizes=sizes)
     assert error is None
-    assert [point.fold_kind for point in folds(points)] == ["jump_in", "pull_off", "pull_off", "jump_in"]
+    assert [point.fold_kind for point in folds(points)] == ["jump_in", "pull_off", "pull_off",
+                                                            "jump_in"]
     for point, sign in zip(folds(points), (1, -1, -1, 1)):
         assert point.load[0] == pytest.approx(sign * CUBIC_FOLD, rel=FOLD_TOLERANCE)
         tangent, = point.tangents
@@ -870,10 +1011,12 @@ def test_several_folds_on_one_branch():
     """u + 2 sin u: cos u = -1/2 at every turn of the load."""
     _, points, error = traced(waves(), [0.0, 20.0], [0.0])
     assert error is None and points[-1].load[0] == 20.0
-    places = [(2 * np.pi * turn + sign * 2 * np.pi / 3) for turn in range(4) for sign in (1, -1)][0:1] + \
-        [2 * np.pi * turn + sign * 2 * np.pi / 3 for turn in (1, 2, 3) for sign in (-1, 1)]
+    places = [(2 * np.pi * turn + sign * 2 * np.pi / 3) for turn in range(4)
+              for sign in (1, -1)][0:1] + [2 * np.pi * turn + sign * 2 * np.pi / 3
+                                           for turn in (1, 2, 3) for sign in (-1, 1)]
     found = folds(points)
-    assert [point.fold_kind for point in found[:2]] == ["jump_in", "pull_off"] and 5 <= len(found) <= len(places)
+    assert ([point.fold_kind for point in found[:2]] == ["jump_in", "pull_off"]
+            and 5 <= len(found) <= len(places))
     for point, place in zip(found, places):
         assert point.state[0] == pytest.approx(place, abs=1e-4)
         assert point.load[0] == pytest.approx(place + 2 * np.sin(place), rel=FOLD_TOLERANCE)
@@ -883,11 +1026,13 @@ def test_several_folds_on_one_branch():
 @pytest.mark.parametrize("walker", [ArcWalk, Trace])
 def test_a_fold_in_a_corner_has_two_tangents(rising, falling, walker):
     at_fold = "stop" if walker is ArcWalk else "trace"
-    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker, at_fold=at_fold)
+    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker,
+                              at_fold=at_fold)
     fold, = folds(points)
     assert fold.load[0] == pytest.approx(0.3, rel=FOLD_TOLERANCE)
     length = 1.1
-    assert [tangent.rate * length for tangent in fold.tangents] == pytest.approx([rising, falling], rel=1e-6)
+    assert [tangent.rate * length for tangent in fold.tangents] == pytest.approx([rising, falling],
+                                                                                 rel=1e-6)
     assert error is None or "came back" in str(error)
 
 
@@ -904,7 +1049,8 @@ def test_a_closed_branch_ends_where_it_began():
     for start, guess in ((-0.5, 2 + np.sqrt(0.75)), (0.0, 3.0)):
         _, points, error = traced(loop(), [start, 2.0], [guess, start])
         assert isinstance(error, NoEquilibrium) and "came back to where the leg began" in str(error)
-        assert [point.load[0] for point in folds(points)] == pytest.approx([1.0], rel=FOLD_TOLERANCE)
+        assert [point.load[0] for point in folds(points)] == pytest.approx([1.0],
+                                                                           rel=FOLD_TOLERANCE)
         assert points[-1].load[0] == start and points[-1].state[0] < 2.0
 
 
@@ -912,10 +1058,12 @@ def test_a_closed_branch_within_a_leg_is_followed_once():
     """A jump on to an isola that the leg does not leave: the trace begins inside the leg."""
     system = System(loop())
     leg = Leg(1, ("displacement",), np.array([-3.0]), np.array([3.0]), 0, 1 / 40, 1 / 20, 1e-6)
-    first = replace(system.solve(np.array([3.0, 0.0]), ("displacement",), np.zeros(1)), leg=1, position=0.5)
+    first = replace(system.solve(np.array([3.0, 0.0]), ("displacement",), np.zeros(1)), leg=1,
+                    position=0.5)
     points, error = followed(ArcWalk(system, leg, [(0.5, first)], "edge", "trace"))
     assert isinstance(error, NoEquilibrium) and "closes on itself" in str(error)
-    assert [point.load[0] for point in folds(points)] == pytest.approx([1.0, -1.0], rel=FOLD_TOLERANCE)
+    assert [point.load[0] for point in folds(points)] == pytest.approx([1.0, -1.0],
+                                                                       rel=FOLD_TOLERANCE)
     assert len(points) < 100
 
 
@@ -923,8 +1071,10 @@ def test_a_branch_that_leaves_ends_there():
     """load = u exp(-u): beyond its fold the load falls for ever."""
     problem = curve(lambda u: u * np.exp(-u), lambda u: (1 - u) * np.exp(-u))
     _, points, error = traced(problem, [-0.5, 1.0], [-0.3517337112])
-    assert isinstance(error, NoEquilibrium) and "far away" in str(error) and points[-1].state[0] > 50.0
-    assert [point.load[0] for point in folds(points)] == pytest.approx([np.exp(-1)], rel=FOLD_TOLERANCE)
+    assert isinstance(error,
+                      NoEquilibrium) and "far away" in str(error) and points[-1].state[0] > 50.0
+    assert [point.load[0] for point in folds(points)] == pytest.approx([np.exp(-1)],
+                                                                       rel=FOLD_TOLERANCE)
 
 
 def test_jump_and_stop_with_arc_length():
@@ -939,20 +1089,26 @@ def test_a_resumed_trace_goes_on_through_the_same_branch(walker):
     """From any of its points: the same folds, the same end."""
     _, whole, _ = traced(cubic(), [-1.875, 2.0], [-1.5], walker)
     for cut in range(1, len(whole) + 1):
-        _, rest, error = traced(cubic(), [-1.875, 2.0], [-1.5], walker, resumed=archived(whole[:cut]))
+        _, rest, error = traced(cubic(), [-1.875, 2.0], [-1.5], walker,
+                                resumed=archived(whole[:cut]))
         found = folds(whole[:cut]) + folds(rest)
         assert error is None and [point.fold_kind for point in found] == ["jump_in", "pull_off"]
-        assert [point.load[0] for point in found] == pytest.approx([CUBIC_FOLD, -CUBIC_FOLD], rel=FOLD_TOLERANCE)
+        assert [point.load[0] for point in found] == pytest.approx([CUBIC_FOLD, -CUBIC_FOLD],
+                                                                   rel=FOLD_TOLERANCE)
         assert (whole[:cut] + rest)[-1].load[0] == 2.0
 
 
 def test_folds_that_swing_within_a_small_load_are_told_of():
-    """load = u + 0.0004 sin 6000 (u - 1/2): the branch of a grid on which edges stick, and one whose folds are far apart."""
-    system, points, _ = traced(curve(lambda u: u + 4e-4 * np.sin(6e3 * (u - 0.5)), lambda u: 1 + 2.4 * np.cos(6e3 * (u - 0.5))),
-                               [0.5, 0.508], [0.5])
-    assert len(folds(points)) > 4 and len([sentence for sentence in system.sentences if "stick between nodes" in sentence]) == 1
+    """load = u + 0.0004 sin 6000 (u - 1/2): the branch of a grid on which edges stick, and one
+    whose folds are far apart."""
+    system, points, _ = traced(curve(lambda u: u + 4e-4 * np.sin(6e3 * (u - 0.5)),
+                                     lambda u: 1 + 2.4 * np.cos(6e3 * (u - 0.5))), [0.5, 0.508],
+                               [0.5])
+    assert len(folds(points)) > 4 and len([sentence for sentence in system.sentences
+                                           if "stick between nodes" in sentence]) == 1
     system, points, _ = traced(waves(), [0.0, 20.0], [0.0])
-    assert len(folds(points)) > 4 and not any("stick between nodes" in sentence for sentence in system.sentences)
+    assert len(folds(points)) > 4 and not any("stick between nodes" in sentence
+                                              for sentence in system.sentences)
 
 
 def test_events_along_a_branch_are_located():
@@ -965,8 +1121,10 @@ def test_events_along_a_branch_are_located():
 
 
 def test_arc_length_goes_through_other_troubles():
-    """Bends, a vertical tangent and the primary branch of a pitchfork, as natural continuation does."""
-    for problem, values, guess in ((bend(100.0, 1e-3), [0.0, 1.0], [0.0]), (cube_root(), [-1.0, 1.1], [-1.0]),
+    """Bends, a vertical tangent and the primary branch of a pitchfork, as natural continuation
+    does."""
+    for problem, values, guess in ((bend(100.0, 1e-3), [0.0, 1.0], [0.0]),
+                                   (cube_root(), [-1.0, 1.1], [-1.0]),
                                    (pitchfork(), [0.0, 1.1], [0.0, 0.0])):
         _, points, error = traced(problem, values, guess)
         assert error is None and events(points) == []
@@ -995,7 +1153,8 @@ def test_history_of_a_leg_from_points():
     points, _ = followed(path(system, [-1.875, 2.0, 1.0], [-1.5]))
     turn = next(number for number, point in enumerate(points) if point.leg == 2)
     assert leg_history(points[:turn], 2) == [(0.0, points[turn - 1])]
-    assert leg_history(points[:turn + 2], 2) == [(0.0, points[turn - 1]), *((p.position, p) for p in points[turn:turn + 2])]
+    assert leg_history(points[:turn + 2], 2) == [(0.0, points[turn - 1]),
+                                                 *((p.position, p) for p in points[turn:turn + 2])]
     jump = next(number for number, point in enumerate(points) if point.event == "jump")
     assert leg_history(points[:jump + 1], 1) == [(points[jump].position, points[jump])]
     copy = replace(points[jump], event="pull_off")
@@ -1026,7 +1185,8 @@ def test_several_events_at_one_load_are_several_points():
     points, _ = followed(path(system, [0.0, 1.0], [0.0]))
     first, second = (point for point in points if point.event != "none")
     assert (first.event, second.event) == ("gross_sliding", "pull_off")
-    assert first.load[0] == second.load[0] and first.state is second.state and first.position == second.position
+    assert (first.load[0] == second.load[0] and first.state is second.state
+            and first.position == second.position)
     assert first.spent["nonlinear_iterations"] > 0 and set(second.spent.values()) == {0}
     assert second.spent.keys() == first.spent.keys()
 
@@ -1044,8 +1204,12 @@ def test_a_jump_out_of_contact_is_a_jump_and_a_pull_off():
 
 def test_with_events_keeps_the_events_own_name():
     system = System(contacting(lambda u: u < 0.5, lambda u: False))
-    before, after = (system.solve(np.array([load]), ("displacement",), np.array([load])) for load in (0.4, 0.6))
-    assert [point.event for point in with_events(before, replace(after, event="fold", fold_kind="pull_off"))] == ["fold", "pull_off"]
+    before, after = (system.solve(np.array([load]), ("displacement",), np.array([load]))
+                     for load in (0.4, 0.6))
+    assert [point.event for point in with_events(before,
+                                                 replace(after, event="fold",
+                                                         fold_kind="pull_off"))] == ["fold",
+                                                                                     "pull_off"]
     assert [point.event for point in with_events(None, after)] == ["none"]
 
 
@@ -1053,17 +1217,20 @@ def test_with_events_keeps_the_events_own_name():
 def test_a_stop_ends_the_path_at_the_event(stop, last):
     system = System(contacting(lambda u: u < 0.7, lambda u: u > 0.3))
     points, error = followed(path(system, [0.0, 1.0, 0.0], [0.0], stops=(stop,)))
-    assert error is None and points[-1].event == stop and points[-1].load[0] == pytest.approx(last, abs=0.051)
+    assert (error is None and points[-1].event == stop
+            and points[-1].load[0] == pytest.approx(last, abs=0.051))
     assert stop not in events(points[:-1])
 
 
 def test_costs_are_accounted_for_once():
-    """The spent iterations of all points are all that were made, rejected steps, fold and jump included."""
+    """The spent iterations of all points are all that were made, rejected steps, fold and jump
+    included."""
     system = System(cubic())
     total, account = [], system.account
     system.account = lambda: total.append(system.spent) or account()
     points, _ = followed(path(system, [-1.875, 2.0], [-1.5]))
-    assert system.sentences and sum(point.spent["nonlinear_iterations"] for point in points) == sum(total)
+    assert system.sentences and sum(point.spent["nonlinear_iterations"]
+                                    for point in points) == sum(total)
     assert all("last_iterations" not in point.spent for point in points)
 
 
@@ -1076,10 +1243,19 @@ def archived(points):
 
 
 def key(point):
-    return point.leg, point.position, point.load[0], point.event, point.fold_kind, point.step, tuple(point.state)
+    return (
+        point.leg,
+        point.position,
+        point.load[0],
+        point.event,
+        point.fold_kind,
+        point.step,
+        tuple(point.state),
+    )
 
 
-@pytest.mark.parametrize("fails", [lambda load: False, lambda load: np.sin(360.0 * load) > 0.85], ids=["smooth", "failures"])
+@pytest.mark.parametrize("fails", [lambda load: False, lambda load: np.sin(360.0 * load) > 0.85],
+                         ids=["smooth", "failures"])
 def test_a_resumed_path_is_the_same(fails):
     """From any point but a fold, which is found again (a later jump needs the state beyond it)."""
     values = [-1.875, 2.0, -2.0]
@@ -1087,7 +1263,8 @@ def test_a_resumed_path_is_the_same(fails):
     assert error is None
     for cut in range(1, len(whole) + 1):
         if whole[cut - 1].event != "fold":
-            rest, error = followed(path(System(cubic(), fails=fails), values, [-1.5], resumed=archived(whole[:cut])))
+            rest, error = followed(path(System(cubic(), fails=fails), values, [-1.5],
+                                        resumed=archived(whole[:cut])))
             assert error is None
             assert [key(point) for point in rest] == [key(point) for point in whole[cut:]]
 
@@ -1109,9 +1286,11 @@ def test_a_resumed_path_hands_out_the_further_events_of_a_jump():
 def test_a_path_that_met_its_stop_is_over():
     system = System(contacting(lambda u: u < 0.7, lambda u: u > 0.3))
     whole, _ = followed(path(system, [0.0, 1.0], [0.0], stops=("pull_off",)))
-    assert followed(path(system, [0.0, 1.0], [0.0], stops=("pull_off",), resumed=archived(whole))) == ([], None)
+    assert followed(path(system, [0.0, 1.0], [0.0], stops=("pull_off",),
+                         resumed=archived(whole))) == ([], None)
     whole, _ = followed(path(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop"))
-    assert followed(path(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop", resumed=archived(whole))) == ([], None)
+    assert followed(path(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop",
+                         resumed=archived(whole))) == ([], None)
 
 
 def test_a_walk_can_be_left_at_any_point():

@@ -45,7 +45,9 @@ class Block(NamedTuple):
 
 def blocks(page):
     """The fenced blocks of a page."""
-    found, lines, before = [], None, ""
+    found = []
+    lines = None
+    before = ""
     for line in page.read_text(encoding="utf-8").splitlines():
         if not line.startswith("```"):
             if lines is not None:

@@ -1,4 +1,5 @@
-"""Damped motion in steps of the load, as the figure on early sliding takes it: at rest it is in equilibrium, stopped before it is not."""
+"""Damped motion in steps of the load, as the figure on early sliding takes it: at rest it is in
+equilibrium, stopped before it is not."""
 
 import sys
 from pathlib import Path
@@ -16,13 +17,15 @@ import runs  # noqa: E402
 sys.path.remove(str(HERE))
 sys.dont_write_bytecode = before
 
-SCENE = {"normal_maugis": 2.0, "tangential_maugis": 1.0, "residual_friction": 0.5, "points": 512, "period": 60.0}
+SCENE = {"normal_maugis": 2.0, "tangential_maugis": 1.0, "residual_friction": 0.5, "points": 512,
+         "period": 60.0}
 
 
 def motion(name, **asked):
     """A motion of a small contact whose approach is held."""
     run = early.moved("half", 512, name, 30, 90, **asked)
-    run.options.update({f"scene_{key}": value for key, value in SCENE.items()}, load_start="normal_displacement=4", load_path="normal_displacement=5",
+    run.options.update({f"scene_{key}": value for key, value in SCENE.items()},
+                       load_start="normal_displacement=4", load_path="normal_displacement=5",
                        continuation_initial_step="0.5", continuation_largest_step="0.5")
     return run
 
@@ -32,7 +35,8 @@ def results(tmp_path_factory):
     """The equilibria of a small contact, motions to rest, and motions stopped before."""
     found = runs.Results(tmp_path_factory.mktemp("early"))
     equilibria = beyond.held("equilibria", 0.8, **SCENE)
-    equilibria.options.update(load_start="normal_displacement=4", load_path="normal_displacement=5; tangential_displacement=90",
+    equilibria.options.update(load_start="normal_displacement=4",
+                              load_path="normal_displacement=5; tangential_displacement=90",
                               continuation_initial_step="0.5,5", continuation_largest_step="0.5,10")
     lines = []
     found.make_all([equilibria, motion("rest"), motion("stopped", steps=20)], 1, lines.append)
@@ -43,20 +47,25 @@ def results(tmp_path_factory):
 def test_motion_at_rest_is_in_equilibrium(results):
     record, exact = results["moved-half-p512-rest"], results["equilibria"]
     moved = record["leg"] == early.MOVED
-    assert record.complete and record["tangential_displacement"][moved] == pytest.approx([30, 60, 90])
+    assert record.complete and record["tangential_displacement"][moved] == pytest.approx(
+        [30, 60, 90])
     assert record["residual_norm"].max() <= 1e-8 and record["transforms"][moved].min() > 100
     last = exact.points - 1
-    for name in ("tangential_force", "mean_tangential_displacement", "contact_area", "normal_force"):
+    for name in ("tangential_force", "mean_tangential_displacement", "contact_area",
+                 "normal_force"):
         assert record[name][-1] == pytest.approx(exact[name][last], rel=1e-6)
-    drive = runs.reference.driven_displacement(record["mean_tangential_displacement"], record["tangential_force"], 60.0, 2000.0)
+    drive = runs.reference.driven_displacement(record["mean_tangential_displacement"],
+                                               record["tangential_force"], 60.0, 2000.0)
     assert drive == pytest.approx(record["tangential_displacement"], abs=1e-5)
 
 
 def test_motion_stopped_before_is_kept_as_it_is(results):
     record, rest = results["moved-half-p512-stopped"], results["moved-half-p512-rest"]
     moved = record["leg"] == early.MOVED
-    assert np.all(record["nonlinear_iterations"][moved] == 20) and record["residual_norm"][moved].min() > 1e-3
-    assert np.all(record["mean_tangential_displacement"][moved] < rest["mean_tangential_displacement"][moved])
+    assert (np.all(record["nonlinear_iterations"][moved] == 20)
+            and record["residual_norm"][moved].min() > 1e-3)
+    assert np.all(record["mean_tangential_displacement"][moved]
+                  < rest["mean_tangential_displacement"][moved])
     assert np.all(record["stable"][moved] == -1)
 
 
@@ -64,8 +73,10 @@ def test_width_that_sticks_is_the_contact_or_what_has_not_passed_the_peak(result
     record = results["moved-half-p512-rest"]
     for point in np.flatnonzero(record["leg"] == early.MOVED):
         x, gap, slip, _, _ = early.profile(record, point)
-        held, spacing = (gap < record.scene["contact_threshold"]) & (np.abs(slip) <= early.SLIP), x[1] - x[0]
-        assert early.sticking(record, point) == pytest.approx(0.5 * held.sum() * spacing, abs=spacing)
+        held = (gap < record.scene["contact_threshold"]) & (np.abs(slip) <= early.SLIP)
+        spacing = x[1] - x[0]
+        assert early.sticking(record, point) == pytest.approx(0.5 * held.sum() * spacing,
+                                                              abs=spacing)
         assert early.sticking(record, point) <= 0.5 * record["contact_area"][point]
 
 

@@ -1,4 +1,5 @@
-"""The layer against an independent solution of Navier's equations, its limits, and its symbols on grids."""
+"""The layer against an independent solution of Navier's equations, its limits, and its symbols on
+grids."""
 
 import math
 from decimal import Decimal, localcontext
@@ -9,7 +10,10 @@ from numpy.polynomial import chebyshev
 from scipy.integrate import quad
 
 from contactsnes.interface.elasticity import (
-    Body, layer_compliance, layer_stiffness, rigid_stiffness
+    Body,
+    layer_compliance,
+    layer_stiffness,
+    rigid_stiffness,
 )
 
 POISSON = (0.0, 0.25, 0.3, 0.45, 0.49, 0.5)
@@ -49,13 +53,16 @@ def layer_by_collocation(qx, qy, poisson, height, prescribed, degree=48):
     """
     mu, ratio = (1 - poisson) / 2, poisson / (1 - poisson)
     system = np.zeros((6, 6), dtype=complex)
-    uz, sz, tangential = 0, 3, ((1, 4, qx), (2, 5, qy))
+    uz = 0
+    sz = 3
+    tangential = ((1, 4, qx), (2, 5, qy))
     system[uz, sz] = (1 - 2 * poisson) / (2 * mu * (1 - poisson))
     for u, s, q in tangential:
         system[uz, u] = -ratio * 1j * q
         system[u, s], system[u, uz] = 1 / mu, -1j * q
         system[sz, s] = -1j * q
-        # s_xz' = -i q_b s_xb, s_xb = mu (i q_x u_b + i q_b u_x) + delta_xb ratio (s_zz + 2 mu i q_c u_c)
+        # s_xz' = -i q_b s_xb, s_xb = mu (i q_x u_b + i q_b u_x) + delta_xb ratio (s_zz + 2 mu i q_c
+        # u_c)
         system[s, sz] = -1j * q * ratio
         for v, _, p in tangential:
             system[s, v] += mu * q * p + 2 * mu * ratio * q * p
@@ -95,11 +102,13 @@ def test_layer_solves_navier(poisson, thickness):
     angle, q = 2.2, thickness / 1.7
     qx, qy = q * np.cos(angle), q * np.sin(angle)
     body = Body(poisson, 1.7)
-    waves = (np.array([[0.0], [qx], [0.0]]), np.array([[0.0, qy]]))  # three rows, so that qx is not Nyquist's
+    # three rows, so that qx is not Nyquist's
+    waves = (np.array([[0.0], [qx], [0.0]]), np.array([[0.0, qy]]))
     for prescribed, blocks in (("displacement", body.stiffness(waves, 3, last_even=False)),
                                ("force", body.compliance(waves, 3, last_even=False))):
         expected = layer_by_collocation(qx, qy, poisson, 1.7, prescribed)
-        np.testing.assert_allclose(matrices(blocks, 3)[1, 1], expected, rtol=0, atol=3e-9 * abs(expected).max())
+        np.testing.assert_allclose(matrices(blocks, 3)[1, 1], expected, rtol=0,
+                                   atol=3e-9 * abs(expected).max())
 
 
 @pytest.mark.parametrize("poisson", POISSON)
@@ -110,7 +119,8 @@ def test_plane_strain_solves_navier(poisson, thickness):
     for prescribed, blocks in (("displacement", body.stiffness(waves, 2, last_even=False)),
                                ("force", body.compliance(waves, 2, last_even=False))):
         expected = layer_by_collocation(thickness, 0.0, poisson, 1.0, prescribed)[:2, :2]
-        np.testing.assert_allclose(matrices(blocks, 2)[1], expected, rtol=0, atol=1e-10 * abs(expected).max())
+        np.testing.assert_allclose(matrices(blocks, 2)[1], expected, rtol=0,
+                                   atol=1e-10 * abs(expected).max())
 
 
 @pytest.mark.parametrize("poisson", (*POISSON, 0.4999, 0.5 - 1e-9))
@@ -132,7 +142,8 @@ def test_every_thickness(poisson, height):
     k = np.logspace(-8, 6, 300)
     q = k / height if height < math.inf else k
     with np.errstate(all="raise"):
-        stiffness, compliance = layer_stiffness(q, poisson, height), layer_compliance(q, poisson, height)
+        stiffness = layer_stiffness(q, poisson, height)
+        compliance = layer_compliance(q, poisson, height)
     m, c = surface_matrix(stiffness, -1), surface_matrix(compliance, 1)
     assert np.all(np.linalg.eigvalsh(c) > 0)
     # in units that make the diagonal of M one, where the sizes of all entries compare
@@ -148,10 +159,13 @@ def test_half_space(poisson, height):
     """Johnson, Contact Mechanics (1985); transverse: antiplane shear, mu q."""
     q, mu = np.array([0.9, 3.0, 1e4]), (1 - poisson) / 2
     dundurs = (1 - 2 * poisson) / (2 * (1 - poisson))
-    compliance, stiffness = layer_compliance(q, poisson, height), layer_stiffness(q, poisson, height)
+    compliance = layer_compliance(q, poisson, height)
+    stiffness = layer_stiffness(q, poisson, height)
     for value, expected in ((compliance.normal, 2 / q), (compliance.longitudinal, 2 / q),
-                            (compliance.transverse, 1 / (mu * q)), (compliance.coupling, 2 * dundurs / q),
-                            (stiffness.normal, q / 2 / (1 - dundurs**2)), (stiffness.longitudinal, stiffness.normal),
+                            (compliance.transverse, 1 / (mu * q)),
+                            (compliance.coupling, 2 * dundurs / q),
+                            (stiffness.normal, q / 2 / (1 - dundurs**2)),
+                            (stiffness.longitudinal, stiffness.normal),
                             (stiffness.transverse, mu * q),
                             (stiffness.coupling, dundurs * q / 2 / (1 - dundurs**2))):
         np.testing.assert_allclose(value, expected, rtol=1e-14, atol=1e-25)
@@ -162,12 +176,14 @@ def test_long_waves_feel_the_rigid_stiffness(poisson):
     stiffness = layer_stiffness(1e-5, poisson, 3.0)
     normal, tangential = rigid_stiffness(poisson, 3.0)
     mu = (1 - poisson) / 2
-    assert normal == pytest.approx(2 * mu * (1 - poisson) / (1 - 2 * poisson) / 3.0, rel=1e-14)  # oedometer
+    # oedometer
+    assert normal == pytest.approx(2 * mu * (1 - poisson) / (1 - 2 * poisson) / 3.0, rel=1e-14)
     assert tangential == pytest.approx(mu / 3.0, rel=1e-14)
     assert stiffness.normal == pytest.approx(normal, rel=1e-8)
     assert stiffness.longitudinal == pytest.approx(tangential, rel=1e-8)
     assert stiffness.transverse == pytest.approx(tangential, rel=1e-8)
-    assert Body(poisson, 3.0).rigid_compliance == pytest.approx((1 / normal, 1 / tangential), rel=1e-15)
+    assert Body(poisson, 3.0).rigid_compliance == pytest.approx((1 / normal, 1 / tangential),
+                                                                rel=1e-15)
 
 
 def test_long_waves_of_the_incompressible_layer():
@@ -188,16 +204,20 @@ def test_rigid_compliance_vanishes_where_the_mean_follows_the_top():
 
 @pytest.mark.parametrize("shape, components", (((8,), 1), ((8,), 2), ((9,), 2), ((8, 6), 1),
                                                ((8, 6), 3), ((7, 6), 3), ((8, 9), 3), ((2, 2), 3)))
-@pytest.mark.parametrize("work_ratio, poisson, height", ((1.0, 0.3, 0.8), (3.0, 0.3, 0.8), (1.0, 0.0, math.inf), (2.0, 0.0, 0.8),
-                                                         (1.0, 0.5, math.inf), (1.0, 0.5, 0.8), (1.0, 0.2, 2000.0)))
+@pytest.mark.parametrize("work_ratio, poisson, height", ((1.0, 0.3, 0.8), (3.0, 0.3, 0.8),
+                                                         (1.0, 0.0, math.inf), (2.0, 0.0, 0.8),
+                                                         (1.0, 0.5, math.inf), (1.0, 0.5, 0.8),
+                                                         (1.0, 0.2, 2000.0)))
 def test_stiffness_inverts_compliance_at_every_wave(shape, components, work_ratio, poisson, height):
     waves = wave_numbers(shape, (5.0, 7.0)[:len(shape)])
     body, even = Body(poisson, height, work_ratio), shape[-1] % 2 == 0
     compliance = matrices(body.compliance(waves, components, last_even=even), components)
     stiffness = matrices(body.stiffness(waves, components, last_even=even), components)
     product = (stiffness @ compliance).reshape(-1, components, components)
-    np.testing.assert_allclose(product[1:], np.broadcast_to(np.eye(components), product[1:].shape), atol=1e-14)
-    assert not compliance.reshape(product.shape)[0].any() and not stiffness.reshape(product.shape)[0].any()
+    np.testing.assert_allclose(product[1:], np.broadcast_to(np.eye(components), product[1:].shape),
+                               atol=1e-14)
+    assert (not compliance.reshape(product.shape)[0].any()
+            and not stiffness.reshape(product.shape)[0].any())
     if work_ratio == 1.0:
         np.testing.assert_allclose(compliance, compliance.conj().swapaxes(-1, -2), atol=1e-15)
         assert np.all(np.linalg.eigvalsh(compliance.reshape(product.shape)[1:]) > 0)
@@ -225,7 +245,8 @@ def test_kernels_of_the_line(method, points):
     waves = wave_numbers((points,), (5.0,))
     blocks = getattr(Body(0.3, 1.5), method)(waves, 2, last_even=points % 2 == 0)
     kernels = {key: np.fft.irfft(block, points) for key, block in blocks.items()}
-    for key, block in blocks.items():  # a real kernel has exactly this spectrum: irfft dropped nothing
+    # a real kernel has exactly this spectrum: irfft dropped nothing
+    for key, block in blocks.items():
         np.testing.assert_allclose(np.fft.rfft(kernels[key]), block, atol=1e-15)
         assert np.iscomplexobj(block) == (key[0] != key[1])
     mirror = -np.arange(points) % points
@@ -237,21 +258,25 @@ def test_kernels_of_the_line(method, points):
 @pytest.mark.parametrize("method", ("compliance", "stiffness"))
 @pytest.mark.parametrize("shape", ((8, 6), (7, 6), (8, 5), (7, 5), (1, 6), (6, 1)))
 def test_kernels_of_the_plane(method, shape):
-    blocks = getattr(Body(0.3, 1.5), method)(wave_numbers(shape, (5.0, 4.0)), 3, last_even=shape[1] % 2 == 0)
+    blocks = getattr(Body(0.3, 1.5), method)(wave_numbers(shape, (5.0, 4.0)), 3,
+                                             last_even=shape[1] % 2 == 0)
     kernels = {key: np.fft.irfft2(block, shape) for key, block in blocks.items()}
     mirror_x, mirror_y = (-np.arange(n) % n for n in shape)
     for (i, j), kernel in kernels.items():
         np.testing.assert_allclose(np.fft.rfft2(kernel), blocks[i, j], atol=3e-14)
         # components along x change sign in a mirror x -> -x, those along y in y -> -y
-        np.testing.assert_allclose(kernel[mirror_x], kernel * (-1) ** ((i == 1) + (j == 1)), atol=1e-14)
-        np.testing.assert_allclose(kernel[:, mirror_y], kernel * (-1) ** ((i == 2) + (j == 2)), atol=1e-14)
+        np.testing.assert_allclose(kernel[mirror_x], kernel * (-1) ** ((i == 1) + (j == 1)),
+                                   atol=1e-14)
+        np.testing.assert_allclose(kernel[:, mirror_y], kernel * (-1) ** ((i == 2) + (j == 2)),
+                                   atol=1e-14)
         # reciprocity (Betti)
         np.testing.assert_allclose(kernels[j, i], kernel[mirror_x][:, mirror_y], atol=1e-14)
 
 
 def test_plane_is_isotropic():
     waves = wave_numbers((6, 6), (5.0, 5.0))
-    kernels = {key: np.fft.irfft2(block, (6, 6)) for key, block in Body(0.3, 1.5).compliance(waves, 3).items()}
+    kernels = {key: np.fft.irfft2(block, (6, 6))
+               for key, block in Body(0.3, 1.5).compliance(waves, 3).items()}
     swap = {0: 0, 1: 2, 2: 1}
     for (i, j), kernel in kernels.items():
         np.testing.assert_allclose(kernels[swap[i], swap[j]], kernel.T, atol=1e-14)
@@ -270,8 +295,9 @@ def test_logarithmic_kernel():
     np.testing.assert_allclose(blocks[0, 0], blocks[1, 1], rtol=1e-14)
     for i in (0, 11, 40):
         # the logarithm has no mean: subtracting p(x) takes its singularity away
-        expected = quad(lambda s: np.log(2 * np.sin(np.pi * s / period)) * (attraction(x[i] + s) - attraction(x[i])),
-                        0, period, epsabs=1e-12, epsrel=1e-12)[0]
+        expected = quad(lambda s: np.log(2 * np.sin(np.pi * s / period))
+                        * (attraction(x[i] + s) - attraction(x[i])), 0, period, epsabs=1e-12,
+                        epsrel=1e-12)[0]
         assert displacement[i] == pytest.approx(2 / np.pi * expected, abs=1e-10)
 
 
@@ -283,15 +309,18 @@ def test_pressure_draws_a_compressible_surface_in():
     pressure = np.exp(-(x / 0.3) ** 2)
     tangential = np.fft.irfft(blocks[1, 0] * np.fft.rfft(pressure), points)
     dundurs = (1 - 0.4) / 1.6
-    # plane strain: |u_x| jumps by (1-2nu)/(2 mu) P across the load, less the mean strain of the period
+    # plane strain: |u_x| jumps by (1-2nu)/(2 mu) P across the load, less the mean strain of the
+    # period
     force = pressure.sum() * period / points
     expected = -np.sign(x) * dundurs * force * (1 - 2 * abs(x) / period)
     far = abs(x) > 1.5
-    np.testing.assert_allclose(tangential[far & (abs(x) < 4.9)], expected[far & (abs(x) < 4.9)], atol=1e-6)
+    np.testing.assert_allclose(tangential[far & (abs(x) < 4.9)], expected[far & (abs(x) < 4.9)],
+                               atol=1e-6)
 
 
-@pytest.mark.parametrize("poisson, height, couples", ((0.5, math.inf, False), (0.5, 2000.0, False), (0.5, 50.0, True),
-                                                      (0.49, math.inf, True), (0.3, 2000.0, True), (0.0, 1.0, True)))
+@pytest.mark.parametrize("poisson, height, couples", ((0.5, math.inf, False), (0.5, 2000.0, False),
+                                                      (0.5, 50.0, True), (0.49, math.inf, True),
+                                                      (0.3, 2000.0, True), (0.0, 1.0, True)))
 def test_what_vanishes_is_left_out(poisson, height, couples):
     body = Body(poisson, height)
     line, plane = wave_numbers((16,), (100.0,)), wave_numbers((8, 6), (100.0, 100.0))
@@ -305,7 +334,8 @@ def test_what_vanishes_is_left_out(poisson, height, couples):
 
 
 def test_isotropic_half_space_keeps_no_shear_block():
-    """nu = 0: longitudinal and transverse compliance of the half-space are equal; stiffnesses are not, by what couples."""
+    """nu = 0: longitudinal and transverse compliance of the half-space are equal; stiffnesses are
+    not, by what couples."""
     waves = wave_numbers((8, 6), (5.0, 5.0))
     for height, keeps in ((math.inf, False), (2.0, True)):
         assert ((1, 2) in Body(0.0, height).compliance(waves, 3)) is keeps

@@ -1,4 +1,5 @@
-"""Energies and works: spectral sums, derivatives of potentials, quadratures on nodes, and balances that close along paths."""
+"""Energies and works: spectral sums, derivatives of potentials, quadratures on nodes, and balances
+that close along paths."""
 
 import math
 from dataclasses import replace
@@ -7,21 +8,22 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
+from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import Ledger, line_integral, stored, straight
+from contactsnes.contact.observables import observe
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
-from contactsnes.contact.observables import observe
-from contactsnes.commands.progress import Progress
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0, "residual_friction": 0.5}
-SCENES = {
-    "line": ({}, "normal_displacement=1.5", "tangential_displacement=20"),
-    "soft layer": ({"poisson": 0.3, "height": 5.0, "work_ratio": 2.0}, "normal_force=2", "tangential_displacement=2"),
-    "half-space, pulled aside": ({"height": math.inf, "tangential_maugis": 0.7}, "normal_displacement=1", "tangential_force=1"),
-    "plane": ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0, "poisson": 0.2, "work_ratio": 0.5},
-              "normal_force=0.5", "tangential_force_x=1.5"),
-}
+SCENES = {"line": ({}, "normal_displacement=1.5", "tangential_displacement=20"),
+          "soft layer": ({"poisson": 0.3, "height": 5.0, "work_ratio": 2.0}, "normal_force=2",
+                         "tangential_displacement=2"),
+          "half-space, pulled aside": ({"height": math.inf, "tangential_maugis": 0.7},
+                                       "normal_displacement=1", "tangential_force=1"),
+          "plane": ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0,
+                     "poisson": 0.2, "work_ratio": 0.5}, "normal_force=0.5",
+                    "tangential_force_x=1.5"),}
 
 
 def points(scene, path, start="normal_displacement=0.5", step=None, **steps):
@@ -51,25 +53,30 @@ def ratios(contact):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_elastic_energy_is_that_of_all_waves(name):
-    # 1/2 sum over waves of conj(u) K u, by Parseval, and of the springs between mean and far surface
+    # 1/2 sum over waves of conj(u) K u, by Parseval, and of the springs between mean and far
+    # surface
     changes, *path = SCENES[name]
     contact, found, numbers = points(changes, "; ".join(path), smallest_step=1e-4)
     point, (_, displacement) = found[-1], tractions(contact, found[-1])
     grid, count = contact.grid, contact.scene.components
     weights = ratios(contact)
-    waves = np.fft.fftn(displacement.reshape(count, *grid.shape), axes=range(1, 1 + len(grid.shape))) / grid.size
+    waves = np.fft.fftn(displacement.reshape(count, *grid.shape),
+                        axes=range(1, 1 + len(grid.shape))) / grid.size
     half = grid.shape[-1] // 2 + 1
     stiffness = contact.operator(count, "stiffness")
     double = np.full(half, 2.0)
     double[[0, -1]] = 1.0
-    energy = sum(0.5 * weights[i] * np.sum((np.conj(waves[i][..., :half]) * block * grid.size * waves[j][..., :half]).real * double)
+    energy = sum(0.5 * weights[i] * np.sum((np.conj(waves[i][..., :half]) * block * grid.size
+                                            * waves[j][..., :half]).real * double)
                  for (i, j), block in stiffness.blocks.items()) * grid.area
-    rigid = np.array([k for k in contact.body.rigid_compliance][:2] + [contact.body.rigid_compliance[1]])[:count]
+    rigid = np.array([k for k in contact.body.rigid_compliance][:2]
+                     + [contact.body.rigid_compliance[1]])[:count]
     springs = 0.5 * np.sum(weights * rigid * point.forces ** 2) / grid.area
     assert numbers[-1]["elastic_energy"] == pytest.approx(energy + springs, rel=1e-6)
 
 
-@pytest.mark.parametrize("law, decoupled", ((Modified(0.3, 0.2), True), (Modified(1.0), True), (McGarry(), False)))
+@pytest.mark.parametrize("law, decoupled", ((Modified(0.3, 0.2), True), (Modified(1.0), True),
+                                            (McGarry(), False)))
 def test_tractions_are_derivatives_of_the_potential_where_there_is_one(law, decoupled):
     ratio, step = 1.7, 1e-5
     normal = np.array([-5.0, -3.0, -0.4, 0.6, 2.0, 8.0])
@@ -86,21 +93,26 @@ def test_tractions_are_derivatives_of_the_potential_where_there_is_one(law, deco
 
 
 def test_there_is_no_potential_where_slip_and_opening_meet():
-    apart, open_, overlap = Modified.range + 1.0, 1.0, -0.5
+    apart = Modified.range + 1.0
+    open_ = 1.0
+    overlap = -0.5
     for law, within in ((Modified(), True), (McGarry(), False)):
         assert law.potential(np.array([[open_], [1e-3]])) is None
         assert (law.potential(np.array([[overlap], [1e-3]])) is not None) == within
-        assert law.potential(np.array([[open_, overlap, apart], [0.0, 0.0, 5.0]]))[2] == pytest.approx(0.0, abs=1e-14)
+        assert law.potential(np.array([[open_, overlap, apart],
+                                       [0.0, 0.0, 5.0]]))[2] == pytest.approx(0.0, abs=1e-14)
 
 
 def test_a_pressed_block_that_slips_has_a_potential():
-    # flat on flat in overlap everywhere: no corner is met, and the work done on the interface is that of an integral T db
+    # flat on flat in overlap everywhere: no corner is met, and the work done on the interface is
+    # that of an integral T db
     block = {"geometry": "flat", "points": 32, "height": 1.0, "residual_friction": 1.0}
     _, _, numbers = points(block, "normal_displacement=1; tangential_displacement=4")
     work = [row["interfacial_energy"] - numbers[0]["interfacial_energy"] for row in numbers]
     assert np.isfinite(work).all() and work[-1] == pytest.approx(numbers[-1]["interface_work"])
     slip = numbers[-1]["mean_tangential_displacement"]
-    assert slip > 0.2 and numbers[-1]["elastic_energy"] == pytest.approx(0.5 * (4 - slip) ** 2 * 40 / 4)
+    assert slip > 0.2 and numbers[-1]["elastic_energy"] == pytest.approx(0.5 * (4 - slip) ** 2 * 40
+                                                                         / 4)
     assert abs(numbers[-1]["energy_imbalance"]) < 1e-4 * numbers[-1]["external_work"]
 
 
@@ -114,14 +126,19 @@ def test_line_integrals_are_exact_for_cubics():
         assert area == pytest.approx(exact(places[-1]) - exact(places[first]), rel=1e-12)
 
 
-@pytest.mark.parametrize("changes, start, path, step", (
-    ({}, "normal_displacement=0.5", "normal_displacement=4.5", 0.4),
-    ({}, "normal_displacement=0.5", "normal_force=2", 0.2),
-    ({"height": 4.0, "poisson": 0.45, "tangential": "off"}, "normal_displacement=0.5", "normal_force=2", 0.2),
-    ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0}, "normal_displacement=0.5", "normal_displacement=1.5", 0.1),
-    ({"dimension": 2, "geometry": "sphere", "period": math.inf, "points": None, "spacing": 0.25}, "normal_force=0.5", "normal_force=4", 0.4),
-    ({"period": math.inf, "height": math.inf, "points": None, "spacing": 0.08}, "normal_force=0.5", "normal_force=2.5", 0.2)),
-    ids=("displacement", "force", "layer", "plane", "isolated sphere", "isolated cylinder"))
+@pytest.mark.parametrize("changes, start, path, step",
+                         (({}, "normal_displacement=0.5", "normal_displacement=4.5", 0.4),
+                          ({}, "normal_displacement=0.5", "normal_force=2", 0.2),
+                          ({"height": 4.0, "poisson": 0.45, "tangential": "off"},
+                           "normal_displacement=0.5", "normal_force=2", 0.2),
+                          ({"dimension": 2, "geometry": "sphere", "points": 32, "period": 8.0},
+                           "normal_displacement=0.5", "normal_displacement=1.5", 0.1),
+                          ({"dimension": 2, "geometry": "sphere", "period": math.inf,
+                            "points": None, "spacing": 0.25}, "normal_force=0.5", "normal_force=4",
+                           0.4), ({"period": math.inf, "height": math.inf, "points": None,
+                                   "spacing": 0.08}, "normal_force=0.5", "normal_force=2.5", 0.2)),
+                         ids=("displacement", "force", "layer", "plane", "isolated sphere",
+                              "isolated cylinder"))
 def test_balance_closes_as_the_fourth_power_of_the_step(changes, start, path, step):
     # the work of the loads is a quadrature, the rest differences of energies
     imbalances = []
@@ -132,17 +149,20 @@ def test_balance_closes_as_the_fourth_power_of_the_step(changes, start, path, st
     total = abs(found[-1].elastic_energy) + abs(found[-1].interfacial_energy)
     assert imbalances[1] < max(imbalances[0] / 7.0, 2e-8 * total) and imbalances[0] < 1e-4 * total
     undefined = contact.isolated and contact.scene.dimension == 1
-    assert math.isnan(numbers[-1]["external_work"]) == math.isnan(numbers[-1]["elastic_energy"]) == undefined
+    assert math.isnan(numbers[-1]["external_work"]) == math.isnan(
+        numbers[-1]["elastic_energy"]) == undefined
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_works_are_those_of_tractions_on_nodes(name):
-    # the trapezoidal rule closes the balance whatever the step (reciprocity); its distance from ours falls as the step squared
+    # the trapezoidal rule closes the balance whatever the step (reciprocity); its distance from
+    # ours falls as the step squared
     changes, pressed, path = SCENES[name]
     apart = []
     end = float(path.split("=")[1])
     for steps in (8, 16):
-        contact, found, numbers = points(changes, f"{pressed}; {path}", initial_step=(0.1, end / steps),
+        contact, found, numbers = points(changes, f"{pressed}; {path}",
+                                         initial_step=(0.1, end / steps),
                                          largest_step=(0.1, end / steps), predictor="secant")
         first = next(k for k, point in enumerate(found) if point.leg == 2) - 1
         assert len(found) == first + 1 + steps
@@ -150,11 +170,14 @@ def test_works_are_those_of_tractions_on_nodes(name):
         weights, area = ratios(contact), contact.grid.node_area
         interface = area * sum(weights @ np.sum(0.5 * (t + s) * (v - u), axis=1)
                                for (s, u), (t, v) in zip(fields, fields[1:]))
-        loads = [np.array([np.append(values, [0.0] * 3)[:contact.scene.components] for values in pair])
-                 for pair in ((point.displacements, point.forces) for point in found[first:])]
-        external = sum(weights @ (0.5 * (b[1] + a[1]) * (b[0] - a[0])) for a, b in zip(loads, loads[1:]))
+        loads = [np.array([np.append(values, [0.0] * 3)[:contact.scene.components]
+                           for values in pair]) for pair in ((point.displacements, point.forces)
+                                                             for point in found[first:])]
+        external = sum(weights @ (0.5 * (b[1] + a[1]) * (b[0] - a[0]))
+                       for a, b in zip(loads, loads[1:]))
         gained = found[-1].elastic_energy - found[first].elastic_energy
-        assert external - interface == pytest.approx(gained, abs=1e-5 * (abs(gained) + abs(interface)))
+        assert external - interface == pytest.approx(gained,
+                                                     abs=1e-5 * (abs(gained) + abs(interface)))
         done = found[-1].interface_work - found[first].interface_work
         apart.append(abs(done - interface))
         assert math.isnan(numbers[-1]["interfacial_energy"])
@@ -162,7 +185,8 @@ def test_works_are_those_of_tractions_on_nodes(name):
 
 
 def test_works_cost_no_transform_and_survive_a_resume():
-    load = Load(start="normal_displacement=0.5", path="normal_displacement=2; normal_displacement=0")
+    load = Load(start="normal_displacement=0.5",
+                path="normal_displacement=2; normal_displacement=0")
     branch = Branch(Scene(**LINE), load)
     found = list(branch)
     before = branch.contact.grid.counter.transforms
@@ -171,17 +195,21 @@ def test_works_cost_no_transform_and_survive_a_resume():
     assert branch.contact.grid.counter.transforms == before
     for done in (1, 2, 3, len(found) // 2, len(found) // 2 + 2):
         again = Branch(Scene(**LINE), load)
-        again.history = [again.restored(branch.packed(point)) for point in found[max(0, done - 4):done]]
+        again.history = [again.restored(branch.packed(point))
+                         for point in found[max(0, done - 4):done]]
         rest = list(again)
         assert rest[-1].external_work == pytest.approx(found[-1].external_work, rel=1e-9)
         assert rest[-1].energy_imbalance == pytest.approx(found[-1].energy_imbalance, abs=1e-9)
 
 
 def test_work_on_a_straight_way_is_the_difference_of_a_potential():
-    contact = Branch(Scene(points=64, period=12.0, normal_maugis=2.0), Load(path="normal_displacement=0.1")).contact
+    contact = Branch(Scene(points=64, period=12.0, normal_maugis=2.0),
+                     Load(path="normal_displacement=0.1")).contact
     near, far = states.undeformed(contact, ("displacement",), [0.5]), states.apart(contact)
-    potential = [contact.grid.sum(contact.law.potential(state.displacement + contact.initial_gap)) for state in (near, far)]
-    errors = [abs(straight(contact, near, far, panels)[0] / (potential[1] - potential[0]) - 1.0) for panels in (4, 8, 60)]
+    potential = [contact.grid.sum(contact.law.potential(state.displacement + contact.initial_gap))
+                 for state in (near, far)]
+    errors = [abs(straight(contact, near, far, panels)[0] / (potential[1] - potential[0]) - 1.0)
+              for panels in (4, 8, 60)]
     assert errors[1] < 0.05 * errors[0] and errors[2] < 1e-9
 
 
@@ -189,14 +217,18 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     contact, found, _ = points({}, "tangential_displacement=4")
     ledger = Ledger(contact, found[-3:-1])
     jump = ledger.entered(replace(found[-1], event="jump"))
-    assert jump.jump_balance == "unknown" and math.isnan(jump.dissipated_work) and math.isnan(jump.interface_work)
+    assert (jump.jump_balance == "unknown" and math.isnan(jump.dissipated_work)
+            and math.isnan(jump.interface_work))
     assert math.isfinite(jump.external_work)
     before, jumped = found[-2], replace(found[-1], event="jump")
     free = jump.external_work - before.external_work - (jump.elastic_energy - before.elastic_energy)
-    for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - 0.1, 0.03, 0.03), (free + 0.001, 1e-4, 1e-4)):
+    for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - 0.1, 0.03, 0.03),
+                                (free + 0.001, 1e-4, 1e-4)):
         # A work on the interface whose error exceeds all that is lost says nothing of the latter.
-        known = Ledger(contact, found[-3:-1]).entered(replace(jumped, jump_work=work, viscous_work=viscous))
-        assert known.jump_balance == "motion" and known.energy_imbalance == pytest.approx(before.energy_imbalance)
+        known = Ledger(contact, found[-3:-1]).entered(replace(jumped, jump_work=work,
+                                                              viscous_work=viscous))
+        assert (known.jump_balance == "motion"
+                and known.energy_imbalance == pytest.approx(before.energy_imbalance))
         assert known.dissipated_work == pytest.approx(lost)
         assert known.interface_work - before.interface_work == pytest.approx(free - lost)
 
@@ -207,13 +239,15 @@ def test_a_path_without_folds_retraces_itself_and_the_program_says_what_that_mea
     ends = [2.0, 6.0, 12.0]
     legs = [f"tangential_displacement={end}" for end in (*ends, *ends[-2::-1], 0.0, 2.0)]
     sentences = []
-    branch = Branch(Scene(**LINE), Load(start="normal_displacement=1", path="; ".join(legs)), log=sentences.append)
+    branch = Branch(Scene(**LINE), Load(start="normal_displacement=1", path="; ".join(legs)),
+                    log=sentences.append)
     found = list(branch)
     reached = [branch.observe(point) for point in found if point.position == 1.0 or point.leg == 0]
     assert {point.event for point in found} == {"none"} and len(reached) == 1 + len(legs)
     there, back = [reached[0], *reached[1:3]], [reached[6], *reached[5:3:-1]]
     for one, other in zip(there, back):
-        for name in ("normal_force", "tangential_force", "mean_tangential_displacement", "contact_area", "elastic_energy"):
+        for name in ("normal_force", "tangential_force", "mean_tangential_displacement",
+                     "contact_area", "elastic_energy"):
             assert one[name] == pytest.approx(other[name], abs=1e-7), name
         assert one["interface_work"] == pytest.approx(other["interface_work"], abs=1e-6)
     assert reached[-1]["dissipated_work"] == 0.0
@@ -223,14 +257,19 @@ def test_a_path_without_folds_retraces_itself_and_the_program_says_what_that_mea
 @pytest.mark.parametrize("step, most", ((0.2, 3e-3), (0.05, 5e-5)))
 def test_area_of_a_loop_is_what_its_jumps_dissipate(step, most):
     # jump-in and pull-off of a line contact under displacement control
-    _, found, numbers = points({"normal_maugis": 3.0}, "normal_displacement=2; normal_displacement=-5", "normal_displacement=-5", step)
+    _, found, numbers = points({"normal_maugis": 3.0},
+                               "normal_displacement=2; normal_displacement=-5",
+                               "normal_displacement=-5", step)
     events = [(row["event"], row["fold_kind"]) for row in numbers if row["event"] != "none"]
-    assert events[:2] == [("fold", "jump_in"), ("jump", "")] and events[2:] == [("fold", "pull_off"), ("jump", ""), ("pull_off", "")]
-    area = sum(0.5 * (one["normal_force"] + other["normal_force"]) * (other["normal_displacement"] - one["normal_displacement"])
+    assert (events[:2] == [("fold", "jump_in"), ("jump", "")]
+            and events[2:] == [("fold", "pull_off"), ("jump", ""), ("pull_off", "")])
+    area = sum(0.5 * (one["normal_force"] + other["normal_force"]) * (other["normal_displacement"]
+                                                                      - one["normal_displacement"])
                for one, other in zip(numbers, numbers[1:]))
     last, jumps = numbers[-1], [k for k, row in enumerate(numbers) if row["event"] == "jump"]
     lost = [numbers[k]["dissipated_work"] - numbers[k - 1]["dissipated_work"] for k in jumps]
-    assert {row["jump_balance"] for row in numbers} == {"", "potential"} and {numbers[k]["jump_balance"] for k in jumps} == {"potential"}
+    assert ({row["jump_balance"] for row in numbers} == {"", "potential"}
+            and {numbers[k]["jump_balance"] for k in jumps} == {"potential"})
     assert min(lost) > 0.1 and sum(lost) == pytest.approx(last["dissipated_work"], rel=1e-12)
     assert last["external_work"] == pytest.approx(last["dissipated_work"], abs=most)
     assert last["external_work"] == pytest.approx(area, abs=0.3 * step)
@@ -238,7 +277,9 @@ def test_area_of_a_loop_is_what_its_jumps_dissipate(step, most):
 
 
 def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
-    branch = Branch(Scene(**LINE), Load(start="normal_displacement=-4", path="normal_force=1; normal_force=-5"), Steps(largest_step=0.1))
+    branch = Branch(Scene(**LINE), Load(start="normal_displacement=-4",
+                                        path="normal_force=1; normal_force=-5"),
+                    Steps(largest_step=0.1))
     found = []
     with pytest.raises(NoEquilibrium):
         for point in branch:
@@ -247,36 +288,47 @@ def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
     before, after = found[at - 1], found[at]
     work = before.forces[0] * (after.displacements[0] - before.displacements[0])
     energy = [point.elastic_energy + point.interfacial_energy for point in (before, after)]
-    assert after.dissipated_work == pytest.approx(work - energy[1] + energy[0], rel=1e-12) and after.dissipated_work > 1.0
+    assert after.dissipated_work == pytest.approx(work - energy[1] + energy[0],
+                                                  rel=1e-12) and after.dissipated_work > 1.0
     assert found[-1].event == "fold" and abs(found[-1].energy_imbalance) < 1e-3
 
 
-@pytest.mark.parametrize("changes, start, path, step, events", (
-    ({"height": 4.0, "poisson": 0.45, "tangential": "off", "normal_maugis": 4.0}, "normal_displacement=-4",
-     "normal_displacement=1; normal_displacement=-4", 0.2, ["fold", "jump", "fold", "jump", "pull_off"]),
-    ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0}, "normal_displacement=-2",
-     "normal_displacement=0.5; normal_displacement=-2", 0.1, ["fold", "jump", "fold", "jump", "pull_off"]),
-    ({"points": None, "period": math.inf, "height": math.inf, "spacing": 0.04, "normal_maugis": 3.0}, None,
-     "normal_force=1; normal_force=-1.6", 0.2, ["fold", "jump"])), ids=("layer", "plane", "isolated cylinder"))
+@pytest.mark.parametrize("changes, start, path, step, events",
+                         (({"height": 4.0, "poisson": 0.45, "tangential": "off",
+                            "normal_maugis": 4.0}, "normal_displacement=-4",
+                           "normal_displacement=1; normal_displacement=-4", 0.2,
+                           ["fold", "jump", "fold", "jump", "pull_off"]),
+                          ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0,
+                            "normal_maugis": 4.0}, "normal_displacement=-2",
+                           "normal_displacement=0.5; normal_displacement=-2", 0.1,
+                           ["fold", "jump", "fold", "jump", "pull_off"]),
+                          ({"points": None, "period": math.inf, "height": math.inf, "spacing": 0.04,
+                            "normal_maugis": 3.0}, None, "normal_force=1; normal_force=-1.6", 0.2,
+                           ["fold", "jump"])), ids=("layer", "plane", "isolated cylinder"))
 def test_balance_closes_through_folds_and_jumps(changes, start, path, step, events):
     _, found, _ = points(changes, path, start, step)
     assert [point.event for point in found if point.event != "none"] == events
-    assert found[-1].dissipated_work > 0.3 and abs(found[-1].energy_imbalance) < 2e-3 * found[-1].dissipated_work
+    assert found[-1].dissipated_work > 0.3 and abs(
+        found[-1].energy_imbalance) < 2e-3 * found[-1].dissipated_work
 
 
 def test_a_run_ends_with_what_its_jumps_dissipated():
     path = Load(start="normal_displacement=-5", path="normal_displacement=1")
-    branch, progress = Branch(Scene(**LINE), path), Progress(Scene(**LINE), path, [].append, live=False)
+    branch = Branch(Scene(**LINE), path)
+    progress = Progress(Scene(**LINE), path, [].append, live=False)
     for point in branch:
         progress.point(branch.observe(point), point.position)
-    assert f"dissipated    {point.dissipated_work:.6g} w_n,r u_n,r in jumps" in progress.summary(0) and point.dissipated_work > 0.1
+    assert (f"dissipated    {point.dissipated_work:.6g} w_n,r u_n,r in jumps" in progress.summary(0)
+            and point.dissipated_work > 0.1)
     assert "dissipated" not in Progress(Scene(**LINE), path, [].append, live=False).summary(0)
 
 
-@pytest.mark.parametrize("part, told", [(0.05, True), (-0.05, True), (1e-3, False), (math.nan, False)])
+@pytest.mark.parametrize("part, told", [(0.05, True), (-0.05, True), (1e-3, False),
+                                        (math.nan, False)])
 def test_a_run_says_where_its_works_are_not_known(part, told):
     path = Load(start="normal_displacement=1", path="normal_displacement=2")
-    branch, progress = Branch(Scene(**LINE), path), Progress(Scene(**LINE), path, [].append, live=False)
+    branch = Branch(Scene(**LINE), path)
+    progress = Progress(Scene(**LINE), path, [].append, live=False)
     for point in branch:
         row = branch.observe(point)
         progress.point({**row, "energy_imbalance": part * row["external_work"]}, point.position)

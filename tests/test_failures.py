@@ -7,78 +7,99 @@ import petsc4py
 import pytest
 
 petsc4py.init()
-from contactsnes.scene.resolution import resolution
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
-from contactsnes.contact import states
 from contactsnes.branch.failures import NARROW, critical, explained, narrow, steepest, uncomputable
+from contactsnes.contact import states
+from contactsnes.scene.resolution import resolution
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
 
 
 def run(scene, start, path, **steps):
     sentences = []
-    branch = Branch(Scene(**{**LINE, **scene}), Load(start=start, path=path), Steps(**steps), log=sentences.append)
+    branch = Branch(Scene(**{**LINE, **scene}), Load(start=start, path=path), Steps(**steps),
+                    log=sentences.append)
     return branch, list(branch), sentences
 
 
 def test_folds_of_a_coarse_grid_are_marked_and_said_to_be_its_own():
-    """Maugis parameter 6 on 256 points: edges of contact stick between nodes (4.5 times the spacing that resolves them)."""
-    branch, points, sentences = run({"points": 256, "normal_maugis": 6.0}, "normal_displacement=4", "normal_displacement=0")
+    """Maugis parameter 6 on 256 points: edges of contact stick between nodes (4.5 times the spacing
+    that resolves them)."""
+    branch, points, sentences = run({"points": 256, "normal_maugis": 6.0}, "normal_displacement=4",
+                                    "normal_displacement=0")
     folds = [point for point in points if point.event == "fold"]
     assert len(folds) > 3 and not any(point.resolved for point in folds)
-    assert len([sentence for sentence in sentences if "may be the grid's" in sentence and "-scene_points 2048" in sentence]) == 1
+    assert len([sentence for sentence in sentences if "may be the grid's" in sentence
+                and "-scene_points 2048" in sentence]) == 1
     assert branch.observe(folds[0])["resolved"] == 0
-    fine = run({"points": 2048, "normal_maugis": 6.0}, "normal_displacement=4", "normal_displacement=0")[1]
-    assert [point.event for point in fine] == ["none"] * len(fine) and all(point.resolved for point in fine)
+    fine = run({"points": 2048, "normal_maugis": 6.0}, "normal_displacement=4",
+               "normal_displacement=0")[1]
+    assert [point.event for point in fine] == ["none"] * len(fine) and all(point.resolved
+                                                                           for point in fine)
 
 
 def test_shear_counts_where_something_slips():
-    """A sharp tangential law on a grid that resolves the normal one: points are marked from the first slip on."""
-    scene = {"points": 512, "normal_maugis": 2.0, "tangential_maugis": 6.0, "residual_friction": 0.0, "height": 20.0}
+    """A sharp tangential law on a grid that resolves the normal one: points are marked from the
+    first slip on."""
+    scene = {"points": 512, "normal_maugis": 2.0, "tangential_maugis": 6.0,
+             "residual_friction": 0.0, "height": 20.0}
     _, points, _ = run(scene, "normal_displacement=2", "tangential_displacement=30", at_fold="stop")
     marked = [bool(point.resolved) for point in points]
     assert marked[0] and not marked[-1] and marked == sorted(marked, reverse=True)
 
 
 def test_rims_that_sink_under_eq_3_sharpen_the_law():
-    """Where it overlaps, friction under eq. 3 is stiffer and softens faster than the spacing was chosen for."""
-    scene = {"points": 1024, "period": 20.0, "normal_maugis": 3.0, "tangential_maugis": 3.0, "law": "mcgarry", "height": 50.0}
+    """Where it overlaps, friction under eq. 3 is stiffer and softens faster than the spacing was
+    chosen for."""
+    scene = {"points": 1024, "period": 20.0, "normal_maugis": 3.0, "tangential_maugis": 3.0,
+             "law": "mcgarry", "height": 50.0}
     path = {"start": "normal_displacement=4", "path": "tangential_displacement=44.5"}
-    branch, points, sentences = run(scene, path["start"], path["path"], initial_step=(4.0,), largest_step=(4.0,))
+    branch, points, sentences = run(scene, path["start"], path["path"], initial_step=(4.0,),
+                                    largest_step=(4.0,))
     marked = [point.resolved for point in points]
     assert marked[0] == 1 and marked[-1] == 0 and marked == sorted(marked, reverse=True)
-    assert len([sentence for sentence in sentences if "softens faster than the grid resolves" in sentence]) == 1
-    # Of its own tangent by differences: minus the smallest eigenvalue, of the node where it is largest.
+    assert len([sentence for sentence in sentences
+                if "softens faster than the grid resolves" in sentence]) == 1
+    # Of its own tangent by differences: minus the smallest eigenvalue, of the node where it is
+    # largest.
     gap = points[-1].state.displacement.copy()
     gap[0] = states.normal_gap(branch.contact, points[-1].state)
-    law, step, tangent = branch.contact.law, 1e-6, np.zeros((2, 2, gap.shape[1]))
+    law = branch.contact.law
+    step = 1e-6
+    tangent = np.zeros((2, 2, gap.shape[1]))
     for i in range(2):
         change = np.zeros_like(gap)
         change[i] = step
-        tangent[:, i] = 9.0 * (law.traction(gap + change) - law.traction(gap - change)) / (2.0 * step)
+        tangent[:, i] = 9.0 * (law.traction(gap + change) - law.traction(gap - change)) / (
+            2.0 * step)
     values = np.linalg.eigvals(np.moveaxis(tangent, -1, 0))
-    assert steepest(branch.contact, points[-1]) == pytest.approx(-values.real[values.imag == 0.0].min(), rel=1e-5)
-    fine = run({**scene, "points": 2048}, path["start"], path["path"], initial_step=(4.0,), largest_step=(4.0,))[1]
+    assert steepest(branch.contact,
+                    points[-1]) == pytest.approx(-values.real[values.imag == 0.0].min(), rel=1e-5)
+    fine = run({**scene, "points": 2048}, path["start"], path["path"], initial_step=(4.0,),
+               largest_step=(4.0,))[1]
     assert all(point.resolved for point in fine)
 
 
 def test_folds_that_the_grid_makes_of_one_are_marked():
-    """At a normal Maugis parameter of 20 the largest spacing that resolves the law turns a branch several times at its fold: which
-    of these folds is found hangs on the steps. Half the spacing has one."""
+    """At a normal Maugis parameter of 20 the largest spacing that resolves the law turns a branch
+    several times at its fold: which of these folds is found hangs on the steps. Half the spacing
+    has one."""
     scene = {"period": 25.0, "normal_maugis": 20.0}
     folds = {}
     for size in (8192, 16384):
-        _, points, sentences = run({**scene, "points": size}, "normal_displacement=0", "normal_displacement=-4.5", at_fold="stop",
-                                   type="arclength")
+        _, points, sentences = run({**scene, "points": size}, "normal_displacement=0",
+                                   "normal_displacement=-4.5", at_fold="stop", type="arclength")
         folds[size] = points[-1]
-        assert points[-1].event == "fold" and points[-1].fold_precision <= 1e-8 and points[-2].resolved == 1
+        assert (points[-1].event == "fold" and points[-1].fold_precision <= 1e-8
+                and points[-2].resolved == 1)
         assert any("may be one of several" in sentence for sentence in sentences) is (size == 8192)
     assert (folds[8192].resolved, folds[16384].resolved) == (0, 1)
     assert folds[8192].load[0] == pytest.approx(folds[16384].load[0], rel=1e-5)
 
 
 def test_jumps_over_few_nodes_are_told_from_others():
-    contact = Branch(Scene(**LINE), Load(start="normal_displacement=1", path="normal_displacement=1")).contact
+    contact = Branch(Scene(**LINE), Load(start="normal_displacement=1",
+                                         path="normal_displacement=1")).contact
     state = states.undeformed(contact, ("displacement",), np.array([1.0]))
     for width, expected in ((3, True), (NARROW // 2, True), (2 * NARROW, False)):
         moved = state.displacement.copy()
@@ -87,11 +108,16 @@ def test_jumps_over_few_nodes_are_told_from_others():
     assert narrow(contact, state, state) is False
 
 
-@pytest.mark.parametrize("modes, words", (
-    (None, "a failure of the solver"),
-    (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j), "unstable .2 modes, leading eigenvalue -0.3.: a bifurcation was passed"),
-    (SimpleNamespace(unstable=0, leading=0.0001 + 0j), "hardly .*a fold or a bifurcation is next to it"),
-    (SimpleNamespace(unstable=0, leading=0.8 + 0j), "stable .*a failure of the solver; try smaller steps")))
+@pytest.mark.parametrize("modes, words", ((None, "a failure of the solver"),
+                                          (SimpleNamespace(unstable=2, leading=-0.3 + 0.1j),
+                                           "unstable .2 modes, leading eigenvalue "
+                                           "-0.3.: a bifurcation was passed"),
+                                          (SimpleNamespace(unstable=0, leading=0.0001 + 0j),
+                                           "hardly .*a fold or a bifurcation is "
+                                           "next to it"),
+                                          (SimpleNamespace(unstable=0, leading=0.8 + 0j),
+                                           "stable .*a failure of the solver; try "
+                                           "smaller steps")))
 def test_reasons_are_told_apart(modes, words):
     told = explained(NotConverged("a solve failed"), Contact(Scene(**LINE)), False, lambda: modes)
     assert isinstance(told, NotConverged) and str(told).startswith("a solve failed; ")
@@ -109,15 +135,18 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
     def broken():
         raise ValueError("no modes")
 
-    assert "a failure of the solver" in str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, broken))
+    assert "a failure of the solver" in str(explained(NotConverged("x"), Contact(Scene(**LINE)),
+                                                      False, broken))
 
 
 @pytest.mark.parametrize("scene, displacement", [
     ({"normal_maugis": 1.0, "period": 30.0}, 2.0), ({"normal_maugis": 3.0, "period": 20.0}, 10.0),
     ({"dimension": 2, "geometry": "sphere", "normal_maugis": 1.0, "period": 16.0}, 1.0)])
 def test_points_whose_traction_alternates_from_node_to_node_are_not_resolved(scene, displacement):
-    """A soft law on a grid that is too coarse for the contact, though it is not for the law: by the error of the force."""
-    load = Load(path=f"normal_displacement={displacement}", start=f"normal_displacement={displacement}")
+    """A soft law on a grid that is too coarse for the contact, though it is not for the law: by the
+    error of the force."""
+    load = Load(path=f"normal_displacement={displacement}",
+                start=f"normal_displacement={displacement}")
     exact = None
     for points in (192, 96, 48, 24, 16):
         said = []
@@ -128,21 +157,28 @@ def test_points_whose_traction_alternates_from_node_to_node_are_not_resolved(sce
         # Marked where the error is large, not where it is small, and between as it comes.
         assert point.resolved == 0 or error < 0.02
         assert point.resolved == 1 or error > 1e-4
-        assert point.resolved or any("alternates" in sentence or "resolve" in sentence for sentence in said) \
-            or max(resolution(branch.scene, False)) > 1.0
+        assert point.resolved or any("alternates" in sentence or "resolve" in sentence
+                                     for sentence in said) or max(resolution(branch.scene,
+                                                                             False)) > 1.0
     assert point.resolved == 0
 
 
 def test_a_full_contact_and_a_body_off_the_flat_do_not_alternate():
-    for geometry, path in (("flat", "normal_displacement=0.3; normal_displacement=-3"), ("sinusoid", "normal_displacement=3")):
-        points = list(Branch(Scene(points=64, period=8.0, normal_maugis=2.0, geometry=geometry), Load(path=path)))
+    for geometry, path in (("flat", "normal_displacement=0.3; normal_displacement=-3"),
+                           ("sinusoid", "normal_displacement=3")):
+        points = list(Branch(Scene(points=64, period=8.0, normal_maugis=2.0, geometry=geometry),
+                             Load(path=path)))
         assert all(point.resolved for point in points)
 
 
-@pytest.mark.parametrize("options, status, words", [
-    ({"scene_period": "30", "scene_range_normal": "7.4e-07", "load_path": "normal_force=-1.5e2; normal_displacement=.5"}, 1, "on the way (e"),
-    ({"scene_period": "1e20", "load_path": "normal_force=1"}, 2, "-scene_period 1e20"),
-    ({"load_path": "normal_force=-3e-15", "snes_atol": "1e-12"}, 2, "-load_path 3e-15")])
+@pytest.mark.parametrize("options, status, words",
+                         [({"scene_period": "30", "scene_range_normal": "7.4e-07",
+                            "load_path": "normal_force=-1.5e2; normal_displacement=.5"}, 1,
+                           "on the way (e"),
+                          ({"scene_period": "1e20", "load_path": "normal_force=1"}, 2,
+                           "-scene_period 1e20"),
+                          ({"load_path": "normal_force=-3e-15", "snes_atol": "1e-12"}, 2,
+                           "-load_path 3e-15")])
 def test_only_numbers_that_were_given_are_called_too_large_or_too_small(options, status, words):
     found, sentence = uncomputable(OverflowError("e"), options)
     assert found == status and words in sentence and "snes_atol" not in sentence

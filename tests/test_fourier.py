@@ -8,12 +8,18 @@ import pyfftw
 import pytest
 import scipy.fft
 
-from contactsnes.grid.cell import (
-    Convolution, Grid, Operator, Transform, Window, enclosing, transform_cost
-)
-from contactsnes.grid.transfer import smooth
-from contactsnes.grid.contours import crossings
 from contactsnes.grid.boxes import Spots
+from contactsnes.grid.cell import (
+    Convolution,
+    Grid,
+    Operator,
+    Transform,
+    Window,
+    enclosing,
+    transform_cost,
+)
+from contactsnes.grid.contours import crossings
+from contactsnes.grid.transfer import smooth
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [
@@ -45,7 +51,8 @@ def axes_of(grid):
 
 
 def blocks_of(grid, components, coupled=True):
-    """A symbol for each pair of components: real even ones, and imaginary odd ones without Nyquist's, like a body's."""
+    """A symbol for each pair of components: real even ones, and imaginary odd ones without
+    Nyquist's, like a body's."""
     waves = grid.wavevectors()
     wavenumber = np.sqrt(sum(q**2 for q in waves))
     blocks = {(i, i): (1.0 + i) / (0.3 + wavenumber) for i in range(components)}
@@ -72,7 +79,8 @@ def test_nodes_and_waves():
     for grid in (LINE, PLANE):
         for axis, (points, period) in enumerate(zip(grid.shape, grid.periods)):
             x = np.squeeze(grid.coordinates()[axis])
-            np.testing.assert_allclose(x, [(i - points / 2) * period / points for i in range(points)], atol=1e-14)
+            np.testing.assert_allclose(x, [(i - points / 2) * period / points
+                                           for i in range(points)], atol=1e-14)
             assert x[points // 2] == 0.0
             assert grid.coordinates()[axis].ndim == len(grid.shape)
             rest = tuple(-1 if i == axis else 1 for i in range(len(grid.shape)))
@@ -81,7 +89,8 @@ def test_nodes_and_waves():
             carried = np.broadcast_to(grid.wavevectors()[axis], peaks.shape)[peaks]
             np.testing.assert_allclose(np.abs(carried), 2 * np.pi * 3 / period, rtol=1e-14)
     assert PLANE.area == 60.0 and PLANE.size == 720
-    assert PLANE.node_area == pytest.approx(60 / 720) and PLANE.spacings == (0.25, pytest.approx(1 / 3))
+    assert PLANE.node_area == pytest.approx(60 / 720) and PLANE.spacings == (0.25,
+                                                                             pytest.approx(1 / 3))
 
 
 @pytest.mark.parametrize("shape", [(9,), (10,), (15, 25), (16, 27)])
@@ -98,11 +107,13 @@ def test_reductions():
     values, mask = random(2, 30), random(30) > 0
     np.testing.assert_allclose(LINE.sum(values), [sum(v) for v in values], rtol=1e-13)
     np.testing.assert_allclose(LINE.mean(values), [sum(v) / 48 for v in values], rtol=1e-13)
-    assert LINE.maximum(values) == max(values.ravel()) and LINE.minimum(values) == min(values.ravel())
+    assert (LINE.maximum(values) == max(values.ravel())
+            and LINE.minimum(values) == min(values.ravel()))
     assert LINE.maximum(values[0], where=mask) == max(values[0][mask])
     assert LINE.minimum(values[0], where=mask) == min(values[0][mask])
     assert LINE.maximum(values, where=False, initial=-1.0) == -1.0
-    assert LINE.inner(values, values + 1) == pytest.approx(sum((v * (v + 1)).sum() for v in values), rel=1e-13)
+    assert LINE.inner(values, values + 1) == pytest.approx(sum((v * (v + 1)).sum() for v in values),
+                                                           rel=1e-13)
     assert LINE.count(mask) == sum(mask)
 
 
@@ -132,10 +143,13 @@ def test_transform_has_the_sign_of_numpy(shape):
 
 
 class Counter:
-    """Cost of every transform of any library, from the sizes of its arrays, in transforms of ``size`` points."""
+    """Cost of every transform of any library, from the sizes of its arrays, in transforms of
+    ``size`` points."""
 
     def __init__(self, size):
-        self.size, self.cost, self.calls = size, 0.0, 0
+        self.size = size
+        self.cost = 0.0
+        self.calls = 0
 
     def add(self, real, axes):
         """Count the transforms along the axes of a real array."""
@@ -150,7 +164,8 @@ def counter(monkeypatch):
 
     class CountedFFTW(pyfftw.FFTW):
         def _count(self):
-            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array, self.axes)
+            count.add(self.output_array if self.direction == "FFTW_BACKWARD" else self.input_array,
+                      self.axes)
 
         def execute(self):
             self._count()
@@ -164,7 +179,9 @@ def counter(monkeypatch):
         raise AssertionError("a transform that the grid does not count")
 
     monkeypatch.setattr(pyfftw, "FFTW", CountedFFTW)
-    names = [prefix + kind + "fft" + end for prefix, kind, end in itertools.product(("", "i"), ("", "r", "h"), ("", "2", "n"))]
+    names = [prefix + kind + "fft" + end for prefix, kind, end in itertools.product(("", "i"),
+                                                                                    ("", "r", "h"),
+                                                                                    ("", "2", "n"))]
     for library in (np.fft, scipy.fft):
         for transform in names + ["dct", "idct", "dst", "idst", "dctn", "idctn", "dstn", "idstn"]:
             if hasattr(library, transform):
@@ -172,7 +189,8 @@ def counter(monkeypatch):
     return count
 
 
-@pytest.mark.parametrize("start, shape", [((0, 0), (20, 36)), ((3, 30), (5, 10)), ((4, 4), (9, 3)), ((4, 0), (8, 36))])
+@pytest.mark.parametrize("start, shape", [((0, 0), (20, 36)), ((3, 30), (5, 10)), ((4, 4), (9, 3)),
+                                          ((4, 0), (8, 36))])
 @pytest.mark.parametrize("components", [1, 3])
 def test_every_transform_is_counted(counter, start, shape, components):
     grid = Grid(PLANE.shape, PLANE.periods)
@@ -208,7 +226,8 @@ def test_take_and_put(window):
     assert taken.shape == (2, window.size) and window.box(taken).shape == (2, *window.shape)
     for offset in itertools.product(*(range(n) for n in window.shape)):
         node = tuple((s + k) % n for s, k, n in zip(window.start, offset, grid.shape))
-        np.testing.assert_array_equal(window.box(taken)[(slice(None), *offset)], field[(slice(None), *node)])
+        np.testing.assert_array_equal(window.box(taken)[(slice(None), *offset)],
+                                      field[(slice(None), *node)])
     np.testing.assert_array_equal(window.take(field[0]), taken[0])
     other = np.full_like(field, np.nan)
     window.put(taken, other)
@@ -220,12 +239,13 @@ def test_take_and_put(window):
 
 @pytest.mark.parametrize("window", BOXES, ids=name)
 def test_coordinates_of_a_window_go_on_over_the_border(window):
-    for axis, (x, cell, period, h) in enumerate(zip(window.coordinates(), window.grid.coordinates(), window.grid.periods,
-                                                    window.grid.spacings)):
+    for axis, (x, cell, period, h) in enumerate(zip(window.coordinates(), window.grid.coordinates(),
+                                                    window.grid.periods, window.grid.spacings)):
         picked = window.box(window.take(np.broadcast_to(cell, window.grid.shape)))
         picked, x = np.moveaxis(picked, axis, 0).reshape(len(x.ravel()), -1)[:, 0], x.ravel()
         np.testing.assert_allclose(np.diff(x), h, rtol=1e-9)
-        np.testing.assert_allclose((x - picked) / period, np.round((x - picked) / period), atol=1e-13)
+        np.testing.assert_allclose((x - picked) / period, np.round((x - picked) / period),
+                                   atol=1e-13)
         assert x[0] == picked[0]
 
 
@@ -277,7 +297,8 @@ def circular(total, nodes):
     ([], 0.5, 23, 2),
 ])
 def test_enclosing_in_one_dimension(nodes, margin, start, extent):
-    """Two nodes and the part ``margin`` of the extent are added on each side; 25 nodes are as good as the whole cell."""
+    """Two nodes and the part ``margin`` of the extent are added on each side; 25 nodes are as good
+    as the whole cell."""
     window = enclosing(LINE, circular(48, nodes), margin)
     assert (window.start, window.shape) == ((start,), (extent,))
     assert set(nodes) <= set(window.take(np.arange(48)))
@@ -320,13 +341,15 @@ def test_convolution_is_that_of_the_cell(window, components, coupled):
     window.put(values, cell)
     expected = window.take(on_the_cell(grid, blocks, cell))
     convolution = Convolution(window, Operator(window.grid, blocks), components)
-    np.testing.assert_allclose(convolution.apply(values, np.empty_like(values)), expected, atol=1e-12)
+    np.testing.assert_allclose(convolution.apply(values, np.empty_like(values)), expected,
+                               atol=1e-12)
     again = values.copy()
     assert convolution.apply(again, again) is again
     np.testing.assert_allclose(again, expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("nodes, circle", [(1, 1), (2, 3), (3, 5), (5, 9), (8, 15), (13, 25), (14, 27)])
+@pytest.mark.parametrize("nodes, circle", [(1, 1), (2, 3), (3, 5), (5, 9), (8, 15), (13, 25),
+                                           (14, 27)])
 def test_odd_circles(nodes, circle):
     window = Window(LINE, (40,), (nodes,))
     assert window.circle() == (circle,)
@@ -342,7 +365,8 @@ def test_convolution_without_some_diagonal_blocks():
     cell = np.zeros((2, 48))
     window.put(values, cell)
     expected = window.take(on_the_cell(LINE, blocks, cell))
-    np.testing.assert_allclose(Convolution(window, Operator(LINE, blocks), 2).apply(values, np.empty((2, 7))), expected, atol=1e-12)
+    np.testing.assert_allclose(Convolution(window, Operator(LINE, blocks),
+                                           2).apply(values, np.empty((2, 7))), expected, atol=1e-12)
     np.testing.assert_array_equal(expected[1], 0.0)
 
 
@@ -437,7 +461,8 @@ def test_crossings_at_the_ends_are_linear():
 
 def test_crossings_are_of_fourth_order():
     spacings, root = 0.2 * 0.5 ** np.arange(4), np.arcsin(0.2)
-    errors = [h * abs(crossings(np.sin(root + h * (np.arange(9) - 4.37)), 0.2)[0][0] - 4.37) for h in spacings]
+    errors = [h * abs(crossings(np.sin(root + h * (np.arange(9) - 4.37)), 0.2)[0][0] - 4.37)
+              for h in spacings]
     assert np.polyfit(np.log(spacings), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.2)
 
 
@@ -466,10 +491,12 @@ def test_area_below_a_level_is_of_fourth_order_in_the_spacing():
 
 
 def test_area_of_a_few_nodes_is_that_of_the_surface_through_them():
-    """Cubic interpolation has a paraboloid exactly: what is left is the error of triangles, which two divisions cancel."""
+    """Cubic interpolation has a paraboloid exactly: what is left is the error of triangles, which
+    two divisions cancel."""
     grid = Grid((16, 16), (16.0, 16.0))
     x, y = grid.coordinates()
-    errors = [abs(grid.whole.area_below(((x - 0.3) ** 2 + (y + 0.2) ** 2).reshape(-1), radius ** 2) / (np.pi * radius ** 2) - 1.0)
+    errors = [abs(grid.whole.area_below(((x - 0.3) ** 2 + (y + 0.2) ** 2).reshape(-1),
+                                        radius ** 2) / (np.pi * radius ** 2) - 1.0)
               for radius in (2.3, 3.1, 4.4)]
     assert max(errors) < 1e-4
 
@@ -478,11 +505,14 @@ def test_lengths_below_a_level_are_those_of_all_intervals():
     grid = Grid((64,), (2.0 * np.pi,))
     x, = grid.coordinates()
     for waves in (1, 2, 3):
-        # Over the border of the cell, too: cos(n x) < 1/2 on two thirds of the line, however many intervals.
-        assert grid.whole.area_below(np.cos(waves * x), 0.5) == pytest.approx(4.0 * np.pi / 3.0, rel=1e-3)
+        # Over the border of the cell, too: cos(n x) < 1/2 on two thirds of the line, however many
+        # intervals.
+        assert grid.whole.area_below(np.cos(waves * x), 0.5) == pytest.approx(4.0 * np.pi / 3.0,
+                                                                              rel=1e-3)
     window = Window(grid, (20,), (25,))
     assert window.area_below(window.take(np.cos(x)), 0.3) == 0.0
-    assert window.area_below(window.take(-np.cos(x)), -0.9) == pytest.approx(2.0 * np.arccos(0.9), rel=1e-5)
+    assert window.area_below(window.take(-np.cos(x)), -0.9) == pytest.approx(2.0 * np.arccos(0.9),
+                                                                             rel=1e-5)
 
 
 def test_windows_are_equal_on_one_cell_only():

@@ -1,4 +1,5 @@
-"""Kernels of the unbounded line and plane against integrals by quadrature, closed forms and large periods."""
+"""Kernels of the unbounded line and plane against integrals by quadrature, closed forms and large
+periods."""
 
 import math
 
@@ -7,21 +8,25 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0, j1, jv
 
-from contactsnes.interface.elasticity import Body, layer_compliance
 from contactsnes.grid.cell import Convolution, Grid, Operator, Window
+from contactsnes.interface.elasticity import Body, layer_compliance
 from contactsnes.interface.unbounded import free_space
 
 WIDTH = 0.7
-"""Standard deviation of the Gaussian tractions of these tests: their waves beyond 6/WIDTH are below 1e-7."""
+"""Standard deviation of the Gaussian tractions of these tests: their waves beyond 6/WIDTH are below
+1e-7."""
 
 
 def deformed(body, grid, fields):
-    """Displacements (components, *box) of tractions on the middle half of the cell; the window, too."""
+    """Displacements (components, *box) of tractions on the middle half of the cell; the window,
+    too."""
     window = Window(grid, [n // 4 for n in grid.shape], [n // 2 for n in grid.shape])
     components = len(fields)
     operator = Operator(grid, free_space(body, grid, components))
-    values = np.stack([np.broadcast_to(f(*window.coordinates()), window.shape).ravel() for f in fields])
-    return window, window.box(Convolution(window, operator, components).apply(values, np.empty_like(values)))
+    values = np.stack([np.broadcast_to(f(*window.coordinates()), window.shape).ravel()
+                       for f in fields])
+    return window, window.box(Convolution(window, operator,
+                                          components).apply(values, np.empty_like(values)))
 
 
 def gaussian(*x):
@@ -33,10 +38,13 @@ def nothing(*x):
 
 
 def line_integral(body, entry, wave, x):
-    """1/pi times the integral of an entry of the surface compliance times the Gaussian's transform and cos or sin."""
+    """1/pi times the integral of an entry of the surface compliance times the Gaussian's transform
+    and cos or sin."""
     transform = lambda q: math.sqrt(2 * math.pi) * WIDTH * math.exp(-(q * WIDTH) ** 2 / 2)
-    function = lambda q: getattr(layer_compliance(q, body.poisson, body.height), entry) * transform(q) * wave(q * x)
-    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-12, points=[1e-3, 0.01, 0.1, 1.0, 3.0])[0] / math.pi
+    function = lambda q: getattr(layer_compliance(q, body.poisson, body.height),
+                                 entry) * transform(q) * wave(q * x)
+    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-12,
+                points=[1e-3, 0.01, 0.1, 1.0, 3.0])[0] / math.pi
 
 
 @pytest.mark.parametrize("height", [math.inf, 500.0, 3.0, 0.3])
@@ -68,21 +76,26 @@ def test_line_is_the_limit_of_large_periods(poisson, height):
         grid = Grid((128 * factor,), (32.0 * factor,))
         window = Window(grid, [128 * factor // 2 - 32], [64])
         values = np.stack([gaussian(window.coordinates()[0])] * 2)
-        cell = Convolution(window, Operator(grid, body.compliance(grid.wavevectors(), 2)), 2).apply(values, np.empty_like(values))
+        cell = Convolution(window, Operator(grid, body.compliance(grid.wavevectors(), 2)),
+                           2).apply(values, np.empty_like(values))
         difference = cell - alone
         errors.append(np.max(np.abs(difference - difference[:, :1])))
     assert errors[1] < max(0.6 * errors[0], 1e-12)
 
 
 def plane_integral(body, combine, order, r):
-    """1/(2 pi) times the integral of a combination of the compliance's entries times the transform and q J_order(q r)."""
+    """1/(2 pi) times the integral of a combination of the compliance's entries times the transform
+    and q J_order(q r)."""
     bessel = {0: j0, 1: j1, 2: lambda z: jv(2, z)}[order]
     transform = lambda q: 2 * math.pi * WIDTH ** 2 * math.exp(-(q * WIDTH) ** 2 / 2)
-    function = lambda q: combine(layer_compliance(q, body.poisson, body.height)) * transform(q) * q * bessel(q * r)
-    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-10, points=[0.1, 1.0, 3.0])[0] / (2 * math.pi)
+    function = lambda q: combine(layer_compliance(q, body.poisson,
+                                                  body.height)) * transform(q) * q * bessel(q * r)
+    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-10,
+                points=[0.1, 1.0, 3.0])[0] / (2 * math.pi)
 
 
-@pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, 4.0), (0.3, 0.3), (0.0, 2000.0)])
+@pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, 4.0), (0.3, 0.3),
+                                             (0.0, 2000.0)])
 def test_plane_is_the_integral(poisson, height):
     body, grid = Body(poisson, height, 2.0), Grid((128, 96), (32.0, 21.0))
     window, normal = deformed(body, grid, (gaussian, nothing, nothing))
@@ -96,10 +109,12 @@ def test_plane_is_the_integral(poisson, height):
         slope = plane_integral(body, lambda c: c.coupling, 1, r)
         mean = plane_integral(body, lambda c: (c.longitudinal + c.transverse) / 2, 0, r)
         bent = plane_integral(body, lambda c: (c.longitudinal - c.transverse) / 2, 2, r)
-        expected = {"nn": plane_integral(body, lambda c: c.normal, 0, r), "xn": -slope * cosine / ratio,
-                    "yn": -slope * sine / ratio, "nx": slope * cosine * ratio, "xx": mean - bent * (cosine ** 2 - sine ** 2),
-                    "yx": -2 * bent * cosine * sine,
-                    "ny": slope * sine * ratio, "xy": -2 * bent * cosine * sine, "yy": mean + bent * (cosine ** 2 - sine ** 2)}
-        found = {f"{row}{column}": field[k][i, j] for column, field in (("n", normal), ("x", along), ("y", across))
+        expected = {"nn": plane_integral(body, lambda c: c.normal, 0, r),
+                    "xn": -slope * cosine / ratio, "yn": -slope * sine / ratio,
+                    "nx": slope * cosine * ratio, "xx": mean - bent * (cosine ** 2 - sine ** 2),
+                    "yx": -2 * bent * cosine * sine, "ny": slope * sine * ratio,
+                    "xy": -2 * bent * cosine * sine, "yy": mean + bent * (cosine ** 2 - sine ** 2)}
+        found = {f"{row}{column}": field[k][i, j] for column, field in (("n", normal), ("x", along),
+                                                                        ("y", across))
                  for k, row in enumerate("nxy")}
         assert found == pytest.approx(expected, abs=3e-8)

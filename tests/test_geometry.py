@@ -28,16 +28,18 @@ def test_parabolas():
 def test_sinusoid():
     x, y = PLANE
     wave_x, wave_y = 1 - np.cos(2 * np.pi * x / 12.0), 1 - np.cos(2 * np.pi * y / 10.0)
-    np.testing.assert_allclose(initial_gap("sinusoid", PLANE, PERIOD, amplitude=0.7), 0.7 * (wave_x + wave_y),
-                               atol=1e-15)
+    np.testing.assert_allclose(initial_gap("sinusoid", PLANE, PERIOD, amplitude=0.7),
+                               0.7 * (wave_x + wave_y), atol=1e-15)
     expected = (12.0 / (2 * np.pi)) ** 2 * wave_x + (10.0 / (2 * np.pi)) ** 2 * wave_y
     np.testing.assert_allclose(initial_gap("sinusoid", PLANE, PERIOD), expected, atol=1e-14)
-    np.testing.assert_array_equal(initial_gap("sinusoid", PLANE, PERIOD, amplitude=0.0), np.zeros((8, 6)))
+    np.testing.assert_array_equal(initial_gap("sinusoid", PLANE, PERIOD, amplitude=0.0),
+                                  np.zeros((8, 6)))
 
 
 def test_sinusoid_has_the_curvature_of_the_parabola():
     near = coordinates((8, 6), (1e-3, 1e-3))
-    np.testing.assert_allclose(initial_gap("sinusoid", near, 100.0), initial_gap("sphere", near, 100.0), rtol=1e-9)
+    np.testing.assert_allclose(initial_gap("sinusoid", near, 100.0),
+                               initial_gap("sphere", near, 100.0), rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -48,14 +50,17 @@ def test_every_shape_covers_the_grid_and_touches(name, where, period):
     given = dict(heights=heights, roughness=(0.8, 0.1, 10.0, 4.0, 1))
     gap = initial_gap(name, where, period, **given)
     assert gap.shape == shape and gap.flags.writeable and gap.dtype == float
-    assert gap.min() == 0.0 or name == "rough" and 0.0 < gap.min() < 0.3  # whose lowest place lies between these few nodes
+    # whose lowest place lies between these few nodes
+    assert gap.min() == 0.0 or name == "rough" and 0.0 < gap.min() < 0.3
     assert name in ("flat", "file", "rough") or gap[tuple(n // 2 for n in shape)] == 0.0
-    np.testing.assert_array_equal(initial_gap(name, where, period, **given, offset=-0.98), gap - 0.98)
+    np.testing.assert_array_equal(initial_gap(name, where, period, **given, offset=-0.98),
+                                  gap - 0.98)
 
 
 def test_the_highest_point_of_a_file_is_nearest():
     heights = np.array([-3.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    np.testing.assert_array_equal(initial_gap("file", LINE, 12.0, heights=heights), [8, 0, 4, 5, 5, 5, 5, 5])
+    np.testing.assert_array_equal(initial_gap("file", LINE, 12.0, heights=heights),
+                                  [8, 0, 4, 5, 5, 5, 5, 5])
 
 
 def test_unknown_shape():

@@ -1,4 +1,5 @@
-"""Jumps: overdamped motion is the one that its equations say, comes to rest where others do, and its works balance."""
+"""Jumps: overdamped motion is the one that its equations say, comes to rest where others do, and
+its works balance."""
 
 import numpy as np
 import petsc4py
@@ -7,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 petsc4py.init()
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps
-from contactsnes.dynamics import jumps
 from contactsnes.contact import states
 from contactsnes.contact.even_form import Symmetry
+from contactsnes.dynamics import jumps
 from contactsnes.dynamics.overdamped import Flow, Leaving, MotionOptions, Unsettled
 from contactsnes.solvers.snes import RegularisedStep
 
@@ -32,9 +33,11 @@ class Watched(Flow):
 
 
 def flow(contact, controls, load, state, tolerance=0.005, even=True, cls=Watched, steps=3000):
-    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), "newtonls", lambda sentence: None)
-    return cls(contact, symmetry, controls, np.array(load), symmetry.centred(states.fitted(contact, state)),
-               dict.fromkeys(COUNTS, 0), MotionOptions(tolerance=tolerance, steps=steps))
+    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), "newtonls",
+                        lambda sentence: None)
+    return cls(contact, symmetry, controls, np.array(load),
+               symmetry.centred(states.fitted(contact, state)), dict.fromkeys(COUNTS, 0),
+               MotionOptions(tolerance=tolerance, steps=steps))
 
 
 def lifted(contact, controls, load, by, slip=0.0):
@@ -52,17 +55,21 @@ class OnTheCell:
     """M u' = -(K u + t) over the whole cell by dense matrices, M = ``mass`` (K) for the waves."""
 
     def __init__(self, contact, controls, load, mass="creep"):
-        self.contact, self.count, size = contact, len(controls), contact.grid.size
+        self.contact = contact
+        self.count = len(controls)
+        size = contact.grid.size
         self.shape = (self.count, size)
         blocks = contact.operator(self.count, "stiffness").blocks
         nodes = np.arange(size)
         matrix = np.zeros((self.count * size, self.count * size))
         for (i, j), block in blocks.items():
             column = np.fft.irfft(block * size, size)
-            matrix[i * size:(i + 1) * size, j * size:(j + 1) * size] = column[(nodes[:, None] - nodes) % size]
+            matrix[i * size:(i + 1) * size,
+                   j * size:(j + 1) * size] = column[(nodes[:, None] - nodes) % size]
         self.stiffness, compliance = matrix, contact.rigid_compliance(self.count)
         self.forced = np.array([control == F for control in controls])
-        self.springs = np.array([0.0 if forced or not c else 1.0 / c for forced, c in zip(self.forced, compliance)])
+        self.springs = np.array([0.0 if forced or not c else 1.0 / c
+                                 for forced, c in zip(self.forced, compliance)])
         self.moves = self.forced | (compliance > 0.0)
         self.far, self.load = contact.far_displacement(self.count, np.array(load)), np.array(load)
         own = np.kron(np.eye(self.count), np.full((size, size), 1.0 / size))
@@ -79,16 +86,20 @@ class OnTheCell:
         gap[0] += self.contact.initial_gap
         traction, mean = self.contact.law.traction(gap), field.mean(axis=1)
         force = self.stiffness @ unknown + traction.reshape(-1)
-        target = np.where(self.forced, self.load / (self.contact.load_factor(self.count) * self.shape[1]), 0.0)
-        drift = -self.means * (self.springs * (mean - self.far) + traction.mean(axis=1) - target) * self.moves
+        target = np.where(self.forced,
+                          self.load / (self.contact.load_factor(self.count) * self.shape[1]), 0.0)
+        drift = -self.means * (self.springs * (mean - self.far) + traction.mean(axis=1)
+                               - target) * self.moves
         return (drift[:, None] - (self.mobility @ force).reshape(self.shape)).reshape(-1)
 
 
-@pytest.mark.parametrize("changes, controls, load, by, slip, even", (
-    ({}, (D,), (-1.0,), 0.0, 0.0, True), ({}, (D,), (-1.0,), 0.0, 0.0, False), ({}, (F,), (0.5,), 1.0, 0.0, True),
-    (LAYER, (D, D), (1.0, 20.0), 0.0, 0.5, False), (LAYER, (F, F), (1.0, 1.2), 0.5, 0.1, False)))
+@pytest.mark.parametrize("changes, controls, load, by, slip, even",
+                         (({}, (D,), (-1.0,), 0.0, 0.0, True), ({}, (D,), (-1.0,), 0.0, 0.0, False),
+                          ({}, (F,), (0.5,), 1.0, 0.0, True), (LAYER, (D, D), (1.0, 20.0), 0.0, 0.5,
+                                                               False),
+                          (LAYER, (F, F), (1.0, 1.2), 0.5, 0.1, False)))
 def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, even):
-    contact = Contact(Scene(**{**LINE, "points": 128, **changes, "points": 128}))
+    contact = Contact(Scene(**{**LINE, **changes, "points": 128}))
     start = lifted(contact, controls, load, by, slip)
     whole = OnTheCell(contact, controls, load)
     apart = []
@@ -97,8 +108,10 @@ def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, 
         motion.follow()
         moments = [seen for seen in motion.seen if 0.3 < seen[0] < 12.0][::2]
         assert len(moments) > 3
-        begin = contact.extended(flow(contact, controls, load, start, tolerance, even).state()).reshape(-1)
-        exact = solve_ivp(whole.rate, (0.0, moments[-1][0]), begin, "LSODA", [seen[0] for seen in moments], rtol=1e-8, atol=1e-8)
+        begin = contact.extended(flow(contact, controls, load, start, tolerance,
+                                      even).state()).reshape(-1)
+        exact = solve_ivp(whole.rate, (0.0, moments[-1][0]), begin, "LSODA",
+                          [seen[0] for seen in moments], rtol=1e-8, atol=1e-8)
         worst = 0.0
         for (_, equations, moment), cell in zip(moments, exact.y.T):
             found = equations.unfolded(equations.displacement(moment.unknown))
@@ -112,24 +125,23 @@ def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, 
 
 # Where jumps end
 
-JUMPS = {
-    "jump-in": ({}, "normal_displacement=-3", "normal_displacement=0"),
-    "jump-in under a force": ({}, "normal_displacement=-3", "normal_force=0.5"),
-    "pull-off": ({}, "normal_displacement=0.5", "normal_displacement=-4.5"),
-    "sliding": ({"height": 2000.0, "residual_friction": 0.0}, "normal_displacement=2", "tangential_displacement=1000"),
-    "sliding against friction": ({"height": 2000.0, "residual_friction": 0.5}, "normal_displacement=2",
-                                 "tangential_displacement=1000"),
-    "sphere": ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0, "normal_maugis": 4.0},
-               "normal_displacement=0.5", "normal_displacement=-3"),
-}
+JUMPS = {"jump-in": ({}, "normal_displacement=-3", "normal_displacement=0"),
+         "jump-in under a force": ({}, "normal_displacement=-3", "normal_force=0.5"),
+         "pull-off": ({}, "normal_displacement=0.5", "normal_displacement=-4.5"),
+         "sliding": ({"height": 2000.0, "residual_friction": 0.0}, "normal_displacement=2",
+                     "tangential_displacement=1000"),
+         "sliding against friction": ({"height": 2000.0, "residual_friction": 0.5},
+                                      "normal_displacement=2", "tangential_displacement=1000"),
+         "sphere": ({"dimension": 2, "geometry": "sphere", "points": 64, "period": 8.0,
+                     "normal_maugis": 4.0}, "normal_displacement=0.5", "normal_displacement=-3"),}
 
 
 def followed(name, **form):
     """The points of a jump's path up to the jump, its branch, and what it says."""
     changes, start, path = JUMPS[name]
     sentences = []
-    branch = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, **changes}), Load(start=start, path=path), form=Form(**form),
-                    log=sentences.append)
+    branch = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, **changes}),
+                    Load(start=start, path=path), form=Form(**form), log=sentences.append)
     points = []
     for point in branch:
         points.append(point)
@@ -152,16 +164,19 @@ def same(branch, point, other, within=1e-6):
 @pytest.mark.parametrize("name", JUMPS)
 def test_inertia_ends_in_the_same_state_at_a_higher_price(name, jumped, options):
     branch, points, sentences = jumped[name]
-    assert not [sentence for sentence in sentences if "led back" in sentence or "cannot be followed" in sentence]
+    assert not [sentence for sentence in sentences if "led back" in sentence
+                or "cannot be followed" in sentence]
     options(jump_motion_type="inertial")
     other, found, _ = followed(name)
     same(branch, points[-1], found[-1])
-    assert points[-1].spent["transforms"] < (0.5 if "under" not in name else 0.9) * found[-1].spent["transforms"]
+    assert points[-1].spent["transforms"] < (0.5 if "under" not in name
+                                             else 0.9) * found[-1].spent["transforms"]
     assert np.isnan(found[-1].viscous_work)
 
 
 @pytest.mark.parametrize("name", JUMPS)
-@pytest.mark.parametrize("changes", ({"kick": 0.01}, {"kick": 0.5}, {"tolerance": 0.05}, {"tolerance": 0.001}), ids=str)
+@pytest.mark.parametrize("changes", ({"kick": 0.01}, {"kick": 0.5}, {"tolerance": 0.05},
+                                     {"tolerance": 0.001}), ids=str)
 def test_the_end_does_not_depend_on_kick_and_tolerance(name, changes, jumped, options):
     options(**{f"jump_motion_{key}": value for key, value in changes.items()})
     branch, points, _ = jumped[name]
@@ -170,12 +185,14 @@ def test_the_end_does_not_depend_on_kick_and_tolerance(name, changes, jumped, op
 
 @pytest.mark.parametrize("name", [name for name in JUMPS if "under" not in name])
 def test_works_of_a_jump_balance(name, jumped, options):
-    """Work of the loads, stored energy, work on the interface and against viscosity: each on its own, along the motion."""
+    """Work of the loads, stored energy, work on the interface and against viscosity: each on its
+    own, along the motion."""
     errors = []
     options(jump_motion_tolerance=0.0005)
     for found, tolerance in ((jumped[name][1], 0.005), (followed(name)[1], 0.0005)):
         before, after = found[-2:]
-        external, interface = (getattr(after, work) - getattr(before, work) for work in ("external_work", "interface_work"))
+        external, interface = (getattr(after, work) - getattr(before, work)
+                               for work in ("external_work", "interface_work"))
         if after.jump_balance == "potential":
             assert after.jump_work == pytest.approx(interface, rel=0.1 * tolerance)
         left = external - (after.elastic_energy - before.elastic_energy) - after.jump_work
@@ -195,9 +212,12 @@ def test_a_kick_is_along_the_null_vector(options):
     options(jump_motion_kick=0.2)
     for part in (0.5, 1.0, -1.0):
         aside = branch.corrector.kicked(fold, None, part)
-        assert states.missed(branch.contact, fold.state, aside) == pytest.approx(0.2 * abs(part), rel=1e-6)
-        way, null = aside.displacement - states.onto(fold.state, aside.window), fold.tangents[-1].state.displacement
-        assert part * np.sum(way * null) > 0.999 * abs(part) * np.linalg.norm(way) * np.linalg.norm(null)
+        assert states.missed(branch.contact, fold.state, aside) == pytest.approx(0.2 * abs(part),
+                                                                                 rel=1e-6)
+        way = aside.displacement - states.onto(fold.state, aside.window)
+        null = fold.tangents[-1].state.displacement
+        assert part * np.sum(way * null) > 0.999 * abs(part) * np.linalg.norm(way) * np.linalg.norm(
+            null)
 
 
 # Other masses
@@ -205,9 +225,11 @@ def test_a_kick_is_along_the_null_vector(options):
 @pytest.mark.parametrize("mass", ("creep", "drag"))
 @pytest.mark.parametrize("name", ("jump-in", "pull-off", "sliding"))
 def test_other_masses_end_in_the_same_state(name, mass):
-    """M = 1 for every wave and every mean (a drag on each node of the interface) instead of M = K, on the cell, by SciPy."""
+    """M = 1 for every wave and every mean (a drag on each node of the interface) instead of M = K,
+    on the cell, by SciPy."""
     changes, start, path = JUMPS[name]
-    size = {"points": 64, "normal_maugis": 2.0, "height": 20.0} if name == "sliding" else {"points": 128, "normal_maugis": 3.0}
+    size = {"points": 64, "normal_maugis": 2.0,
+            "height": 20.0} if name == "sliding" else {"points": 128, "normal_maugis": 3.0}
     changes = {**changes, "period": 20.0, **size}
     branch = Branch(Scene(**{**LINE, **changes}), Load(start=start, path=path))
     for point in branch:
@@ -221,29 +243,35 @@ def test_other_masses_end_in_the_same_state(name, mass):
     begin = contact.extended(fold.state).reshape(count, -1)
     direction = contact.extended(point.state).reshape(count, -1) - begin
     begin += 0.3 * direction / np.abs(direction).max()
-    end = solve_ivp(whole.rate, (0.0, 1e5), begin.reshape(-1), "LSODA", rtol=1e-6, atol=1e-8).y[:, -1]
+    end = solve_ivp(whole.rate, (0.0, 1e5), begin.reshape(-1), "LSODA", rtol=1e-6,
+                    atol=1e-8).y[:, -1]
     found = contact.extended(point.state).reshape(count, -1)
     assert np.abs(end.reshape(count, -1) - found).max() < 1e-2
 
 
 # Ends and failures
 
-@pytest.mark.parametrize("changes", [{}, {"geometry": "flat"}, {"tangential": "on", "height": 50.0, "residual_friction": 0.5}])
+@pytest.mark.parametrize("changes", [{}, {"geometry": "flat"}, {"tangential": "on", "height": 50.0,
+                                                                "residual_friction": 0.5}])
 def test_a_body_off_the_flat_lets_go_where_its_force_vanishes(changes):
-    """Within the law's range it is attracted, the less the farther away: the fold is at no force, whatever the steps."""
+    """Within the law's range it is attracted, the less the farther away: the fold is at no force,
+    whatever the steps."""
     found = []
     for times in (1.0, 4.0):
         steps = Steps(initial_step=times / 40.0, largest_step=times / 20.0)
         scene = Scene(**{**LINE, "points": 128, **changes})
         branch = Branch(scene, Load(start="normal_displacement=-3", path="normal_force=0.5"), steps)
         points = list(branch)
-        fold, jump = (next(point for point in points if point.event == event) for event in ("fold", "jump"))
+        fold, jump = (next(point for point in points if point.event == event)
+                      for event in ("fold", "jump"))
         assert points[0].forces[0] < -1e-4 and not fold.in_contact
-        assert fold.load[0] == fold.forces[0] == jump.load[0] == 0.0 and fold.fold_kind == "jump_in" and jump.in_contact
+        assert (fold.load[0] == fold.forces[0] == jump.load[0] == 0.0
+                and fold.fold_kind == "jump_in" and jump.in_contact)
         # Nothing is lost on the way out, which no polynomial through the points could tell.
         before = points[[point.event for point in points].index("fold") - 1]
         stored = [point.elastic_energy + point.interfacial_energy for point in (before, fold)]
-        assert fold.external_work - before.external_work == pytest.approx(stored[1] - stored[0], abs=1e-9)
+        assert fold.external_work - before.external_work == pytest.approx(stored[1] - stored[0],
+                                                                          abs=1e-9)
         assert jump.dissipated_work > 0.1
         found.append((jump.displacements[0], jump.dissipated_work))
     assert found[0] == pytest.approx(found[1], rel=1e-6)
@@ -251,10 +279,12 @@ def test_a_body_off_the_flat_lets_go_where_its_force_vanishes(changes):
 
 @pytest.mark.parametrize("stability", ["sign", "eigenvalue"])
 def test_the_mode_of_a_free_body_fades_and_crosses_nothing(stability):
-    """Off the flat a force holds no body: one unstable mode, whose eigenvalue goes with the force to zero and not through it."""
+    """Off the flat a force holds no body: one unstable mode, whose eigenvalue goes with the force
+    to zero and not through it."""
     steps = Steps(initial_step=1.0 / 40.0, largest_step=1.0 / 20.0, stability=stability)
     scene = Scene(**{**LINE, "points": 64, "geometry": "flat"})
-    points = list(Branch(scene, Load(start="normal_displacement=-4", path="normal_force=-2e-6; normal_force=0.5"), steps))
+    points = list(Branch(scene, Load(start="normal_displacement=-4",
+                                     path="normal_force=-2e-6; normal_force=0.5"), steps))
     events = [point.event for point in points]
     assert "bifurcation" not in events and events.count("fold") == events.count("jump") == 1
     before = points[1:events.index("fold")]
@@ -263,15 +293,18 @@ def test_the_mode_of_a_free_body_fades_and_crosses_nothing(stability):
 
 
 def test_a_first_step_along_the_arc_too_long_for_a_free_body_leads_to_its_fold():
-    scene, load = Scene(**{**LINE, "points": 64, "geometry": "flat"}), Load(start="normal_displacement=-3", path="normal_force=2")
+    scene = Scene(**{**LINE, "points": 64, "geometry": "flat"})
+    load = Load(start="normal_displacement=-3", path="normal_force=2")
     points = list(Branch(scene, load, Steps(type="arclength", initial_step=0.5, largest_step=0.5)))
-    assert [point.event for point in points if point.event != "none"] == ["fold", "jump"] and points[-1].forces[0] == 2.0
+    assert ([point.event for point in points if point.event != "none"] == ["fold", "jump"]
+            and points[-1].forces[0] == 2.0)
 
 
 def test_a_window_grows_with_the_motion():
     """The body at 30 ranges falls on the flat; on the whole cell it ends in the same state."""
     contact = Contact(Scene(**{**LINE, "points": 2048, "normal_maugis": 8.0}))
-    motions = [flow(contact, (F,), (0.5,), lifted(contact, (F,), (0.5,), by)) for by in (30.0, 30.0)]
+    motions = [flow(contact, (F,), (0.5,), lifted(contact, (F,), (0.5,), by))
+               for by in (30.0, 30.0)]
     state, whole = motions[1].state(), contact.grid.whole
     motions[1]._begin(0.0, states.State(whole, states.onto(state, whole), state.means))
     begun = motions[0].equations.window.size
@@ -283,11 +316,14 @@ def test_a_window_grows_with_the_motion():
 
 
 @pytest.mark.parametrize("height", (float("inf"), 10.0))
-@pytest.mark.parametrize("path, scene", (("normal_force=-5", {}), ("tangential_force=30", {"residual_friction": 0.5})))
+@pytest.mark.parametrize("path, scene", (("normal_force=-5", {}),
+                                         ("tangential_force=30", {"residual_friction": 0.5})))
 def test_a_body_that_leaves_or_slides_for_ever_is_named(path, scene, height):
-    branch, points = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, "height": height, **scene}),
-                            Load(start="normal_displacement=1", path=path)), []
-    with pytest.raises(NoEquilibrium, match=f"no equilibrium .* beyond the fold .*: the body leaves or slides without end"):
+    branch = Branch(Scene(**{**LINE, "period": 40.0, "points": 1024, "height": height, **scene}),
+                    Load(start="normal_displacement=1", path=path))
+    points = []
+    with pytest.raises(NoEquilibrium, match="no equilibrium .* beyond the fold .*: "
+                       "the body leaves or slides without end"):
         for point in branch:
             points.append(point)
     assert points[-1].event == "fold" and branch.contact.grid.transforms < 3000
@@ -302,8 +338,11 @@ def test_motion_without_end_is_told_at_once(force, slip):
 
 
 def test_what_slides_while_contact_still_grows_does_not_slide_for_ever():
-    """Lifted and slipped, the body hardly touches: friction carries the force once it has come down."""
-    contact, controls, load = Contact(Scene(**{**LAYER, "height": float("inf")})), (F, F), (5.0, 0.3)
+    """Lifted and slipped, the body hardly touches: friction carries the force once it has come
+    down."""
+    contact = Contact(Scene(**{**LAYER, "height": float("inf")}))
+    controls = (F, F)
+    load = (5.0, 0.3)
     motion = flow(contact, controls, load, lifted(contact, controls, load, 5.0, 12.0), even=False)
     motion.follow()
     assert states.normal_gap(contact, motion.state()).min() < 1.0
@@ -311,13 +350,16 @@ def test_what_slides_while_contact_still_grows_does_not_slide_for_ever():
 
 def test_a_fold_under_a_force_is_the_pull_off_that_a_path_stops_at():
     scene = Scene(**{**LINE, "period": 40.0, "points": 1024})
-    points = list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5", stop="pull_off")))
+    points = list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5",
+                                     stop="pull_off")))
     assert (points[-1].event, points[-1].fold_kind) == ("fold", "pull_off")
     with pytest.raises(NoEquilibrium):
-        list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5", stop="gross_sliding")))
+        list(Branch(scene, Load(start="normal_displacement=1", path="normal_force=-5",
+                                stop="gross_sliding")))
 
 
-ROUGH = {"period": 24.0, "points": 256, "height": float("inf"), "tangential": "off", "geometry": "file"}
+ROUGH = {"period": 24.0, "points": 256, "height": float("inf"), "tangential": "off",
+         "geometry": "file"}
 
 
 def on_heights(tmp_path, heights, start, path, **changes):
@@ -341,7 +383,8 @@ def test_spots_that_let_go_one_by_one_under_a_force_are_followed_to_the_last(tmp
 
 
 def test_what_is_pressed_is_not_said_to_leave(tmp_path, self_affine):
-    """From a state that a prescribed force does not hold: the branch ends, the body jumps, and reaches what a start reaches."""
+    """From a state that a prescribed force does not hold: the branch ends, the body jumps, and
+    reaches what a start reaches."""
     heights = self_affine(64, 12.0, 6.0, 1.5, 1.0, 1, dimension=2)
     changes = {"dimension": 2, "points": 64, "period": 12.0, "normal_maugis": 2.0, "height": 2000.0}
     branch = on_heights(tmp_path, heights, "normal_displacement=0", "normal_force=10", **changes)
@@ -352,7 +395,8 @@ def test_what_is_pressed_is_not_said_to_leave(tmp_path, self_affine):
 
 
 def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, options, monkeypatch):
-    """Overdamped motion has the last word; where it cannot be followed nothing is said of equilibria."""
+    """Overdamped motion has the last word; where it cannot be followed nothing is said of
+    equilibria."""
     branch, points, _ = jumped["pull-off"]
     fold, after = points[-2:]
 
@@ -365,7 +409,8 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
     point = branch.corrector.settle(aside, fold.controls, fold.load, "here")
     np.testing.assert_allclose(point.forces, after.forces, rtol=1e-6, atol=1e-9)
     options(jump_motion_type="overdamped", jump_motion_steps=3)
-    with pytest.raises(NotConverged, match="leaves .* with inertia here, but the overdamped motion .* 3 steps"):
+    with pytest.raises(NotConverged,
+                       match="leaves .* with inertia here, but the overdamped motion .* 3 steps"):
         branch.corrector.settle(aside, fold.controls, fold.load, "here")
     monkeypatch.setattr(jumps, "relaxed", leaves)
     with pytest.raises(NotConverged, match="in the relaxation before the solve"):
@@ -377,14 +422,16 @@ def test_an_isolated_contact_jumps_in():
     points = list(Branch(scene, Load(path="normal_force=0.5")))
     direct = list(Branch(scene, Load(start="normal_force=0.6", path="normal_force=0.5")))
     assert [point.event for point in points[:3]] == ["none", "fold", "jump"]
-    assert points[-1].state.displacement.min() == pytest.approx(direct[-1].state.displacement.min(), rel=1e-4)
+    assert points[-1].state.displacement.min() == pytest.approx(direct[-1].state.displacement.min(),
+                                                                rel=1e-4)
 
 
 def test_a_motion_that_is_not_followed_gives_way_to_inertia(options, jumped):
     branch, points, _ = jumped["pull-off"]
     options(jump_motion_steps=3)
     _, found, sentences = followed("pull-off")
-    assert any("not come to rest after 3 steps" in sentence and "on the whole cell" in sentence for sentence in sentences)
+    assert any("not come to rest after 3 steps" in sentence and "on the whole cell" in sentence
+               for sentence in sentences)
     same(branch, points[-1], found[-1])
 
 
@@ -427,17 +474,22 @@ def test_a_motion_cannot_begin_from_what_is_no_number(wrong, jumped):
     spoiled = points[0].state.displacement.copy()
     spoiled[0, 7] = wrong
     with pytest.raises(NotConverged, match="NaN"):
-        branch.corrector.settle(states.State(points[0].state.window, spoiled, points[0].state.means), points[0].controls,
+        branch.corrector.settle(states.State(points[0].state.window, spoiled,
+                                             points[0].state.means), points[0].controls,
                                 points[0].load, "here")
 
 
-@pytest.mark.parametrize("given, stiffness", [({}, 0.2), ({"jump_snes_regularised_stiffness": 0.7}, 0.7),
+@pytest.mark.parametrize("given, stiffness", [({}, 0.2), ({"jump_snes_regularised_stiffness": 0.7},
+                                                          0.7),
                                               ({"jump_snes_regularised_gap": "false"}, None)])
 def test_steps_of_a_motion_are_taken_as_its_options_say(given, stiffness, options, monkeypatch):
     """In the regularised gap of a stiffness, or not; the motion leads to the same state."""
     options(**given)
-    contact, used, step = Contact(Scene(**LINE)), [], RegularisedStep.__call__
-    monkeypatch.setattr(RegularisedStep, "__call__", lambda self, x, y: used.append(self.stiffness) or step(self, x, y))
+    contact = Contact(Scene(**LINE))
+    used = []
+    step = RegularisedStep.__call__
+    monkeypatch.setattr(RegularisedStep, "__call__", lambda self, x, y: used.append(self.stiffness)
+                        or step(self, x, y))
     motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
     motion.follow()
     assert set(used) == ({stiffness} if stiffness else set())

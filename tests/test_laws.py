@@ -1,7 +1,8 @@
 """Laws against peaks, quadrature of their tractions, one-sided differences and Taylor's theorem.
 
-Equations are those of "Incipient sliding of adhesive contacts" (Friction), as corrected in the laws' docstrings. Gaps are
-a = g_n / delta_n and b = |g_t| / delta_t, tractions in phi_n / delta_n and phi_t / delta_t, works in phi_n and phi_t.
+Equations are those of "Incipient sliding of adhesive contacts" (Friction), as corrected in the
+laws' docstrings. Gaps are a = g_n / delta_n and b = |g_t| / delta_t, tractions in phi_n / delta_n
+and phi_t / delta_t, works in phi_n and phi_t.
 """
 
 import numpy as np
@@ -44,7 +45,8 @@ def slope(law, normal, *slip):
 
 
 def quadrature(function, *breaks, order=30, pieces=40):
-    """Integral of a function of an array between the breaks, by Gauss-Legendre on pieces of each interval."""
+    """Integral of a function of an array between the breaks, by Gauss-Legendre on pieces of each
+    interval."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
     total = 0.0
     for left, right in zip(breaks, breaks[1:]):
@@ -100,21 +102,25 @@ def test_residual_friction(a):
     shielded = np.exp(-max(a, 0.0))
     for rho in (0.0, 0.3, 1.0):
         tangential = traction(Modified(residual_friction=rho), a, FAR)[1]
-        assert tangential == pytest.approx(rho * np.sqrt(2 / np.e) * shielded, rel=1e-14, abs=1e-300)
+        assert tangential == pytest.approx(rho * np.sqrt(2 / np.e) * shielded, rel=1e-14,
+                                           abs=1e-300)
     assert traction(McGarry(), a, FAR)[1] == pytest.approx(0.0, abs=1e-300)
 
 
 def test_full_residual_friction_levels_off_at_the_peak():
     b = np.linspace(SLIP, 9.0, 50)
-    np.testing.assert_allclose(traction(Modified(residual_friction=1.0), -1.0, b)[1], np.sqrt(2 / np.e), rtol=1e-15)
+    np.testing.assert_allclose(traction(Modified(residual_friction=1.0), -1.0, b)[1],
+                               np.sqrt(2 / np.e), rtol=1e-15)
 
 
 def test_residual_adhesion():
     for remnant in (0.0, 0.2, 0.9):
         sheared = Modified(residual_adhesion=remnant)
         a = np.array([0.2, 1.0, 3.0])
-        np.testing.assert_allclose(traction(sheared, a, FAR)[0], remnant * a * np.exp(-a), rtol=1e-14, atol=1e-300)
-        assert quadrature(lambda a: traction(sheared, a, FAR)[0], 0.0, FAR) == pytest.approx(remnant, abs=1e-12)
+        np.testing.assert_allclose(traction(sheared, a, FAR)[0], remnant * a * np.exp(-a),
+                                   rtol=1e-14, atol=1e-300)
+        assert quadrature(lambda a: traction(sheared, a, FAR)[0], 0.0,
+                          FAR) == pytest.approx(remnant, abs=1e-12)
         np.testing.assert_allclose(traction(sheared, -a, FAR)[0], -a * np.exp(a), rtol=1e-14)
 
 
@@ -143,7 +149,8 @@ def test_steepest_tangential_softening(example, steepest, place):
 def test_work_of_separation_normal(law):
     for normal_only in (lambda a: traction(law, a)[0], lambda a: traction(law, a, 0.0)[0]):
         assert quadrature(normal_only, 0.0, FAR) == pytest.approx(1.0, abs=1e-12)
-        assert quadrature(normal_only, 0.0, np.e) == pytest.approx(1 - (1 + np.e) * np.exp(-np.e), rel=1e-12)
+        assert quadrature(normal_only, 0.0, np.e) == pytest.approx(1 - (1 + np.e) * np.exp(-np.e),
+                                                                   rel=1e-12)
 
 
 def test_work_of_separation_tangential():
@@ -160,15 +167,17 @@ def test_work_of_separation_tangential():
     assert work(Modified(residual_friction=0.0), 0.0, SLIP, FAR) == pytest.approx(1.1536, abs=5e-5)
 
 
-@pytest.mark.parametrize("c, normal_work, tangential_work", [(0.5, 0.48426, 0.24213), (1.0, 0.22718, 0.45436),
-                                                             (2.0, 0.08233, 0.65865)])
+@pytest.mark.parametrize("c, normal_work, tangential_work",
+                         [(0.5, 0.48426, 0.24213), (1.0, 0.22718, 0.45436),
+                          (2.0, 0.08233, 0.65865)])
 def test_work_on_straight_mixed_paths(c, normal_work, tangential_work):
     normal = quadrature(lambda a: traction(McGarry(), a, c * a)[0], 0.0, FAR)
     tangential = quadrature(lambda a: c * traction(McGarry(), a, c * a)[1], 0.0, FAR)
     rest = np.sqrt(np.pi) / (2 * c) * np.exp(1 / (4 * c**2)) * erfc(1 / (2 * c))
     assert tangential == pytest.approx(1 - rest, rel=1e-12)
     assert normal == pytest.approx((1 - rest) / (2 * c**2), rel=1e-12)
-    assert (normal, tangential) == (pytest.approx(normal_work, abs=6e-6), pytest.approx(tangential_work, abs=6e-6))
+    assert (normal, tangential) == (pytest.approx(normal_work, abs=6e-6),
+                                    pytest.approx(tangential_work, abs=6e-6))
     # Out of contact the modified law's adhesion fades alike, but for what is left of it.
     for remnant in (0.0, 0.25):
         modified = Modified(residual_adhesion=remnant)
@@ -202,7 +211,8 @@ def test_closed_cycles_do_net_work(law):
 
 
 def test_mixed_derivatives_differ():
-    """phi_n/(delta_n delta_t) times the one, phi_t/(delta_n delta_t) times the other: equal only where phi_n a = phi_t."""
+    """phi_n/(delta_n delta_t) times the one, phi_t/(delta_n delta_t) times the other: equal only
+    where phi_n a = phi_t."""
     a, b = np.array([0.3, 1.0, 2.2]), np.array([0.2, 0.5, 1.1])
     tangent = slope(McGarry(), a, b)
     np.testing.assert_allclose(tangent[0, 1], -2 * a * b * np.exp(-a - b**2), rtol=1e-14)
@@ -252,7 +262,9 @@ def test_no_jump_without_coupling_in_overlap():
 def test_friction_is_smooth_once_at_its_peak(rho):
     law = Modified(residual_friction=rho)
     step = 1e-5
-    assert traction(law, 0.0, SLIP * (1 - 1e-14))[1] == pytest.approx(traction(law, 0.0, SLIP * (1 + 1e-14))[1], rel=1e-13)
+    assert traction(law, 0.0, SLIP * (1 - 1e-14))[1] == pytest.approx(traction(law, 0.0,
+                                                                               SLIP * (
+        1 + 1e-14))[1], rel=1e-13)
     before, at, after = (slope(law, 0.0, SLIP + shift)[1, 1] for shift in (-step, 0.0, step))
     assert at == pytest.approx(0.0, abs=1e-14)
     assert (at - before) / step == pytest.approx(-4 * TANGENTIAL_PEAK, abs=1e-3)
@@ -270,7 +282,8 @@ def test_taylor_remainder_is_of_second_order(law, components, side, beyond):
     direction /= np.linalg.norm(direction, axis=0)
     at, change = law.traction(gap), np.einsum("ijn,jn->in", law.tangent(gap), direction)
     steps = 0.1 * 0.5 ** np.arange(1, 9)
-    remainders = [np.linalg.norm(law.traction(gap + h * direction) - at - h * change) for h in steps]
+    remainders = [np.linalg.norm(law.traction(gap + h * direction) - at - h * change)
+                  for h in steps]
     order = np.polyfit(np.log(steps), np.log(remainders), 1)[0]
     assert order == pytest.approx(2.0, abs=0.05)
 
@@ -348,7 +361,8 @@ def test_continuation_is_linear(law):
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         for depth in (-1e-3, -10.0, -1e4):
             tangent = slope(law, DEEPEST + depth, *slip)
-            np.testing.assert_allclose(traction(law, DEEPEST + depth, *slip), start + depth * tangent[:, 0], rtol=1e-13)
+            np.testing.assert_allclose(traction(law, DEEPEST + depth, *slip),
+                                       start + depth * tangent[:, 0], rtol=1e-13)
             np.testing.assert_allclose(tangent[:, 0], slope(law, DEEPEST, *slip)[:, 0], rtol=1e-13)
 
 
@@ -389,21 +403,24 @@ def regularised(law, a, stiffness):
 @pytest.mark.parametrize("stiffness", [0.1354, 0.2, 1.0, 5.0])
 def test_regularised_step_is_the_same_step_in_another_variable(stiffness):
     law, rng = Modified(), np.random.default_rng(4)
-    gap = np.concatenate([rng.uniform(-49.0, 8.0, 300), rng.uniform(-1.0, 4.0, 300), [0.0, 1.0, 2.0, 500.0]])
+    gap = np.concatenate([rng.uniform(-49.0, 8.0, 300), rng.uniform(-1.0, 4.0, 300),
+                          [0.0, 1.0, 2.0, 500.0]])
     step = np.concatenate([rng.normal(scale=5.0, size=600), [0.0, 0.0, 1e-3, -700.0]])
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         new = gap + law.regularised_step(gap, step, stiffness)
     target = regularised(law, gap, stiffness) + (1 + slope(law, gap)[0, 0] / stiffness) * step
     # To rounding of w, and to the tolerance of a where w is steep.
     steep = 1 + slope(law, new)[0, 0] / stiffness
-    assert np.all(np.abs(regularised(law, new, stiffness) - target) <= 1e-13 * np.abs(target) + 1e-9 * steep)
+    assert np.all(np.abs(regularised(law, new, stiffness) - target) <= 1e-13 * np.abs(target)
+                  + 1e-9 * steep)
 
 
 def test_regularised_step_is_the_step_to_first_order():
     law = Modified()
     gap = np.array([-12.0, -3.0, -0.4, 0.5, 1.5, 6.0])
     sizes = 0.1 * 0.5 ** np.arange(1, 9)
-    differences = [np.linalg.norm(law.regularised_step(gap, h * np.ones(6), 0.2) - h) for h in sizes]
+    differences = [np.linalg.norm(law.regularised_step(gap, h * np.ones(6), 0.2) - h)
+                   for h in sizes]
     assert np.polyfit(np.log(sizes), np.log(differences), 1)[0] == pytest.approx(2.0, abs=0.1)
     assert np.all(law.regularised_step(gap, np.zeros(6), 0.2) == pytest.approx(0.0, abs=1e-9))
 

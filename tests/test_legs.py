@@ -1,4 +1,5 @@
-"""Legs of a load path: what controls each component follows from the path, also where a leg moves nothing."""
+"""Legs of a load path: what controls each component follows from the path, also where a leg moves
+nothing."""
 
 from dataclasses import replace
 
@@ -8,14 +9,15 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes.scene.load import controls_along, Load  # noqa: E402
-from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
-from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.scene.load import Load, controls_along  # noqa: E402
+from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
-PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3, period=20.0, height=30.0)
+PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3,
+              period=20.0, height=30.0)
 ALONE = Scene(period=float("inf"), spacing=0.3, normal_maugis=1.0, tangential_maugis=0.5)
 LARGE = Steps(initial_step=1.5, largest_step=2.0)
 DISPLACED, FORCED = "displacement", "force"
@@ -29,34 +31,44 @@ def followed(path, scene=LINE, steps=LARGE, start=None, history=(), log=lambda s
 
 def held(point):
     """What a point's controls hold, read off its displacements and forces."""
-    return [(point.forces if control == FORCED else point.displacements)[i] for i, control in enumerate(point.controls)]
+    return [(point.forces if control == FORCED else point.displacements)[i]
+            for i, control in enumerate(point.controls)]
 
 
 def test_controls_follow_from_the_path():
-    load = Load(path="normal_force=1; tangential_force=hold, normal_displacement=hold; tangential_force=2; normal_force=hold")
+    load = Load(path="normal_force=1; tangential_force=hold, normal_displacement=hold; "
+                "tangential_force=2; normal_force=hold")
     kinds = controls_along(load.initial(1), load.legs(1))
-    assert kinds == [(DISPLACED, DISPLACED), (FORCED, DISPLACED), (DISPLACED, FORCED), (DISPLACED, FORCED), (FORCED, FORCED)]
+    assert kinds == [(DISPLACED, DISPLACED), (FORCED, DISPLACED), (DISPLACED, FORCED),
+                     (DISPLACED, FORCED), (FORCED, FORCED)]
 
 
-# A path with legs that move nothing, and the same one without them: the second switches while it moves; start, scene and step.
-PAIRS = {
-    "force": ("normal_displacement=2; normal_force=hold; tangential_displacement=4",
-              "normal_displacement=2; normal_force=hold, tangential_displacement=4", None, LINE, 1.5),
-    "displacement": ("normal_force=1; normal_displacement=hold; tangential_displacement=4",
-                     "normal_force=1; normal_displacement=hold, tangential_displacement=4", None, LINE, 1.5),
-    "tangential force": ("tangential_displacement=2; tangential_force=hold; normal_displacement=3",
-                         "tangential_displacement=2; tangential_force=hold, normal_displacement=3", None, LINE, 1.5),
-    "first leg": ("normal_force=hold; tangential_displacement=4", "normal_force=hold, tangential_displacement=4",
-                  "normal_displacement=2", LINE, 1.5),
-    "several": ("normal_force=hold; normal_displacement=hold; normal_force=hold, tangential_force=hold; tangential_force=0.5",
-                "normal_force=hold, tangential_force=0.5", "normal_displacement=2", LINE, 0.2),
-    "where it is": ("normal_displacement=2; normal_force=hold; normal_displacement=2; tangential_displacement=4",
-                    "tangential_displacement=4", "normal_displacement=2", LINE, 1.5),
-    "plane": ("normal_force=hold; tangential_force_y=hold; tangential_displacement_x=2",
-              "normal_force=hold, tangential_force_y=hold, tangential_displacement_x=2", "normal_displacement=3", PLANE, 0.8),
-    "alone": ("normal_force=hold; normal_force=2, tangential_force=0; tangential_force=0.2",
-              "tangential_force=0.2", "normal_force=2", ALONE, 0.08),
-}
+# A path with legs that move nothing, and the same one without them: the second switches while it
+# moves; start, scene and step.
+PAIRS = {"force": ("normal_displacement=2; normal_force=hold; tangential_displacement=4",
+                   "normal_displacement=2; normal_force=hold, tangential_displacement=4",
+                   None, LINE, 1.5), "displacement": ("normal_force=1; "
+                                                      "normal_displacement=hold; "
+                                                      "tangential_displacement=4",
+                                                      "normal_force=1; "
+                                                      "normal_displacement=hold, "
+                                                      "tangential_displacement=4", None, LINE, 1.5),
+         "tangential force": ("tangential_displacement=2; tangential_force=hold; "
+                              "normal_displacement=3", "tangential_displacement=2; "
+                              "tangential_force=hold, normal_displacement=3", None, LINE, 1.5),
+         "first leg": ("normal_force=hold; tangential_displacement=4", "normal_force=hold, "
+                       "tangential_displacement=4", "normal_displacement=2", LINE, 1.5),
+         "several": ("normal_force=hold; normal_displacement=hold; normal_force=hold, "
+                     "tangential_force=hold; tangential_force=0.5", "normal_force=hold, "
+                     "tangential_force=0.5", "normal_displacement=2", LINE, 0.2),
+         "where it is": ("normal_displacement=2; normal_force=hold; normal_displacement=2; "
+                         "tangential_displacement=4", "tangential_displacement=4",
+                         "normal_displacement=2", LINE, 1.5),
+         "plane": ("normal_force=hold; tangential_force_y=hold; tangential_displacement_x=2",
+                   "normal_force=hold, tangential_force_y=hold, tangential_displacement_x=2",
+                   "normal_displacement=3", PLANE, 0.8),
+         "alone": ("normal_force=hold; normal_force=2, tangential_force=0; "
+                   "tangential_force=0.2", "tangential_force=0.2", "normal_force=2", ALONE, 0.08),}
 
 
 @pytest.mark.parametrize("kind", ["natural", "arclength"])
@@ -64,7 +76,8 @@ PAIRS = {
 def test_legs_that_move_nothing_switch_the_control(case, kind):
     idle, direct, start, scene, step = PAIRS[case]
     steps = Steps(initial_step=step, largest_step=1.5 * step, type=kind)
-    (branch, points), (_, expected) = followed(idle, scene, steps, start), followed(direct, scene, steps, start)
+    (branch, points) = followed(idle, scene, steps, start)
+    (_, expected) = followed(direct, scene, steps, start)
     moved = [point for point in points if point.leg == len(branch.legs)]
     assert len(points) == len(expected) and len(moved) > 1
     kinds = controls_along(branch.load.initial(scene.dimension, scene.isolated), branch.legs)
@@ -75,34 +88,42 @@ def test_legs_that_move_nothing_switch_the_control(case, kind):
             assert point.controls == kinds[point.leg][:len(point.controls)]
     still = [i for i in range(len(moved[0].load)) if i not in branch.legs[-1].controls]
     for point in moved:
-        assert held(point) == list(point.load) and [point.load[i] for i in still] == [moved[0].load[i] for i in still]
+        assert held(point) == list(point.load) and [point.load[i]
+                                                    for i in still] == [moved[0].load[i]
+                                                                        for i in still]
     # What was held before moves now.
-    free = {"force": "displacements", "displacement": "forces", "tangential force": "displacements"}.get(case)
+    free = {"force": "displacements", "displacement": "forces",
+            "tangential force": "displacements"}.get(case)
     if free:
         component = int(case.startswith("tangential"))
         assert np.ptp([getattr(point, free)[component] for point in moved]) > 1e-4
 
 
 def test_ends_of_legs_are_exact():
-    path = "normal_displacement=1.1; normal_force=hold; tangential_displacement=0.7; tangential_force=hold; normal_force=1.3"
+    path = ("normal_displacement=1.1; normal_force=hold; tangential_displacement=0.7; "
+            "tangential_force=hold; normal_force=1.3")
     _, points = followed(path)
     ends = {point.leg: point for point in points if point.position == 1.0}
     assert ends.keys() == {1, 3, 5}
-    assert ends[1].displacements[0] == 1.1 and ends[3].displacements[1] == 0.7 and ends[5].forces[0] == 1.3
+    assert (ends[1].displacements[0] == 1.1 and ends[3].displacements[1] == 0.7
+            and ends[5].forces[0] == 1.3)
     assert ends[3].forces[0] == ends[1].forces[0] and ends[5].forces[1] == ends[3].forces[1]
 
 
 def test_the_first_point_is_under_the_controls_that_were_asked_for():
-    (first,) = followed("normal_displacement=2", start="normal_displacement=2, tangential_force=0")[1]
+    (first,) = followed("normal_displacement=2",
+                        start="normal_displacement=2, tangential_force=0")[1]
     assert first.controls == (DISPLACED, FORCED) and first.forces[1] == 0.0
-    *_, last = followed("normal_displacement=2.5", start="normal_displacement=2, tangential_force=0")[1]
+    *_, last = followed("normal_displacement=2.5",
+                        start="normal_displacement=2, tangential_force=0")[1]
     assert last.controls == (DISPLACED, FORCED) and last.forces[1] == 0.0
 
 
 @pytest.mark.parametrize("at_fold", ["jump", "trace"])
 def test_an_interrupted_path_keeps_the_switch(at_fold):
     """Interrupted after every point, also right before and after legs that move nothing."""
-    path = "normal_displacement=1; normal_force=hold; tangential_displacement=4; tangential_force=hold; normal_force=1"
+    path = ("normal_displacement=1; normal_force=hold; tangential_displacement=4; "
+            "tangential_force=hold; normal_force=1")
     steps = Steps(initial_step=2.0, largest_step=2.0, at_fold=at_fold)
     branch, points = followed(path, steps=steps)
     assert {point.leg for point in points} == {0, 1, 3, 5}
@@ -114,42 +135,53 @@ def test_an_interrupted_path_keeps_the_switch(at_fold):
         assert rest[-1].displacements == pytest.approx(points[-1].displacements, abs=1e-6)
 
 
-@pytest.mark.parametrize("softest, modes, told", [(-1e-3, 2, True), (-1e-3, 0, False), (1e-3, 2, False), (np.nan, 2, False)])
+@pytest.mark.parametrize("softest, modes, told", [(-1e-3, 2, True), (-1e-3, 0, False),
+                                                  (1e-3, 2, False), (np.nan, 2, False)])
 def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monkeypatch):
     """Its linear solves say where to look; the modes themselves decide."""
     sentences = []
-    branch = Branch(Scene(points=128, normal_maugis=1.0, period=20.0), Load(path="normal_displacement=0.1"), log=sentences.append)
+    branch = Branch(Scene(points=128, normal_maugis=1.0, period=20.0),
+                    Load(path="normal_displacement=0.1"), log=sentences.append)
     start = branch.corrector.start
-    monkeypatch.setattr(branch.corrector, "start", lambda *load: replace(start(*load), softest=softest))
-    monkeypatch.setattr(branch.corrector, "examiner", lambda point: replace(point, stable=int(not modes), unstable_modes=modes))
+    monkeypatch.setattr(branch.corrector, "start",
+                        lambda *load: replace(start(*load), softest=softest))
+    monkeypatch.setattr(branch.corrector, "examiner",
+                        lambda point: replace(point, stable=int(not modes), unstable_modes=modes))
     assert next(iter(branch)).stable == (0 if told else -1)
-    assert any("the first point, at normal_displacement 0, is not stable: 2 modes" in sentence for sentence in sentences) is told
+    assert any("the first point, at normal_displacement 0, is not stable: 2 modes" in sentence
+               for sentence in sentences) is told
 
 
 def test_a_switch_of_controls_is_looked_at_on_grids_that_pin_too():
     scene = Scene(points=64, normal_maugis=6.0, period=40.0, tangential="on")
-    points = followed("normal_force=hold, tangential_displacement=1", scene, start="normal_displacement=4")[1]
+    points = followed("normal_force=hold, tangential_displacement=1", scene,
+                      start="normal_displacement=4")[1]
     assert points[-1].controls[0] == "force" and points[-1].load[1] == 1.0
 
 
 def test_what_was_stable_under_other_controls_is_checked_anew():
     """Beyond the smallest force, -1.62 at -2.3, a displacement holds what a force does not."""
-    path, scene = "normal_displacement=-2.5; normal_force=hold; normal_force=-1.5", Scene(points=256, normal_maugis=2.0, period=30.0)
+    path = "normal_displacement=-2.5; normal_force=hold; normal_force=-1.5"
+    scene = Scene(points=256, normal_maugis=2.0, period=30.0)
     found, told = {}, []
     for stability in ("sign", "off"):
         steps = Steps(initial_step=0.1, largest_step=0.4, stability=stability)
         points = followed(path, scene, steps, "normal_displacement=-2", log=told.append)[1]
         found[stability] = [(point.leg, point.stable) for point in points if point.event == "none"]
     assert {stable for leg, stable in found["sign"] if leg < 3} == {1}
-    assert {stable for leg, stable in found["sign"] if leg == 3} == {stable for leg, stable in found["off"] if leg == 3} == {0}
+    assert {stable for leg, stable in found["sign"] if leg == 3} == {stable
+                                                                     for leg, stable in found["off"]
+                                                                     if leg == 3} == {0}
     assert {stable for leg, stable in found["off"] if leg < 3} == {-1}
-    assert len([sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
+    assert len([sentence for sentence in told
+                if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
     told.clear()
     # Also where what moves is not what was let go.
     steps = Steps(initial_step=(0.1, 1.0, 0.2), largest_step=(0.4, 1.0, 0.2))
     aside = path.replace("normal_force=-1.5", "tangential_displacement=0.2")
     followed(aside, scene, steps, "normal_displacement=-2", log=told.append)
-    assert len([sentence for sentence in told if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
+    assert len([sentence for sentence in told
+                if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
     told.clear()
     for end in ("normal_force=3", "tangential_displacement=1"):
         points = followed(f"normal_displacement=2; normal_force=hold; {end}", log=told.append)[1]
@@ -158,7 +190,8 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
 
 
 def test_a_failure_after_a_switch_is_explained_under_the_new_controls(monkeypatch):
-    """Where no step is found under the force, the last point is called unstable: its certificate was that of a displacement."""
+    """Where no step is found under the force, the last point is called unstable: its certificate
+    was that of a displacement."""
     solve, scene = Tracer.solve, Scene(points=256, normal_maugis=2.0, period=30.0)
 
     def fails(*_, **__):
@@ -170,6 +203,7 @@ def test_a_failure_after_a_switch_is_explained_under_the_new_controls(monkeypatc
     monkeypatch.setattr(Tracer, "solve", solved)
     for name in ("solve_arc", "settle"):
         monkeypatch.setattr(Tracer, name, fails)
-    load = Load(start="normal_displacement=-2", path="normal_displacement=-2.5; normal_force=hold; normal_force=-1.5")
+    load = Load(start="normal_displacement=-2",
+                path="normal_displacement=-2.5; normal_force=hold; normal_force=-1.5")
     with pytest.raises(NotConverged, match=r"the last point is unstable \(1 modes"):
         list(Branch(scene, load, Steps(initial_step=0.1, largest_step=0.4)))

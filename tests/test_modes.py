@@ -1,15 +1,17 @@
-"""Modes of smallest real part against all eigenvalues of dense matrices: complex, far, close and equal ones."""
+"""Modes of smallest real part against all eigenvalues of dense matrices: complex, far, close and
+equal ones."""
 
 import numpy as np
 import pytest
 
-from contactsnes.grid.contours import first_largest
-from contactsnes.dynamics.modes import NEUTRAL, joined, leading_modes, oriented
 from contactsnes.continuation.points import NotConverged
+from contactsnes.dynamics.modes import NEUTRAL, joined, leading_modes, oriented
+from contactsnes.grid.contours import first_largest
 
 
 class Dense:
-    """The identity plus a matrix of low rank with given eigenvalues (complex ones: with their conjugates), and a rough inverse."""
+    """The identity plus a matrix of low rank with given eigenvalues (complex ones: with their
+    conjugates), and a rough inverse."""
 
     def __init__(self, values, size=160, seed=0, rough=0.3):
         rng = np.random.default_rng(seed)
@@ -17,16 +19,19 @@ class Dense:
         place = 0
         for value in values:
             if np.imag(value):
-                blocks[place:place + 2, place:place + 2] = [[value.real, value.imag], [-value.imag, value.real]]
+                blocks[place:place + 2, place:place + 2] = [[value.real, value.imag],
+                                                            [-value.imag, value.real]]
             else:
                 blocks[place, place] = np.real(value)
             place += 2 if np.imag(value) else 1
-        basis = np.linalg.qr(rng.standard_normal((size, size)))[0] + 0.2 * rng.standard_normal((size, size)) / np.sqrt(size)
+        basis = np.linalg.qr(rng.standard_normal((size, size)))[0] + 0.2 * rng.standard_normal(
+            (size, size)) / np.sqrt(size)
         self.size, self.products = size, 0
         self.matrix = basis @ blocks @ np.linalg.inv(basis)
         # What a preconditioner knows: the large ones, roughly.
         large = np.abs(np.diag(blocks)) > 5.0
-        inverse = np.where(large, (1.0 + rough * rng.uniform(-1, 1, size)) / np.abs(np.diag(blocks)), 1.0)
+        inverse = np.where(large, (1.0 + rough * rng.uniform(-1, 1, size))
+                           / np.abs(np.diag(blocks)), 1.0)
         self.inverse = basis @ np.diag(inverse) @ np.linalg.inv(basis)
 
     def apply(self, vector):
@@ -44,16 +49,19 @@ class Dense:
 LARGE = [300.0, 80.0, 20.0, 6.0, 0.7, 0.8]
 
 
-@pytest.mark.parametrize("leading", [
-    [0.07], [0.07, 0.071], [-0.2], [-0.2, 0.05], [-0.3, -0.29, -0.01, 0.4], [-300.0, 0.2], [-2.0, -1.0, -0.5, 0.1],
-    [0.1 + 0.5j], [-0.1 + 0.5j], [-0.1 + 3.0j, 0.02], [-0.2, -0.1 + 0.2j, 0.3], [0.2, 0.2], [-0.2, -0.2]])
+@pytest.mark.parametrize("leading", [[0.07], [0.07, 0.071], [-0.2], [-0.2, 0.05],
+                                     [-0.3, -0.29, -0.01, 0.4], [-300.0, 0.2],
+                                     [-2.0, -1.0, -0.5, 0.1], [0.1 + 0.5j], [-0.1 + 0.5j],
+                                     [-0.1 + 3.0j, 0.02], [-0.2, -0.1 + 0.2j, 0.3], [0.2, 0.2],
+                                     [-0.2, -0.2]])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_leading_modes_are_those_of_dense_matrices(leading, seed):
     operator = Dense(leading + LARGE, seed=seed)
     expected = operator.all()
     modes = joined(leading_modes(operator, accurate=1e-6))
     assert modes.unstable == np.sum(expected.real < -NEUTRAL)
-    assert abs(modes.leading.real - expected[0].real) < 1e-5 and abs(modes.leading.imag - abs(expected[0].imag)) < 1e-5
+    assert (abs(modes.leading.real - expected[0].real) < 1e-5
+            and abs(modes.leading.imag - abs(expected[0].imag)) < 1e-5)
     assert modes.residuals[0] < 1e-6
     vector = modes.vectors[0]
     np.testing.assert_allclose(operator.matrix @ vector, modes.leading * vector, atol=2e-6)
@@ -64,7 +72,8 @@ def test_modes_nearby_are_a_good_beginning():
     operator = Dense([0.07, 0.1] + LARGE)
     cold = operator.products, leading_modes(operator), operator.products
     rng, spent = np.random.default_rng(5), {}
-    near = [vector.real + 0.02 * rng.standard_normal(operator.size) / 20.0 for vector in joined(cold[1]).vectors[:2]]
+    near = [vector.real + 0.02 * rng.standard_normal(operator.size) / 20.0
+            for vector in joined(cold[1]).vectors[:2]]
     for accurate in (None, 3e-4):
         before = operator.products
         modes = joined(leading_modes(operator, start=near, accurate=accurate))
@@ -80,7 +89,8 @@ def test_small_problems_are_dense():
 
 
 def test_what_is_not_found_is_said():
-    """Without a preconditioner, and with eigenvalues of any size next to each other, nothing certain is known."""
+    """Without a preconditioner, and with eigenvalues of any size next to each other, nothing
+    certain is known."""
     class Hopeless(Dense):
         def __init__(self):
             self.size, self.products = 5000, 0
@@ -98,7 +108,8 @@ def test_what_is_not_found_is_said():
 
 @pytest.mark.parametrize("turn", [1.0, -1.0, 1j, np.exp(2.1j)])
 def test_sign_and_phase_of_a_mode_do_not_hang_on_what_finds_it(turn):
-    """Nor on the last bits where peaks are as large on either side; a real mode comes back whole."""
+    """Nor on the last bits where peaks are as large on either side; a real mode comes back
+    whole."""
     x = np.linspace(-1.0, 1.0, 41)
     noise = 1.0 + 1e-15 * np.random.default_rng(3).standard_normal(41)
     for mode in (np.sin(3.0 * x), np.cos(2.0 * x) - 0.3, np.sin(3.0 * x) + 0.2j * np.cos(x)):

@@ -1,4 +1,5 @@
-"""The laws of Xu and Needleman, of Dugdale and Maugis smoothed, and with friction that grows with pressure."""
+"""The laws of Xu and Needleman, of Dugdale and Maugis smoothed, and with friction that grows with
+pressure."""
 
 import numpy as np
 import pytest
@@ -11,8 +12,8 @@ from contactsnes.interface.laws.modified import Modified
 from contactsnes.interface.laws.pressure_friction import PressureFriction
 from contactsnes.interface.laws.xu_needleman import XuNeedleman
 
-EXAMPLES = (XuNeedleman(), XuNeedleman(0.6, 0.0), XuNeedleman(0.4, 0.5), Dugdale(), Dugdale(0.5, 0.2, 0.4),
-            PressureFriction(), PressureFriction(0.5, 0.2, 0.7))
+EXAMPLES = (XuNeedleman(), XuNeedleman(0.6, 0.0), XuNeedleman(0.4, 0.5), Dugdale(),
+            Dugdale(0.5, 0.2, 0.4), PressureFriction(), PressureFriction(0.5, 0.2, 0.7))
 PEAK = np.sqrt(2 / np.e)
 
 
@@ -50,7 +51,8 @@ def test_work_of_adhesion_and_peaks(law):
     assert law.slip_softening == pytest.approx(-law.tangent(gap)[1, 1].min(), rel=1e-6, abs=1e-12)
 
 
-@pytest.mark.parametrize("law", [law for law in EXAMPLES if not isinstance(law, PressureFriction)], ids=repr)
+@pytest.mark.parametrize("law", [law for law in EXAMPLES if not isinstance(law, PressureFriction)],
+                         ids=repr)
 def test_potentials_have_the_tractions_for_derivatives(law):
     ratio = getattr(law, "xu_needleman_q", 1.0)
     gap = np.array([[-0.8, -0.3, 0.2, 0.9, 2.0], [0.3, 0.9, 0.4, 1.2, 0.1]])
@@ -63,19 +65,23 @@ def test_potentials_have_the_tractions_for_derivatives(law):
         moved[i, gap[0] < 0 if i and isinstance(law, Modified) else slice(None)] = step
         slope = (law.potential(gap + moved, ratio) - law.potential(gap - moved, ratio)) / (2 * step)
         expected = size * law.traction(gap)[i]
-        np.testing.assert_allclose(slope, np.where(moved[i] > 0, expected, 0.0), rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(slope, np.where(moved[i] > 0, expected, 0.0), rtol=1e-6,
+                                   atol=1e-6)
     assert law.potential(np.array([[law.range], [0.0]]), ratio)[0] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("q, r", [(1.0, 0.0), (0.6, 0.0), (0.4, 0.5)])
 def test_xu_and_needlemans_formulas(q, r):
-    """Eqs. of 1993 with phi_n = delta_n = delta_t = 1; no work around a closed cycle of gap and slip."""
+    """Eqs. of 1993 with phi_n = delta_n = delta_t = 1; no work around a closed cycle of gap and
+    slip."""
     for a, b in ((0.7, 0.4), (-0.2, 1.1), (1.5, -0.8)):
         fade, open_ = np.exp(-b * b), np.exp(-a)
         normal = open_ * (a * fade + (1 - q) / (r - 1) * (1 - fade) * (r - a))
         tangential = 2 * b * (q + (r - q) / (r - 1) * a) * open_ * fade
         assert at(XuNeedleman(q, r), a, b) == pytest.approx([normal, tangential / q], rel=1e-13)
-    law, A, B = XuNeedleman(q, r), 1.2, 0.6
+    law = XuNeedleman(q, r)
+    A = 1.2
+    B = 0.6
     around = (quad(lambda a: at(law, a, 0)[0] - at(law, a, B)[0], 0, A)[0]
               + q * quad(lambda b: at(law, A, b)[1] - at(law, 0, b)[1], 0, B)[0])
     assert around == pytest.approx(0.0, abs=1e-12)
@@ -88,7 +94,8 @@ def test_a_narrow_dugdale_law_is_a_step():
     np.testing.assert_allclose(law.traction(a[None])[0], [1, 1, 1, 0], atol=1e-4)
     assert law.end == pytest.approx(1.01, abs=1e-6)
     assert law.softening == pytest.approx(1 / (4 * 0.01), rel=1e-2)
-    with pytest.raises(InputError, match="-scene_dugdale_width is '0': allowed is a number at least 0.01"):
+    with pytest.raises(InputError,
+                       match="-scene_dugdale_width is '0': allowed is a number at least 0.01"):
         Dugdale(dugdale_width=0)
 
 
@@ -100,16 +107,19 @@ def test_pressed_friction_is_that_of_its_formula():
     for a in (0.0, 0.4):
         assert at(law, a, 3.0) == pytest.approx(at(Modified(), a, 3.0), rel=1e-13)
     assert law.potential(np.array([[-1.0], [0.1]])) is None
-    assert law.potential(np.array([[-1.0], [0.0]])) == Modified().potential(np.array([[-1.0], [0.0]]))
+    assert law.potential(np.array([[-1.0], [0.0]])) == Modified().potential(
+        np.array([[-1.0], [0.0]]))
 
 
 SMALL = {"points": 256, "period": 20.0, "normal_maugis": 1.0, "height": 50.0}
 
 
 def test_sliding_under_pressure_follows_amontons_and_a_constant():
-    """Where all has slid the force is tau_0 times what is held, and alpha times the compressive force."""
+    """Where all has slid the force is tau_0 times what is held, and alpha times the compressive
+    force."""
     scene = Scene(law="pressure_friction", pressure_friction=0.5, **SMALL)
-    *_, point = branch = list(Branch(scene, load := Load("normal_displacement=3", "tangential_displacement=90")))
+    *_, point = branch = list(Branch(scene, load := Load("normal_displacement=3",
+                                                         "tangential_displacement=90")))
     contact = Branch(scene, load).contact
     field = contact.extended(point.state)
     a, slip = (field[0] + contact.initial_gap.reshape(field[0].shape)), np.abs(field[1])
@@ -118,12 +128,14 @@ def test_sliding_under_pressure_follows_amontons_and_a_constant():
     assert point.forces[1] == pytest.approx(expected * contact.grid.node_area, rel=1e-6)
 
 
-@pytest.mark.parametrize("options", [{"law": "xu_needleman", "xu_needleman_q": 0.8, "work_ratio": 0.8},
-                                     {"law": "dugdale", "dugdale_width": 0.2},
-                                     {"law": "pressure_friction"}], ids=lambda options: options["law"])
+@pytest.mark.parametrize("options", [{"law": "xu_needleman", "xu_needleman_q": 0.8,
+                                      "work_ratio": 0.8}, {"law": "dugdale", "dugdale_width": 0.2},
+                                     {"law": "pressure_friction"}],
+                         ids=lambda options: options["law"])
 def test_branches_with_balanced_energies(options):
     """Work of loads is what body and interface take up, along steps that are small."""
-    branch = Branch(Scene(**options, **SMALL), Load("normal_displacement=0.5", "normal_displacement=-0.5"))
+    branch = Branch(Scene(**options, **SMALL), Load("normal_displacement=0.5",
+                                                    "normal_displacement=-0.5"))
     points = list(branch)
     energies = np.array([point.elastic_energy + point.interfacial_energy for point in points])
     displacements = np.array([point.displacements[0] for point in points])

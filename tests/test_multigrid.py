@@ -1,4 +1,5 @@
-"""The full approximation scheme: coarse contacts, transfers between grids, and the equilibria of Newton's method."""
+"""The full approximation scheme: coarse contacts, transfers between grids, and the equilibria of
+Newton's method."""
 
 from pathlib import Path
 
@@ -10,19 +11,19 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
-from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.commands.session import solver_options  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.grid.cell import Window, transform_cost  # noqa: E402
 from contactsnes.interface.laws.coupled import Coupled  # noqa: E402
-from contactsnes.solvers.multigrid import CoarseForm, Transfer  # noqa: E402
 from contactsnes.options.database import read_file, unused_options  # noqa: E402
-from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.resolution import resolution  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
-from contactsnes.commands.session import solver_options  # noqa: E402
-from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.solvers.multigrid import CoarseForm, Transfer  # noqa: E402
 from contactsnes.solvers.snes import create_snes  # noqa: E402
 
 SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
@@ -50,7 +51,8 @@ def solved(made, controls, load):
 def pair(window=None, controls=(DISPLACEMENT,), softness=1.25, **scene):
     """A form, one on a coarser grid, and the transfer between them."""
     contact = Contact(Scene(**{**SMALL, **scene}))
-    fine = DisplacementForm(contact, contact.grid.whole if window is None else Window(contact.grid, *window), controls)
+    fine = DisplacementForm(contact, contact.grid.whole if window is None
+                            else Window(contact.grid, *window), controls)
     fine.set_load(np.ones(len(controls)))
     coarse = CoarseForm(fine, softness)
     coarse.set_load(fine.load)
@@ -69,7 +71,8 @@ def newton(form, unknown, right=None):
     snes = create_snes(form, "reference_")
     snes.setTolerances(atol=1e-11)
     snes.getKSP().setTolerances(atol=1e-14)
-    snes.solve(None if right is None else PETSc.Vec().createWithArray(right), PETSc.Vec().createWithArray(unknown))
+    snes.solve(None if right is None else PETSc.Vec().createWithArray(right),
+               PETSc.Vec().createWithArray(unknown))
     assert snes.getConvergedReason() > 0
     return unknown
 
@@ -77,7 +80,8 @@ def newton(form, unknown, right=None):
 # Coarse contacts
 
 
-@pytest.mark.parametrize("scene", [SMALL, SPHERE, {**SMALL, "gap_offset": -1.5}], ids=["line", "sphere", "offset"])
+@pytest.mark.parametrize("scene", [SMALL, SPHERE, {**SMALL, "gap_offset": -1.5}],
+                         ids=["line", "sphere", "offset"])
 def test_a_coarse_contact_is_the_same_on_every_other_node(scene):
     fine = Contact(Scene(**scene))
     coarse = fine.coarse(np.inf)
@@ -91,9 +95,11 @@ def test_a_coarse_contact_is_the_same_on_every_other_node(scene):
 
 def test_a_coarse_contact_takes_measured_heights(tmp_path):
     heights = np.random.default_rng(1).normal(size=64)
-    scene = Scene(points=64, period=20.0, geometry="file", geometry_file=str(tmp_path / "none.npy"), normal_maugis=3.0)
+    scene = Scene(points=64, period=20.0, geometry="file", geometry_file=str(tmp_path / "none.npy"),
+                  normal_maugis=3.0)
     coarse = Contact(scene, heights).coarse(0.1)
-    np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0], (heights.max() - heights)[::2], atol=1e-12)
+    np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0],
+                               (heights.max() - heights)[::2], atol=1e-12)
 
 
 def test_coarse_laws_are_soft_enough_for_their_grids():
@@ -101,18 +107,21 @@ def test_coarse_laws_are_soft_enough_for_their_grids():
     assert contact.coarse(np.inf).scene.ranges == contact.scene.ranges
     assert contact.coarse(5.0).scene.normal_maugis == 6.0
     twice = contact.coarse(1.25).coarse(1.25)
-    assert twice.scene.normal_maugis == twice.scene.tangential_maugis == pytest.approx(np.sqrt(1.25 * 128 / 30))
+    assert twice.scene.normal_maugis == twice.scene.tangential_maugis == pytest.approx(
+        np.sqrt(1.25 * 128 / 30))
     assert max(resolution(twice.scene, False)) <= 1.0 + 1e-12
     gap = contact.coarse(1.25).initial_gap / contact.coarse(1.25).ranges[0]
     np.testing.assert_allclose(gap, contact.initial_gap[::2] / contact.ranges[0], atol=1e-12)
-    assert twice.scene.contact_threshold / twice.ranges[0] == pytest.approx(contact.scene.contact_threshold / 6.0)
+    assert twice.scene.contact_threshold / twice.ranges[0] == pytest.approx(
+        contact.scene.contact_threshold / 6.0)
 
 
 def test_coarse_transforms_count_in_units_of_the_fine_grid():
     fine, coarse, _ = pair()
     before = fine.grid.transforms
     coarse.residual(np.zeros(coarse.size), np.empty(coarse.size))
-    assert fine.grid.transforms - before == pytest.approx(2 * 256 * np.log(256) / (512 * np.log(512)))
+    assert fine.grid.transforms - before == pytest.approx(2 * 256 * np.log(256)
+                                                          / (512 * np.log(512)))
     assert coarse.grid.transforms == 0.0
     inner = CoarseForm(coarse, 1.25)
     before = fine.grid.transforms
@@ -131,7 +140,8 @@ def test_a_coarse_form_follows_the_load():
 
 # Transfers
 
-WINDOWS = [None, ((180,), (120,)), ((181,), (121,)), ((501,), (60,)), ((511,), (2,)), ((200,), (2,))]
+WINDOWS = [None, ((180,), (120,)), ((181,), (121,)), ((501,), (60,)), ((511,), (2,)),
+           ((200,), (2,))]
 
 
 @pytest.mark.parametrize("window", WINDOWS)
@@ -179,7 +189,9 @@ def test_restriction_keeps_what_is_constant():
     constant = np.array([[2.0], [-3.0]]) * fine.contact.ranges[:, None]
     imbalance = fine.pack(np.broadcast_to(constant, fine.shape), [0.7])
     result = applied(transfer.restrict, coarse.size, imbalance)
-    expected = coarse.pack(np.broadcast_to(constant * (coarse.contact.ranges / fine.contact.ranges)[:, None], coarse.shape), [0.7])
+    expected = coarse.pack(np.broadcast_to(constant * (coarse.contact.ranges
+                                                       / fine.contact.ranges)[:, None],
+                                           coarse.shape), [0.7])
     np.testing.assert_allclose(result, expected, atol=1e-13)
 
 
@@ -198,11 +210,13 @@ def test_no_change_corrects_nothing(softness):
     fine, coarse, transfer = pair(((180,), (121,)), (FORCE, DISPLACEMENT), softness)
     unknown = fine.pack(np.random.default_rng(3).normal(size=fine.shape), [0.4])
     applied(transfer.inject, coarse.size, unknown)
-    np.testing.assert_allclose(applied(transfer.correct, fine.size, np.zeros(coarse.size), unknown), unknown, atol=1e-9)
+    np.testing.assert_allclose(applied(transfer.correct, fine.size, np.zeros(coarse.size), unknown),
+                               unknown, atol=1e-9)
 
 
 def test_overlap_moves_as_traction_and_the_rest_as_gap():
-    """Whatever the range of the coarse law: tractions are lambda N(a), scaled, and gaps a / lambda."""
+    """Whatever the range of the coarse law: tractions are lambda N(a), scaled, and gaps a /
+    lambda."""
     fine, coarse, transfer = pair(softness=0.3)
     gap = np.linspace(-6.0, 30.0, fine.nodes)[None]
     unknown = fine.pack(gap - fine.initial_gap, ())
@@ -210,17 +224,21 @@ def test_overlap_moves_as_traction_and_the_rest_as_gap():
     other, mine = coarse.gap(injected)[0].copy(), gap[0, transfer.kept]
     laws = [(form.contact.law, form.contact.ranges[0]) for form in (fine, coarse)]
     tractions = [length * law.traction(a[None])[0] for (law, length), a in zip(laws, (mine, other))]
-    assert laws[1][1] < 0.6 * laws[0][1] and np.abs(other[mine < -4.0] - mine[mine < -4.0]).min() > 0.5
+    assert laws[1][1] < 0.6 * laws[0][1] and np.abs(other[mine < -4.0]
+                                                    - mine[mine < -4.0]).min() > 0.5
     np.testing.assert_allclose(tractions[1][mine < -4.0], tractions[0][mine < -4.0], rtol=0.03)
-    np.testing.assert_allclose(other[mine > 25.0] / laws[1][1], mine[mine > 25.0] / laws[0][1], rtol=1e-3)
+    np.testing.assert_allclose(other[mine > 25.0] / laws[1][1], mine[mine > 25.0] / laws[0][1],
+                               rtol=1e-3)
     kappa = Coupled.moving_stiffness / (laws[1][1] / laws[0][1]) ** 2
     assert kappa > Coupled.moving_stiffness > Coupled.softening
     np.testing.assert_allclose(laws[1][0].regularised(other, kappa) / laws[1][1],
-                               laws[0][0].regularised(mine, Coupled.moving_stiffness) / laws[0][1], atol=1e-7)
+                               laws[0][0].regularised(mine, Coupled.moving_stiffness) / laws[0][1],
+                               atol=1e-7)
 
 
 def test_a_correction_leads_where_injection_came_from():
-    """Inject a state, change it to another one's injection: the fine state gets the other's values on the kept nodes."""
+    """Inject a state, change it to another one's injection: the fine state gets the other's values
+    on the kept nodes."""
     fine, coarse, transfer = pair(softness=0.3)
     x = fine.window.coordinates()[0]
     first = fine.pack((-0.9 * fine.initial_gap - np.exp(-x ** 2))[None], ())
@@ -228,20 +246,27 @@ def test_a_correction_leads_where_injection_came_from():
     target = applied(transfer.inject, coarse.size, other)
     start = applied(transfer.inject, coarse.size, first)
     corrected = applied(transfer.correct, fine.size, target - start, first)
-    np.testing.assert_allclose(fine.displacement(corrected)[0, transfer.kept], fine.displacement(other)[0, transfer.kept], atol=1e-6)
+    np.testing.assert_allclose(fine.displacement(corrected)[0, transfer.kept],
+                               fine.displacement(other)[0, transfer.kept], atol=1e-6)
 
 
 # The scheme
 
-EQUILIBRIA = {"normal": ((DISPLACEMENT,), [4.0], {}), "sheared": ((DISPLACEMENT, DISPLACEMENT), [4.0, 30.0], {}),
-              "forces": ((FORCE, FORCE), [6.0, 1.0], {}), "sphere": ((DISPLACEMENT,), [0.5], SPHERE),
-              "off the flat": ((DISPLACEMENT,), [-4.0], {}), "compressible": ((DISPLACEMENT,) * 2, [2.0, 1.0], {"poisson": 0.3})}
+EQUILIBRIA = {"normal": ((DISPLACEMENT,), [4.0], {}), "sheared": ((DISPLACEMENT, DISPLACEMENT),
+                                                                  [4.0, 30.0], {}),
+              "forces": ((FORCE, FORCE), [6.0, 1.0], {}),
+              "sphere": ((DISPLACEMENT,), [0.5], SPHERE),
+              "off the flat": ((DISPLACEMENT,), [-4.0], {}),
+              "compressible": ((DISPLACEMENT,) * 2, [2.0, 1.0], {"poisson": 0.3})}
 
 
 @pytest.mark.parametrize("softness", [1.25, 0.3, np.inf])
-@pytest.mark.parametrize("controls, load", [((DISPLACEMENT,), [4.0]), ((DISPLACEMENT, FORCE), [4.0, 0.5])], ids=["normal", "sheared"])
+@pytest.mark.parametrize("controls, load", [((DISPLACEMENT,), [4.0]),
+                                            ((DISPLACEMENT, FORCE), [4.0, 0.5])],
+                         ids=["normal", "sheared"])
 def test_a_solution_is_a_fixed_point_whatever_the_coarse_law(softness, controls, load):
-    """From a disturbed guess the coarse problem comes back to what was injected, and corrects nothing."""
+    """From a disturbed guess the coarse problem comes back to what was injected, and corrects
+    nothing."""
     fine, coarse, transfer = pair(controls=controls, softness=softness)
     fine.set_load(load)
     start = states.undeformed(fine.contact, (DISPLACEMENT,), [4.0])
@@ -265,15 +290,18 @@ def test_a_coarse_correction_removes_a_smooth_error():
     for softness in (np.inf, 1.25, 0.5):
         fine, coarse, transfer = pair(softness=softness)
         fine.set_load([4.0])
-        solution = newton(fine, fine.pack(states.undeformed(fine.contact, (DISPLACEMENT,), [4.0]).displacement, ()))
+        solution = newton(fine, fine.pack(states.undeformed(fine.contact, (DISPLACEMENT,),
+                                                            [4.0]).displacement, ()))
         fine.set_load([4.05])
         target = newton(fine, solution.copy())
         injected = applied(transfer.inject, coarse.size, solution)
         imbalance = fine.residual(solution, np.empty(fine.size))
-        right = coarse.residual(injected, np.empty(coarse.size)) - applied(transfer.restrict, coarse.size, imbalance)
+        right = coarse.residual(injected, np.empty(coarse.size)) - applied(transfer.restrict,
+                                                                           coarse.size, imbalance)
         change = newton(coarse, injected.copy(), right) - injected
         corrected = applied(transfer.correct, fine.size, change, solution)
-        assert np.linalg.norm(corrected - target) < 0.1 * np.linalg.norm(solution - target), softness
+        assert np.linalg.norm(corrected - target) < 0.1 * np.linalg.norm(solution
+                                                                         - target), softness
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -287,14 +315,20 @@ def test_files_reach_newtons_equilibrium(options, file, case):
     assert made.snes.getType() == "fas" and point.residual_norm <= 1e-8
     assert made.distance(point.state, expected.state) < 1e-6
     np.testing.assert_allclose(point.forces, expected.forces, rtol=1e-6, atol=1e-6)
-    assert not [name for name in unused_options(solver_options()) if name.lstrip("-") in from_file(file)]
+    assert not [name for name in unused_options(solver_options())
+                if name.lstrip("-") in from_file(file)]
 
 
-@pytest.mark.parametrize("given", [{"snes_fas_levels": "1"}, {"snes_fas_levels": "2"}, {"snes_fas_levels": "5"}, {"snes_fas_cycles": "2"},
-                                   {"snes_fas_type": "full"}, {"snes_fas_type": "kaskade"}, {"snes_fas_smoothup": "2"},
-                                   {"snes_fas_smoothdown": "2"}, {"snes_grids_resolution": "inf"}, {"snes_regularised_gap": "true"},
-                                   {"fas_levels_snes_type": "newtontr"}, {"fas_levels_1_ksp_type": "gmres"}],
-                         ids=lambda given: " ".join(f"{name}={value}" for name, value in given.items()))
+@pytest.mark.parametrize("given", [{"snes_fas_levels": "1"}, {"snes_fas_levels": "2"},
+                                   {"snes_fas_levels": "5"}, {"snes_fas_cycles": "2"},
+                                   {"snes_fas_type": "full"}, {"snes_fas_type": "kaskade"},
+                                   {"snes_fas_smoothup": "2"}, {"snes_fas_smoothdown": "2"},
+                                   {"snes_grids_resolution": "inf"},
+                                   {"snes_regularised_gap": "true"},
+                                   {"fas_levels_snes_type": "newtontr"},
+                                   {"fas_levels_1_ksp_type": "gmres"}],
+                         ids=lambda given: " ".join(f"{name}={value}"
+                                                    for name, value in given.items()))
 def test_petscs_options_work(options, given):
     expected = solved(corrector(), (DISPLACEMENT,), [4.0])
     options(snes_type="fas", **given)
@@ -323,14 +357,17 @@ def test_view_shows_every_level(options, tmp_path):
     assert "levels=3" in text and text.count("contact Jacobian") >= 5
     assert "type: basic" in text and "type: bt" not in text
     nodes = made.form.nodes
-    assert all(f"{count} nodes" in text for count in (nodes, made.snes.getFASSmoother(1).getJacobian()[0].getPythonContext().form.nodes))
+    assert all(f"{count} nodes" in text for count in (nodes,
+                                                      made.snes.getFASSmoother(
+        1).getJacobian()[0].getPythonContext().form.nodes))
 
 
 def test_defaults_do_not_leak(options):
     options(snes_type="fas")
     solved(corrector(), (DISPLACEMENT,), [4.0])
     database = PETSc.Options()
-    assert not database.hasName("fas_levels_snes_linesearch_type") and not database.hasName("fas_coarse_snes_linesearch_type")
+    assert (not database.hasName("fas_levels_snes_linesearch_type")
+            and not database.hasName("fas_coarse_snes_linesearch_type"))
 
 
 # What it is good for
@@ -348,11 +385,13 @@ def test_softer_coarse_laws_help_where_coarse_grids_do_not_resolve_the_edge(opti
 
 
 def test_a_deep_cold_start_is_cheaper_than_newtons(options):
-    """The same at D = 40, both from the start without overlap on the finest grid: measured 92 against 167 transforms."""
+    """The same at D = 40, both from the start without overlap on the finest grid: measured 92
+    against 167 transforms."""
     spent = []
     for kind in ("newtonls", "fas"):
         options(snes_type=kind)
-        made = Corrector(Contact(Scene(points=8192, period=100.0, normal_maugis=10.0)), Form(cascade=False, symmetry="off"))
+        made = Corrector(Contact(Scene(points=8192, period=100.0, normal_maugis=10.0)),
+                         Form(cascade=False, symmetry="off"))
         solved(made, (DISPLACEMENT,), [40.0])
         spent.append(made.account()["transforms"])
     assert spent[1] < 0.8 * spent[0]
@@ -361,8 +400,10 @@ def test_a_deep_cold_start_is_cheaper_than_newtons(options):
 # Bad input, and failure
 
 
-@pytest.mark.parametrize("given, words", [({"snes_fas_levels": "6"}, "at most 5 levels"), ({"snes_fas_levels": "0"}, "at most 5 levels"),
-                                          ({"snes_fas_type": "ADDITIVE"}, "not linear"), ({"snes_fas_galerkin": "true"}, "only false"),
+@pytest.mark.parametrize("given, words", [({"snes_fas_levels": "6"}, "at most 5 levels"),
+                                          ({"snes_fas_levels": "0"}, "at most 5 levels"),
+                                          ({"snes_fas_type": "ADDITIVE"}, "not linear"),
+                                          ({"snes_fas_galerkin": "true"}, "only false"),
                                           ({"snes_fas_full_total": "true"}, "only false"),
                                           ({"snes_fas_continuation": "true"}, "only false"),
                                           ({"snes_grids_resolution": "0"}, "above 0")])
@@ -387,7 +428,8 @@ def test_the_force_form_is_refused(options):
 
 
 def test_a_smoother_without_preconditioner_fails_with_a_reason(options):
-    """The paper's cylinder at D = 5: nonlinear Richardson, which stands still, as options/fas-richardson.opts says."""
+    """The paper's cylinder at D = 5: nonlinear Richardson, which stands still, as
+    options/fas-richardson.opts says."""
     options(**{**from_file("fas-richardson.opts"), "fas_levels_snes_type": "nrichardson"})
     made = corrector(points=8192, period=100.0, normal_maugis=10.0)
     load = np.array([5.0])

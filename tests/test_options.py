@@ -9,9 +9,9 @@ import sys
 import pytest
 
 from contactsnes.options import database as options
+from contactsnes.options.fields import InputError, Options, as_text, option
 from contactsnes.scene.load import Load
-from contactsnes.scene.settings import Form, OPTION_CLASSES, Output, Scene, Steps
-from contactsnes.options.fields import as_text, InputError, option, Options
+from contactsnes.scene.settings import OPTION_CLASSES, Form, Output, Scene, Steps
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,9 +38,11 @@ def petsc():
 
 # Command line and files
 
-@pytest.mark.parametrize("argument, is_option", [
-    ("-scene_poisson", True), ("-info", True), ("--scene", True), ("-e", True), ("-3", False), ("-.5", False), ("-1e-3", False),
-    ("-inf", False), ("-nan", False), ("scene.opts", False), ("-", False), ("", False)])
+@pytest.mark.parametrize("argument, is_option", [("-scene_poisson", True), ("-info", True),
+                                                 ("--scene", True), ("-e", True), ("-3", False),
+                                                 ("-.5", False), ("-1e-3", False), ("-inf", False),
+                                                 ("-nan", False), ("scene.opts", False),
+                                                 ("-", False), ("", False)])
 def test_negative_numbers_are_values(argument, is_option):
     assert options.is_option(argument) == is_option
 
@@ -57,22 +59,41 @@ def test_arguments_are_files_or_options(line, files, found):
 
 
 def test_two_dashes_are_an_error():
-    with pytest.raises(InputError, match="--scene_poisson has two dashes: options have one, try -scene_poisson"):
+    with pytest.raises(InputError, match="--scene_poisson has two dashes: options "
+                       "have one, try -scene_poisson"):
         options.split_arguments(["--scene_poisson", "0.3"])
 
 
 def test_files_come_first_from_left_to_right(tmp_path):
     one, two = tmp_path / "one.opts", tmp_path / "two.opts"
-    one.write_text('# a comment\n\n-load_path "normal_force=25; normal_force=-3"  # another\n  -a\t1\r\n-flag\n')
+    one.write_text('# a comment\n\n-load_path "normal_force=25; normal_force=-3"  # '
+                   'another\n  -a\t1\r\n-flag\n')
     two.write_text("-prefix_push pre_\n-b -2\n-prefix_pop\n-single 'x y'\n-empty \"\"")
     assert options.petsc_arguments(["-last", "-3", str(one), "-more", str(two)]) == [
-        "contactsnes", "-load_path", "normal_force=25; normal_force=-3", "-a", "1", "-flag",
-        "-prefix_push", "pre_", "-b", "-2", "-prefix_pop", "-single", "x y", "-empty", "", "-last", "-3", "-more"]
+        "contactsnes",
+        "-load_path",
+        "normal_force=25; normal_force=-3",
+        "-a",
+        "1",
+        "-flag",
+        "-prefix_push",
+        "pre_",
+        "-b",
+        "-2",
+        "-prefix_pop",
+        "-single",
+        "x y",
+        "-empty",
+        "",
+        "-last",
+        "-3",
+        "-more",
+    ]
 
 
-@pytest.mark.parametrize("text", [
-    "scene_poisson 0.3", "-a 1 2", "-a -b", '-load_path "normal_force=1', "--a 1", "-3 1", '-a b"c d"', "-prefix_push x_\n-a 1",
-    "alias -a -b"])
+@pytest.mark.parametrize("text", ["scene_poisson 0.3", "-a 1 2", "-a -b",
+                                  '-load_path "normal_force=1', "--a 1", "-3 1", '-a b"c d"',
+                                  "-prefix_push x_\n-a 1", "alias -a -b"])
 def test_bad_file_is_an_error_that_names_it(tmp_path, text):
     path = tmp_path / "bad.opts"
     path.write_text("-good 1\n" + text)
@@ -93,20 +114,24 @@ def test_file_that_cannot_be_read_is_an_error_that_names_it(tmp_path):
 def test_petsc_starts_with_files_and_command_line(tmp_path):
     """The later wins, in a fresh PETSc, as when PETSc reads the same files itself."""
     one, two = tmp_path / "one.opts", tmp_path / "two.opts"
-    one.write_text('-scene_poisson 0.1\n-scene_period 50 # beta\n-load_path "normal_force=1; normal_force=-2"\n-both 1\n')
-    two.write_text("-scene_poisson 0.2\n-prefix_push scene_\n-gap_offset -0.5\n-prefix_pop\n-archive_file a.h5\n"
-                   "-archive_resume\n")
-    script = ("import sys, petsc4py\nfrom contactsnes.options import database as options\nfrom contactsnes.scene import settings\n"
-              "petsc4py.init({})\n"
-              "print(sorted(options.database().items()))")
-    run = lambda vector, arguments: subprocess.run([sys.executable, "-c", script.format(vector), *map(str, arguments)],
-                                                   capture_output=True, text=True, check=True).stdout.splitlines()[0]
-    ours = run("options.petsc_arguments(sys.argv[1:])", ["-both", "-3", one, "-scene_poisson", "0.3", two])
+    one.write_text('-scene_poisson 0.1\n-scene_period 50 # beta\n-load_path '
+                   '"normal_force=1; normal_force=-2"\n-both 1\n')
+    two.write_text("-scene_poisson 0.2\n-prefix_push scene_\n-gap_offset "
+                   "-0.5\n-prefix_pop\n-archive_file a.h5\n-archive_resume\n")
+    script = ("import sys, petsc4py\nfrom contactsnes.options import database as "
+              "options\nfrom contactsnes.scene import "
+              "settings\npetsc4py.init({})\nprint(sorted(options.database().items()))")
+    run = lambda vector, arguments: subprocess.run([sys.executable, "-c", script.format(vector),
+                                                    *map(str, arguments)], capture_output=True,
+                                                   text=True, check=True).stdout.splitlines()[0]
+    ours = run("options.petsc_arguments(sys.argv[1:])", ["-both", "-3", one, "-scene_poisson",
+                                                         "0.3", two])
     petsc = run("['x', '-options_file', sys.argv[1], '-options_file', sys.argv[2], *sys.argv[3:]]",
                 [one, two, "-both", "-3", "-scene_poisson", "0.3"])
-    assert ours == petsc == str([
-        ("archive_file", "a.h5"), ("archive_resume", ""), ("both", "-3"), ("load_path", "normal_force=1; normal_force=-2"),
-        ("scene_gap_offset", "-0.5"), ("scene_period", "50"), ("scene_poisson", "0.3")])
+    assert ours == petsc == str([("archive_file", "a.h5"), ("archive_resume", ""), ("both", "-3"),
+                                 ("load_path", "normal_force=1; normal_force=-2"),
+                                 ("scene_gap_offset", "-0.5"), ("scene_period", "50"),
+                                 ("scene_poisson", "0.3")])
 
 
 # The database
@@ -117,7 +142,8 @@ def test_database_keeps_whole_values_and_marks_nothing_used(petsc):
     petsc["contactsnes_odd"] = "a -b # (c) d"
     petsc["contactsnes_flag"] = ""
     found = options.database()
-    assert found["contactsnes_long"] == path and found["contactsnes_odd"] == "a -b # (c) d" and found["contactsnes_flag"] == ""
+    assert (found["contactsnes_long"] == path and found["contactsnes_odd"] == "a -b # (c) d"
+            and found["contactsnes_flag"] == "")
     assert "b" not in found
     assert not options._used("contactsnes_long")
     petsc.getString("contactsnes_long")
@@ -129,7 +155,8 @@ def test_database_text_is_an_options_file(petsc, tmp_path):
     petsc["contactsnes_flag"] = ""
     petsc["contactsnes_value"] = -3
     text = options.database_text()
-    assert text.index("-contactsnes_flag\n") < text.index('-contactsnes_path "normal_force=25; normal_force=-3"\n')
+    assert text.index("-contactsnes_flag\n") < text.index(
+        '-contactsnes_path "normal_force=25; normal_force=-3"\n')
     path = tmp_path / "all.opts"
     path.write_text(text)
     found = options.read_file(path)
@@ -186,23 +213,31 @@ def test_what_is_written_as_options_is_read_back_equal(petsc, cls):
         done += 1
 
 
-@pytest.mark.parametrize("text, value", [("", True), ("true", True), ("Yes", True), ("1", True), ("off", False), ("0", False)])
+@pytest.mark.parametrize("text, value", [("", True), ("true", True), ("Yes", True), ("1", True),
+                                         ("off", False), ("0", False)])
 def test_flags(petsc, text, value):
     petsc["contactsnes_f_archive_resume"] = text
     assert options.read(Output, "contactsnes_f_").resume is value
 
 
-@pytest.mark.parametrize("cls, name, text", [
-    (Scene, "poisson", "soft"), (Scene, "poisson", "0.3 0.4"), (Scene, "poisson", "0.3,0.4"), (Scene, "poisson", ""),
-    (Scene, "points", "autos"), (Scene, "points", "1e3"), (Scene, "points", "64,,64"), (Scene, "dimension", "2.0"),
-    (Scene, "height", "high"), (Scene, "law", ""), (Scene, "period", "infinite"), (Output, "resume", "maybe"), (Output, "file", ""),
-    (Load, "stop", "never"), (Load, "path", ""), (Steps, "initial_step", "1,x"), (Form, "form", "Force")])
+@pytest.mark.parametrize("cls, name, text", [(Scene, "poisson", "soft"),
+                                             (Scene, "poisson", "0.3 0.4"),
+                                             (Scene, "poisson", "0.3,0.4"), (Scene, "poisson", ""),
+                                             (Scene, "points", "autos"), (Scene, "points", "1e3"),
+                                             (Scene, "points", "64,,64"),
+                                             (Scene, "dimension", "2.0"), (Scene, "height", "high"),
+                                             (Scene, "law", ""), (Scene, "period", "infinite"),
+                                             (Output, "resume", "maybe"), (Output, "file", ""),
+                                             (Load, "stop", "never"), (Load, "path", ""),
+                                             (Steps, "initial_step", "1,x"),
+                                             (Form, "form", "Force")])
 def test_wrong_types_are_named_with_value_and_what_is_allowed(petsc, cls, name, text):
     petsc[f"contactsnes_w_{cls.prefix}{name}"] = text
     with pytest.raises(InputError) as error:
         options.read(cls, "contactsnes_w_")
     sentence = str(error.value)
-    assert f"-contactsnes_w_{cls.prefix}{name}" in sentence and text in sentence and "allowed is" in sentence and "\n" not in sentence
+    assert (f"-contactsnes_w_{cls.prefix}{name}" in sentence and text in sentence
+            and "allowed is" in sentence and "\n" not in sentence)
 
 
 def test_names_are_not_case_sensitive(petsc):
@@ -210,12 +245,19 @@ def test_names_are_not_case_sensitive(petsc):
     assert options.read(Scene, "contactsnes_c_").poisson == 0.25
 
 
-@pytest.mark.parametrize("name, guess", [
-    ("scene_poison", "-scene_poisson"), ("load_paths", "-load_path"), ("continuation_first_step", "-continuation_"),
-    ("contact_windows", "-contact_window"), ("archive_overwriet", "-archive_overwrite"), ("scene_poisson=0.3", "-scene_poisson"),
-    ("pc_core_smooth", "-pc_core_smoothing"), ("scene_zzzz", "")])
+@pytest.mark.parametrize("name, guess", [("scene_poison", "-scene_poisson"),
+                                         ("load_paths", "-load_path"),
+                                         ("continuation_first_step", "-continuation_"),
+                                         ("contact_windows", "-contact_window"),
+                                         ("archive_overwriet", "-archive_overwrite"),
+                                         ("scene_poisson=0.3", "-scene_poisson"),
+                                         ("pc_core_smooth", "-pc_core_smoothing"),
+                                         ("scene_zzzz", "")])
 def test_unknown_names_are_errors_with_the_nearest_valid_one(petsc, name, guess):
-    petsc["scene_poisson"], petsc["pc_core_smoothing"], petsc["snes_rtol"], petsc["mine"] = 0.3, 1, 1, 1
+    petsc["scene_poisson"] = 0.3
+    petsc["pc_core_smoothing"] = 1
+    petsc["snes_rtol"] = 1
+    petsc["mine"] = 1
     options.check_names([CoreOptions])
     petsc[name] = 1
     with pytest.raises(InputError) as error:
@@ -235,7 +277,10 @@ def test_names_inside_values_are_not_taken_for_options(petsc):
 def test_unused_options_of_petsc_are_found(petsc):
     from petsc4py import PETSc
 
-    petsc["snes_max_it"], petsc["snes_maxit"], petsc["ksp_nonsense"], petsc["mine"] = 3, 4, 1, 1
+    petsc["snes_max_it"] = 3
+    petsc["snes_maxit"] = 4
+    petsc["ksp_nonsense"] = 1
+    petsc["mine"] = 1
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setFromOptions()
     snes.destroy()
@@ -250,7 +295,8 @@ def test_help_has_every_option_with_unit_default_and_range():
         for field in dataclasses.fields(cls):
             rule = field.metadata
             assert f" {cls.option_name(field.name)} {rule['meaning']}" in text
-            assert rule["unit"] in text and (f"default {rule['default_text']}" in text or not rule["default_text"])
+            assert rule["unit"] in text and (f"default {rule['default_text']}" in text
+                                             or not rule["default_text"])
 
 
 @pytest.mark.parametrize("width", [60, 80, 132])
@@ -260,24 +306,33 @@ def test_help_fits_the_terminal(width, monkeypatch):
 
 
 def test_help_and_arguments_work_before_petsc_starts():
-    script = ("import sys\nfrom contactsnes.options import database as options\nfrom contactsnes.scene import settings\noptions.help_text(); options.petsc_arguments(['-a', '1'])\n"
-              "assert not any(name.startswith('petsc4py') for name in sys.modules)")
+    script = ("import sys\nfrom contactsnes.options import database as "
+              "options\nfrom contactsnes.scene import settings\noptions.help_text(); "
+              "options.petsc_arguments(['-a', '1'])\nassert not "
+              "any(name.startswith('petsc4py') for name in sys.modules)")
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
 # Names and values under the prefixes of solvers inside others, and from Python
 
-MISSPELT = {
-    "scxene_range_normal": "did you mean -scene_range_normal", "laod_path": "did you mean -load_path",
-    "scene_typo": "-scene_typo is no option", "contact_frm": "did you mean -contact_form", "pc_core_widht": "did you mean -pc_core_width",
-    "first_snes_fire_growht": "did you mean -first_snes_fire_growth", "jump_snes_regularised_stifness": "-jump_snes_regularised_stiffness",
-    "jump_motion_kik": "did you mean -jump_motion_kick", "arc_pc_core_treshold": "did you mean -arc_pc_core_threshold",
-    "npc_snes_regularised_gab": "did you mean -npc_snes_regularised_gap", "sub_0_pc_core_widht": "did you mean -sub_0_pc_core_width",
-    "sub_1_npc_pc_core_widht": "-sub_1_npc_pc_core_width", "fas_coarse_pc_core_widht": "-fas_coarse_pc_core_width",
-    "fas_levels_1_pc_core_widht": "-fas_levels_1_pc_core_width", "error_pc_core_widht": "-error_pc_core_width",
-    "frist_snes_fire_growth": "did you mean -first_snes_fire_growth", "mine_pc_core_widht": "did you mean -mine_pc_core_width"}
-REFUSED = {"jump_snes_regularised_stiffness": "0.1", "first_snes_fire_growth": "0.5", "sub_0_pc_core_threshold": "3",
-           "fas_levels_2_pc_core_width": "wide"}
+MISSPELT = {"scxene_range_normal": "did you mean -scene_range_normal",
+            "laod_path": "did you mean -load_path", "scene_typo": "-scene_typo is no option",
+            "contact_frm": "did you mean -contact_form",
+            "pc_core_widht": "did you mean -pc_core_width",
+            "first_snes_fire_growht": "did you mean -first_snes_fire_growth",
+            "jump_snes_regularised_stifness": "-jump_snes_regularised_stiffness",
+            "jump_motion_kik": "did you mean -jump_motion_kick",
+            "arc_pc_core_treshold": "did you mean -arc_pc_core_threshold",
+            "npc_snes_regularised_gab": "did you mean -npc_snes_regularised_gap",
+            "sub_0_pc_core_widht": "did you mean -sub_0_pc_core_width",
+            "sub_1_npc_pc_core_widht": "-sub_1_npc_pc_core_width",
+            "fas_coarse_pc_core_widht": "-fas_coarse_pc_core_width",
+            "fas_levels_1_pc_core_widht": "-fas_levels_1_pc_core_width",
+            "error_pc_core_widht": "-error_pc_core_width",
+            "frist_snes_fire_growth": "did you mean -first_snes_fire_growth",
+            "mine_pc_core_widht": "did you mean -mine_pc_core_width"}
+REFUSED = {"jump_snes_regularised_stiffness": "0.1", "first_snes_fire_growth": "0.5",
+           "sub_0_pc_core_threshold": "3", "fas_levels_2_pc_core_width": "wide"}
 
 
 def bare_branch():
@@ -301,6 +356,7 @@ def test_values_under_nested_prefixes_are_refused(options, name):
 
 
 def test_names_under_prefixes_are_taken(options):
-    options(first_snes_fire_growth="1.2", jump_snes_regularised_stiffness="0.3", sub_0_pc_core_width="4", mine_pc_core_width="4",
-            jump_snes_atol="1e-9", fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2")
+    options(first_snes_fire_growth="1.2", jump_snes_regularised_stiffness="0.3",
+            sub_0_pc_core_width="4", mine_pc_core_width="4", jump_snes_atol="1e-9",
+            fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2")
     bare_branch()

@@ -39,8 +39,12 @@ class Sticking(Law):
 class Sampled(Modified):
     """The modified law, of which nothing is known but its tractions."""
 
-    normal, normal_peak, tangential_peak = Law.normal, Law.normal_peak, Law.tangential_peak
-    slip_peak, softening, slip_softening = Law.slip_peak, Law.softening, Law.slip_softening
+    normal = Law.normal
+    normal_peak = Law.normal_peak
+    tangential_peak = Law.tangential_peak
+    slip_peak = Law.slip_peak
+    softening = Law.softening
+    slip_softening = Law.slip_softening
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 1.0])
@@ -99,19 +103,23 @@ def test_scenes_before_an_extension_have_its_default():
 
 
 def last(law, **changes):
-    branch = Branch(Scene(**{**SMALL, **changes}), Load("normal_displacement=2", "tangential_displacement=0.5"), law=law)
+    branch = Branch(Scene(**{**SMALL, **changes}), Load("normal_displacement=2",
+                                                        "tangential_displacement=0.5"), law=law)
     return branch, list(branch)[-1]
 
 
 def test_a_branch_of_a_law_of_ones_own():
-    """A spring along the surface moves as a whole: its force is the slip's, over that of the layer in series."""
+    """A spring along the surface moves as a whole: its force is the slip's, over that of the layer
+    in series."""
     branch, point = last(Sticking(0.3))
     assert branch.contact.law.stiffness == 0.3
     slip = point.state.displacement[1]
-    assert point.forces[1] == pytest.approx(0.3 * branch.contact.grid.node_area * np.sum(slip), rel=1e-6)
+    assert point.forces[1] == pytest.approx(0.3 * branch.contact.grid.node_area * np.sum(slip),
+                                            rel=1e-6)
     assert branch.attributes()["law"] == "Sticking(stiffness=0.3)"
     other, stiffer = last(Sticking(0.6))
-    assert other.attributes()["law"] == "Sticking(stiffness=0.6)" and stiffer.forces[1] > point.forces[1]
+    assert (other.attributes()["law"] == "Sticking(stiffness=0.6)"
+            and stiffer.forces[1] > point.forces[1])
     assert resolution(branch.scene, True) == pytest.approx(resolution(branch.scene, False))
 
 
@@ -150,7 +158,8 @@ def test_names_of_options_that_change_nothing():
 def test_archives_tell_of_the_options_that_they_told_of():
     for law in ("modified", "mcgarry"):
         told = settings.attributes(Scene(law=law))
-        assert told["law"] == law and told["residual_friction"] == 1.0 and told["residual_adhesion"] == 0.0
+        assert (told["law"] == law and told["residual_friction"] == 1.0
+                and told["residual_adhesion"] == 0.0)
 
 
 def test_regularised_steps_need_a_stiffness_above_the_softening():
@@ -172,7 +181,8 @@ def test_regularised_steps_need_a_stiffness_above_the_softening():
     form = DisplacementForm(contact, contact.grid.whole, ("displacement",))
     assert contact.law.softening == pytest.approx(10 * math.exp(-2), rel=1e-3)
     assert RegularisedStep(form, None).stiffness == pytest.approx(15 * math.exp(-2), rel=1e-3)
-    with pytest.raises(InputError, match="-snes_regularised_stiffness is '0.2': allowed is a number above the law's"):
+    with pytest.raises(InputError, match="-snes_regularised_stiffness is '0.2': allowed "
+                       "is a number above the law's"):
         RegularisedStep(form, 0.2)
 
 
@@ -189,7 +199,8 @@ class Drag(Law):
 
     def evaluate(self, gap, traction, tangent=None):
         a, slip = gap[0].copy(), gap[1:].copy()
-        root, held = np.sqrt(1 + np.sum(slip ** 2, axis=0)), self.drag_strength * np.exp(-np.maximum(a, 0))
+        root = np.sqrt(1 + np.sum(slip ** 2, axis=0))
+        held = self.drag_strength * np.exp(-np.maximum(a, 0))
         if tangent is not None:
             tangent[0, 1:] = 0
             tangent[0, 0] = {normal}
@@ -200,12 +211,14 @@ class Drag(Law):
         traction[1:] = held * slip / root
         return traction
 """
-RIGHT = {"corners": "0.0,", "normal": "(1 - a) * np.exp(-a)", "along": "1.0", "traction": "a * np.exp(-a)"}
+RIGHT = {"corners": "0.0,", "normal": "(1 - a) * np.exp(-a)", "along": "1.0",
+         "traction": "a * np.exp(-a)"}
 
 
 @pytest.fixture
 def written(tmp_path, monkeypatch):
-    """A function that writes a law, with changes, and gives its name; what it enters is forgotten."""
+    """A function that writes a law, with changes, and gives its name; what it enters is
+    forgotten."""
     monkeypatch.setattr(laws, "OWN", {})
     monkeypatch.setattr(laws, "OPTIONS", dict(laws.OPTIONS))
     names = ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__", "__dataclass_fields__")
@@ -229,7 +242,8 @@ def test_a_law_in_a_file_is_one_of_the_laws(written):
     told = settings.attributes(scene)
     assert told["law"] == scene.law and told["drag_strength"] == 0.3
     assert "drag_strength" not in settings.attributes(Scene())
-    with pytest.raises(InputError, match="-scene_drag_strength is '-1': allowed is a number at least 0"):
+    with pytest.raises(InputError,
+                       match="-scene_drag_strength is '-1': allowed is a number at least 0"):
         Scene(law=scene.law, drag_strength=-1)
     load = Load("normal_displacement=1", "tangential_displacement=2")
     names = ["scene_residual_friction", "scene_drag_strength"]
@@ -243,19 +257,23 @@ def test_an_archive_knows_the_law_by_its_file(written):
     """A file that says something else later is another law, whatever its name."""
     load, name = Load("normal_displacement=1", "normal_displacement=2"), written()
     told = Branch(Scene(law=name, **SMALL), load).attributes()
-    assert told["law_sha256"] == hashlib.sha256(Path(name.rpartition(":")[0]).read_bytes()).hexdigest()
+    assert told["law_sha256"] == hashlib.sha256(
+        Path(name.rpartition(":")[0]).read_bytes()).hexdigest()
     assert "law_sha256" not in Branch(Scene(**SMALL), load).attributes()
 
 
-@pytest.mark.parametrize("change, words", [
-    ({"normal": "np.exp(-a)"}, r"d t_0 / d g_0 is .*, but differences of t_0 give"),
-    ({"along": "0.0"}, r"the slip .* d t_1 / d g_1 is"),
-    ({"corners": ""}, None),
-    ({"traction": "a * np.exp(-a) + 0.1 * np.tanh(20 * gap[0])"}, "d t_0 / d g_0"),
-    ({"traction": "a * np.exp(-a) + 0.1"}, "normal traction 0.1 at the normal gap 0 without slip: it has to be 0"),
-    ({"traction": "a * np.exp(-0.5 * a)", "normal": "(1 - 0.5 * a) * np.exp(-0.5 * a)"}, "end of the range"),
-    ({"traction": "undefined"}, "cannot be evaluated with 1 component.s. .NameError"),
-])
+@pytest.mark.parametrize("change, words",
+                         [({"normal": "np.exp(-a)"},
+                           r"d t_0 / d g_0 is .*, but differences of t_0 give"),
+                          ({"along": "0.0"}, r"the slip .* d t_1 / d g_1 is"),
+                          ({"corners": ""}, None), ({"traction": "a * np.exp(-a) + 0.1 * "
+                                                     "np.tanh(20 * gap[0])"}, "d t_0 / d g_0"),
+                          ({"traction": "a * np.exp(-a) + 0.1"}, "normal traction 0.1 at "
+                           "the normal gap 0 without slip: it has to be 0"),
+                          ({"traction": "a * np.exp(-0.5 * a)",
+                            "normal": "(1 - 0.5 * a) * np.exp(-0.5 * a)"}, "end of the range"),
+                          ({"traction": "undefined"}, "cannot be evaluated with 1 "
+                           "component.s. .NameError"),])
 def test_what_is_wrong_with_a_law_is_told(written, change, words):
     name = written(**change)
     if words is None:  # nothing is looked at across a corner, declared or not
@@ -275,8 +293,9 @@ def test_names_of_files_and_classes_are_checked(written, tmp_path):
     (tmp_path / "broken.py").write_text("1 / 0", encoding="utf-8")
     with pytest.raises(InputError, match="does not run .ZeroDivisionError"):
         Scene(law=f"{tmp_path / 'broken.py'}:Drag")
-    (tmp_path / "taken.py").write_text(
-        "from contactsnes import Law, option\nclass Taken(Law):\n    poisson = option(0.1, 'mine')\n", encoding="utf-8")
+    (tmp_path / "taken.py").write_text("from contactsnes import Law, option\nclass "
+                                       "Taken(Law):\n    poisson = option(0.1, "
+                                       "'mine')\n", encoding="utf-8")
     with pytest.raises(InputError, match="-scene_poisson is declared twice, differently: give"):
         Scene(law=f"{tmp_path / 'taken.py'}:Taken")
 

@@ -31,7 +31,8 @@ def columns(dimension=1):
 def archive_of(path, rows, fields="none", **grid):
     scene = {"normal_maugis": 1 / RANGE, "contact_threshold": np.e}
     dimension = len(grid.get("coordinates", (0,)))
-    content = dict(scene=scene, options="", versions={}, columns=columns(dimension), fields=fields, **grid)
+    content = dict(scene=scene, options="", versions={}, columns=columns(dimension), fields=fields,
+                   **grid)
     archive = Archive.create(path, **content)
     for row, arrays in rows:
         blank = {name: 0 for name in columns(dimension)}
@@ -42,7 +43,8 @@ def archive_of(path, rows, fields="none", **grid):
 def jkr(half_width, compliance=0.0):
     """Normal force and displacement of an adhesive cylinder (JKR) in a periodic cell."""
     force = np.pi * half_width**2 / 4 - np.sqrt(2 * np.pi * half_width)
-    displacement = 2 / np.pi * (force * np.log(LENGTH / np.pi / half_width) + np.pi * half_width**2 / 8)
+    displacement = 2 / np.pi * (force * np.log(LENGTH / np.pi / half_width) + np.pi * half_width**2
+                                / 8)
     return dict(normal_force=force, approach=displacement, contact_area=2 * half_width,
                 normal_displacement=displacement + compliance * force)
 
@@ -53,7 +55,8 @@ def loading(compliance=0.0, contact=(0.86, 6.3), count=30):
     rows = [{**jkr(1.35, compliance), **apart, "event": "fold", "fold_kind": "jump_in"}]
     rows.append({**jkr(1.35, compliance), "event": "jump"})
     rows += [jkr(half_width, compliance) for half_width in np.linspace(1.5, contact[1], count)]
-    rows += [jkr(half_width, compliance) for half_width in np.linspace(contact[1], contact[0], count)[1:]]
+    rows += [jkr(half_width, compliance) for half_width in np.linspace(contact[1], contact[0],
+                                                                       count)[1:]]
     rows[-1] |= dict(event="fold", fold_kind="pull_off")
     rows.append({**rows[-1], **apart, "event": "jump", "fold_kind": ""})
     return rows + [{**rows[-1], "event": "pull_off"}]
@@ -64,12 +67,15 @@ def shear(half_width=6.3, count=40, axis=""):
     rows, load = [], np.linspace(0, 380, count)
     for step in load:
         force = step / 52
-        rows.append({**jkr(half_width), f"tangential_displacement{axis}": step, f"tangential_force{axis}": force,
+        rows.append({**jkr(half_width), f"tangential_displacement{axis}": step,
+                     f"tangential_force{axis}": force,
                      "contact_area": 2 * half_width * (1 - 0.0045 * force**2)})
     rows[-1] |= dict(event="fold", fold_kind="sliding")
-    slid = {**rows[-1], f"tangential_force{axis}": 4.4, "contact_area": 1.55 * half_width, "fold_kind": ""}
+    slid = {**rows[-1], f"tangential_force{axis}": 4.4, "contact_area": 1.55 * half_width,
+            "fold_kind": ""}
     rows += [{**slid, "event": "jump"}, {**slid, "event": "gross_sliding"}]
-    return rows + [{**slid, f"tangential_displacement{axis}": step, "event": "none"} for step in (390, 400, 420)]
+    return rows + [{**slid, f"tangential_displacement{axis}": step, "event": "none"}
+                   for step in (390, 400, 420)]
 
 
 def line_fields(x, row):
@@ -78,10 +84,14 @@ def line_fields(x, row):
     outside = np.maximum(np.abs(x) - half, 0)
     singular = np.sqrt(np.maximum(half**2 - x**2, 0) + 0.02)
     inside = RANGE * (np.sqrt(2 * np.pi * half) / np.pi / singular - singular / 2)
-    gap = np.where(outside > 0, RANGE + 0.7 * outside**0.5 + 0.9 * half**0.5 * outside**1.5, -0.5 * RANGE)
-    gap[outside == 0] = RANGE * np.clip(np.where(inside > 0, np.e * inside, inside), -2, 1)[outside == 0]
-    attraction = np.where(outside > 0, gap / RANGE * np.exp(-gap / RANGE), np.minimum(inside, 1 / np.e))
-    slip = np.minimum(row["tangential_force"] / (np.pi * singular), 0.858) * np.exp(-np.maximum(gap, 0) / RANGE)
+    gap = np.where(outside > 0, RANGE + 0.7 * outside**0.5 + 0.9 * half**0.5 * outside**1.5,
+                   -0.5 * RANGE)
+    gap[outside == 0] = RANGE * np.clip(np.where(inside > 0, np.e * inside, inside), -2,
+                                        1)[outside == 0]
+    attraction = np.where(outside > 0, gap / RANGE * np.exp(-gap / RANGE),
+                          np.minimum(inside, 1 / np.e))
+    slip = np.minimum(row["tangential_force"] / (np.pi * singular),
+                      0.858) * np.exp(-np.maximum(gap, 0) / RANGE)
     return np.array([gap - x**2 / 2, 0 * x]), np.array([attraction, slip])
 
 
@@ -96,18 +106,21 @@ def plane_archive(path, rows, components=3, nodes=96):
     x = (np.arange(nodes) - nodes // 2) * 12 / nodes
     radius = np.hypot(*np.meshgrid(x, x, indexing="ij"))
     rows = [(row, plane_fields(x, radius, components, row)) for row in rows]
-    return archive_of(path, rows, "all", coordinates=(x, x), components=components, initial_gap=radius**2 / 2)
+    return archive_of(path, rows, "all", coordinates=(x, x), components=components,
+                      initial_gap=radius**2 / 2)
 
 
 def plane_fields(x, radius, components, row):
     half = np.sqrt(row["contact_area"] / np.pi)
     shrunk = np.hypot(x[:, None] * 1.15, x[None, :])
     depth = np.sqrt(np.maximum(1 - (shrunk / half) ** 2, 0))
-    gap = np.where(shrunk < half, RANGE * np.e * (1 - 1.4 * depth**0.5), RANGE * np.e + (shrunk - half).clip(0) ** 1.3)
+    gap = np.where(shrunk < half, RANGE * np.e * (1 - 1.4 * depth**0.5),
+                   RANGE * np.e + (shrunk - half).clip(0) ** 1.3)
     traction = np.zeros((components, *radius.shape))
     traction[0] = gap / RANGE * np.exp(-gap / RANGE)
     if components > 1:
-        traction[1] = row.get("tangential_force_x", 0) / 8 * np.exp(-gap.clip(0) / RANGE) / np.sqrt(depth + 0.1)
+        traction[1] = row.get("tangential_force_x", 0) / 8 * np.exp(-gap.clip(0) / RANGE) / np.sqrt(
+            depth + 0.1)
         traction[2] = 0.1 * traction[1] * np.sin(2 * np.arctan2(x[None, :], x[:, None]))
     displacement = np.zeros_like(traction)
     displacement[0] = gap - radius**2 / 2
@@ -131,7 +144,8 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
     line_archive(tmp_path / "run.h5", rows)
     figures = plots.plot(tmp_path / "run.h5")
-    assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles", "shear")]
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
+                                                                "shear")]
     assert figures.skipped == {"maps": "the interface has one dimension"}
     check_images(figures)
 
@@ -141,7 +155,8 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
     (tmp_path / "figures").mkdir()
     figures = plots.plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
     assert names_of(figures) == ["run-approach.pdf", "run-approach.png"]
-    assert all(file.parent.name == "figures" and file.stat().st_size > 1000 for file in figures.files)
+    assert all(file.parent.name == "figures" and file.stat().st_size > 1000
+               for file in figures.files)
     assert figures.skipped["shear"] == figures.skipped["area"] == "there is no tangential load"
     assert "-archive_fields" in figures.skipped["profiles"]
 
@@ -149,7 +164,8 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
 def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plots.plot(tmp_path / "run.h5", points=[0, -1])
-    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles", "shear")]
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
+                                                                "shear")]
     assert figures.skipped == {"approach": "the normal load does not move"}
     check_images(figures)
 
@@ -158,7 +174,8 @@ def test_normal_load_under_shear_is_part_of_the_approach(tmp_path):
     rows = [jkr(half_width) for half_width in (2, 4, 6.3)] + shear(count=5)[1:5]
     unloading = [{**rows[-1], **jkr(half_width)} for half_width in (4, 2)]
     for name, last in (("held", []), ("unloaded", unloading)):
-        record = plots.read(archive_of(tmp_path / f"{name}.h5", [(row, ()) for row in rows + last]).path)
+        record = plots.read(archive_of(tmp_path / f"{name}.h5",
+                                       [(row, ()) for row in rows + last]).path)
         curve = plots.draw_approach(record).axes[0].lines[0].get_xdata()
         assert len(curve) == (record.points if last else 3)
 
@@ -200,7 +217,8 @@ def test_profiles_are_those_of_the_chosen_points_near_the_contact(tmp_path):
     figure = plots.draw_profiles(record, [0, 10])
     gap, pressure, traction = figure.axes
     assert len(gap.lines) == 3  # two points and the zero
-    assert np.array_equal(gap.lines[1].get_ydata(), record.initial_gap + record.field("displacement", 10)[0])
+    assert np.array_equal(gap.lines[1].get_ydata(),
+                          record.initial_gap + record.field("displacement", 10)[0])
     assert np.array_equal(pressure.lines[0].get_ydata(), -record.field("traction", 0)[0])
     left, right = gap.get_xlim()
     assert -12 < left < -6.3 and 6.3 < right < 12
@@ -248,5 +266,6 @@ def test_loads_of_rounding_are_none_in_titles():
     class Record(dict):
         units, coordinates = {"tangential_displacement": "u_t,r"}, [None]
 
-    record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]), event=np.array(["none", "jump", "none"]))
+    record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
+                    event=np.array(["none", "jump", "none"]))
     assert plots.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]

@@ -1,4 +1,5 @@
-"""Analytic solutions against quadrature through the elastic kernels, energy balances, limits and published numbers."""
+"""Analytic solutions against quadrature through the elastic kernels, energy balances, limits and
+published numbers."""
 
 import re
 from pathlib import Path
@@ -14,17 +15,22 @@ PERIODS = [np.inf, 100.0, 9.0]
 
 
 def over_contact(function, half_width, breaks=()):
-    """Integral of function(y) over |y| < a with y = a sin(t), which smooths square roots at the edges."""
+    """Integral of function(y) over |y| < a with y = a sin(t), which smooths square roots at the
+    edges."""
     points = sorted({float(np.arcsin(b / half_width)) for b in breaks if abs(b) < half_width})
     edges = [-np.pi / 2, *points, np.pi / 2]
     integrand = lambda t: function(half_width * np.sin(t)) * half_width * np.cos(t)
-    return sum(quad(integrand, *pair, epsabs=1e-11, epsrel=1e-10, limit=200)[0] for pair in zip(edges, edges[1:]))
+    return sum(quad(integrand, *pair, epsabs=1e-11, epsrel=1e-10, limit=200)[0]
+               for pair in zip(edges, edges[1:]))
 
 
 def lift(pressure, half_width, x, period=np.inf, breaks=()):
-    """Upward displacement at x above the mean surface, -(2/pi) int ln|2 sin(pi (x-y)/L)| p dy (isolated: ln|x-y|)."""
-    kernel = (lambda y: np.log(abs(y))) if np.isinf(period) else (lambda y: np.log(abs(2 * np.sin(np.pi * y / period))))
-    return -2 / np.pi * over_contact(lambda y: kernel(x - y) * pressure(y), half_width, (x, *breaks))
+    """Upward displacement at x above the mean surface, -(2/pi) int ln|2 sin(pi (x-y)/L)| p dy
+    (isolated: ln|x-y|)."""
+    kernel = ((lambda y: np.log(abs(y))) if np.isinf(period)
+              else (lambda y: np.log(abs(2 * np.sin(np.pi * y / period)))))
+    return -2 / np.pi * over_contact(lambda y: kernel(x - y) * pressure(y), half_width,
+                                     (x, *breaks))
 
 
 def slope(x, y):
@@ -35,14 +41,16 @@ def derivative(function, x, step=1e-4):
     return (function(x + step) - function(x - step)) / (2 * step)
 
 
-# ---------------------------------------------------------------- line contacts with short-range or no adhesion
+# ---------------------------------------------------------------- line contacts with short-range or
+# no adhesion
 
 @pytest.mark.parametrize("period", PERIODS)
 @pytest.mark.parametrize("work", [0.0, 1.0, 0.3])
 def test_line_pressure_carries_the_load_and_conforms_to_the_parabola(period, work):
     a = 3.2
     pressure = lambda x: reference.jkr_line_pressure(x, a, period, work)
-    assert over_contact(pressure, a) == pytest.approx(reference.jkr_line_load(a, period, work), abs=1e-7)
+    assert over_contact(pressure, a) == pytest.approx(reference.jkr_line_load(a, period, work),
+                                                      abs=1e-7)
     centre = lift(pressure, a, 0.0, period)
     for x in (0.3 * a, -0.8 * a, 0.99 * a):
         assert lift(pressure, a, x, period) - centre == pytest.approx(-x**2 / 2, abs=1e-6)
@@ -62,10 +70,12 @@ def test_hertz_line_half_width_inverts_the_load(period):
 def test_a_wide_cell_recovers_the_isolated_contact_with_order_two():
     a, periods = 2.0, np.array([40.0, 80.0, 160.0])
     x = 0.7 * a
-    for function in (lambda L: reference.hertz_line_load(a, L), lambda L: reference.ligament_force(a, L),
+    for function in (lambda L: reference.hertz_line_load(a, L),
+                     lambda L: reference.ligament_force(a, L),
                      lambda L: float(reference.jkr_line_pressure(x, a, L)),
                      lambda L: reference.jkr_line_half_width(5.0, L)):
-        assert slope(periods, [function(L) - function(np.inf) for L in periods]) == pytest.approx(-2, abs=0.1)
+        assert slope(periods, [function(L) - function(np.inf) for L in periods]) == pytest.approx(
+            -2, abs=0.1)
     # leading terms for a << L; the next are of the order (a/L)^2 ln(L/a)
     asymptotic = 2 / np.pi * (np.pi * a**2 / 4 * np.log(periods / (np.pi * a)) + np.pi * a**2 / 8)
     errors = [reference.hertz_line_approach(a, L) for L in periods] - asymptotic
@@ -76,7 +86,8 @@ def test_a_wide_cell_recovers_the_isolated_contact_with_order_two():
 def test_hertz_approach_holds_its_digits_down_to_narrow_contacts(half_width):
     """dd/da = (2/pi) ln(1/sin(pi a/L)) dW/da: each new punch lifts the whole contact."""
     period = 100.0
-    slope = lambda b: -period / np.pi * np.tan(np.pi * b / period) * np.log(np.sin(np.pi * b / period))
+    slope = lambda b: -period / np.pi * np.tan(np.pi * b / period) * np.log(
+        np.sin(np.pi * b / period))
     integral, _ = quad(slope, 0, half_width, epsabs=0, epsrel=1e-13, limit=200)
     assert reference.hertz_line_approach(half_width, period) == pytest.approx(integral, rel=2e-13)
 
@@ -84,13 +95,17 @@ def test_hertz_approach_holds_its_digits_down_to_narrow_contacts(half_width):
 @pytest.mark.parametrize("period", PERIODS)
 def test_edge_intensity_of_the_tractions_gives_the_work_of_adhesion(period):
     """G = K^2/2 (E* = 1), K = lim sqrt(2 pi (a - x)) times the traction."""
-    a, work, distance = 1.7, 0.6, 1e-9
+    a = 1.7
+    work = 0.6
+    distance = 1e-9
     intensity = lambda traction: np.sqrt(2 * np.pi * distance) * traction
-    assert intensity(-reference.jkr_line_pressure(a - distance, a, period, work)) ** 2 / 2 == pytest.approx(work, rel=1e-3)
+    assert intensity(-reference.jkr_line_pressure(a - distance, a, period,
+                                                  work)) ** 2 / 2 == pytest.approx(work, rel=1e-3)
     strength = reference.ligament_force(a, period, work)
     shear = reference.ligament_traction(a - distance, a, strength, period)
     assert intensity(shear) ** 2 / 2 == pytest.approx(work, rel=1e-6)
-    assert over_contact(lambda x: reference.ligament_traction(x, a, 2.5, period), a) == pytest.approx(2.5, rel=1e-7)
+    assert over_contact(lambda x: reference.ligament_traction(x, a, 2.5, period),
+                        a) == pytest.approx(2.5, rel=1e-7)
 
 
 def test_ligament_stiffness_is_that_of_the_flat_punch():
@@ -102,7 +117,8 @@ def test_ligament_stiffness_is_that_of_the_flat_punch():
 
 def elastic_energy(half_width, approach, period):
     """1/2 int p u dx of a contact held at any half width and approach, Hertz plus a flat punch."""
-    punch = (approach - reference.hertz_line_approach(half_width, period)) * reference.ligament_stiffness(half_width, period)
+    punch = ((approach - reference.hertz_line_approach(half_width, period))
+             * reference.ligament_stiffness(half_width, period))
     pressure = lambda x: (reference.hertz_line_pressure(x, half_width, period)
                           + reference.ligament_traction(x, half_width, punch, period))
     return over_contact(lambda x: pressure(x) * (approach - x**2 / 2) / 2, half_width)
@@ -110,12 +126,16 @@ def elastic_energy(half_width, approach, period):
 
 def test_jkr_and_mixed_mode_edges_balance_the_energy():
     """At a fixed displacement of the far body, dE/d(2a) = work of adhesion."""
-    period, a, ratio = 40.0, 1.9, 2.5
+    period = 40.0
+    a = 1.9
+    ratio = 2.5
     approach = reference.jkr_line_approach(a, period)
-    assert derivative(lambda b: elastic_energy(b, approach, period), a) == pytest.approx(2, rel=1e-5)
+    assert derivative(lambda b: elastic_energy(b, approach, period),
+                      a) == pytest.approx(2, rel=1e-5)
     load, tangential = reference.mixed_mode_line(a, 0.8, 1.0, ratio, period)
     stiffness = lambda b: reference.ligament_stiffness(b, period)
-    approach = reference.hertz_line_approach(a, period) + (load - reference.hertz_line_load(a, period)) / stiffness(a)
+    approach = (reference.hertz_line_approach(a, period)
+                + (load - reference.hertz_line_load(a, period)) / stiffness(a))
     shear = np.sqrt(ratio) * tangential / stiffness(a)
     energy = lambda b: elastic_energy(b, approach, period) + stiffness(b) * shear**2 / 2
     assert derivative(energy, a) == pytest.approx(2, rel=1e-5)
@@ -123,9 +143,11 @@ def test_jkr_and_mixed_mode_edges_balance_the_energy():
 
 def test_isolated_jkr_line_has_barquins_pull_off():
     a, load = reference.jkr_line_pull_off()
-    assert a == pytest.approx((2 / np.pi) ** (1 / 3)) and load == pytest.approx(-3 * np.pi / 4 * (2 / np.pi) ** (2 / 3))
+    assert (a == pytest.approx((2 / np.pi) ** (1 / 3))
+            and load == pytest.approx(-3 * np.pi / 4 * (2 / np.pi) ** (2 / 3)))
     assert reference.jkr_line_half_width(0.0) == pytest.approx((32 / np.pi) ** (1 / 3))
-    assert reference.jkr_line_pull_off(work_of_adhesion=8.0)[1] == pytest.approx(4 * load)  # W ~ w^(2/3)
+    # W ~ w^(2/3)
+    assert reference.jkr_line_pull_off(work_of_adhesion=8.0)[1] == pytest.approx(4 * load)
 
 
 @pytest.mark.parametrize("period", PERIODS)
@@ -133,7 +155,8 @@ def test_jkr_line_pull_off_is_the_least_load_and_states_are_stable(period):
     a, load = reference.jkr_line_pull_off(period)
     trial = np.linspace(0.5 * a, 1.5 * a, 20001)
     loads = reference.jkr_line_load(trial, period)
-    assert loads.min() == pytest.approx(load, rel=1e-8) and trial[loads.argmin()] == pytest.approx(a, abs=1e-3)
+    assert (loads.min() == pytest.approx(load, rel=1e-8)
+            and trial[loads.argmin()] == pytest.approx(a, abs=1e-3))
     for applied in (load + 1e-6, -0.5, 0.0, 3.0):
         width = reference.jkr_line_half_width(applied, period)
         assert reference.jkr_line_load(width, period) == pytest.approx(applied, abs=1e-12)
@@ -145,10 +168,12 @@ def test_jkr_line_pull_off_is_the_least_load_and_states_are_stable(period):
 def test_short_cells_jump_to_full_contact():
     trial = np.linspace(2.0, 4.4999, 100001)
     largest = reference.jkr_line_load(trial, 9.0).max()
-    assert reference.jkr_line_load(reference.jkr_line_half_width(largest - 1e-6, 9.0), 9.0) == pytest.approx(largest - 1e-6)
+    assert reference.jkr_line_load(reference.jkr_line_half_width(largest - 1e-6, 9.0),
+                                   9.0) == pytest.approx(largest - 1e-6)
     with pytest.raises(ValueError, match="no stable"):
         reference.jkr_line_half_width(largest + 1e-4, 9.0)
-    # dW/da < 0 for every half width where sin^3 t cos t < 2 pi^2/L^3 for all t: L^3 < 2 pi^2/(3 sqrt(3)/16)
+    # dW/da < 0 for every half width where sin^3 t cos t < 2 pi^2/L^3 for all t: L^3 < 2 pi^2/(3
+    # sqrt(3)/16)
     shortest = (2 * np.pi**2 * 16 / (3 * np.sqrt(3))) ** (1 / 3)
     reference.jkr_line_pull_off(shortest * 1.001)
     with pytest.raises(ValueError, match="period"):
@@ -160,12 +185,15 @@ def test_fold_under_a_prescribed_approach_is_the_least_approach(period, work):
     a, approach, load = reference.jkr_line_fold(period, work)
     trial = np.linspace(0.8 * a, 1.2 * a, 20001)
     approaches = reference.jkr_line_approach(trial, period, work)
-    assert approaches.min() == pytest.approx(approach, rel=1e-8) and trial[approaches.argmin()] == pytest.approx(a, rel=1e-3)
+    assert (approaches.min() == pytest.approx(approach, rel=1e-8)
+            and trial[approaches.argmin()] == pytest.approx(a, rel=1e-3))
     assert load == pytest.approx(reference.jkr_line_load(a, period, work))
-    everywhere = reference.jkr_line_approach(np.geomspace(1e-5 * period, 0.49999 * period, 20001), period, work)
+    everywhere = reference.jkr_line_approach(np.geomspace(1e-5 * period, 0.49999 * period, 20001),
+                                             period, work)
     assert np.count_nonzero(np.diff(np.sign(np.diff(everywhere)))) == 1
     width = reference.jkr_line_half_width_at_approach(approach + 0.5, period, work)
-    assert width > a and reference.jkr_line_approach(width, period, work) == pytest.approx(approach + 0.5)
+    assert width > a and reference.jkr_line_approach(width, period,
+                                                     work) == pytest.approx(approach + 0.5)
     for outside in (approach - 1e-6, period**2 / 24 + 1e-6 * period**2):
         with pytest.raises(ValueError, match="no stable"):
             reference.jkr_line_half_width_at_approach(outside, period, work)
@@ -184,9 +212,12 @@ def test_load_is_the_derivative_of_the_energy_along_jkr_states():
 
 @pytest.mark.parametrize("work", [0.0, 1.0])
 def test_sinusoid_pressure_carries_the_load_and_conforms_to_the_wave(work):
-    a, period, amplitude = 3.4, 11.0, 2.0
+    a = 3.4
+    period = 11.0
+    amplitude = 2.0
     pressure = lambda x: reference.sinusoid_pressure(x, a, period, amplitude, work)
-    assert over_contact(pressure, a) == pytest.approx(reference.sinusoid_load(a, period, amplitude, work), abs=1e-7)
+    assert over_contact(pressure, a) == pytest.approx(reference.sinusoid_load(a, period, amplitude,
+                                                                              work), abs=1e-7)
     approach = reference.sinusoid_approach(a, period, amplitude, work)
     for x in (0.0, 1.5, 3.3):
         wave = amplitude * (1 - np.cos(2 * np.pi * x / period))
@@ -229,7 +260,8 @@ def test_sinusoid_of_curvature_one_tends_to_the_parabola_with_order_two():
         assert slope(periods, differences) == pytest.approx(-2, abs=0.4)
 
 
-# ---------------------------------------------------------------- Maugis-Dugdale line, rigid cylinder
+# ---------------------------------------------------------------- Maugis-Dugdale line, rigid
+# cylinder
 
 @pytest.mark.parametrize("maugis, load", [(0.5, 2.0), (2.0, -0.8), (10.0, 25.0), (10.0, -1.5)])
 def test_maugis_line_conforms_and_spends_the_work_of_adhesion(maugis, load):
@@ -272,7 +304,8 @@ def test_maugis_line_pull_off_is_the_least_load(maugis):
         reference.maugis_line(load - 1e-6, maugis)
 
 
-@pytest.mark.parametrize("period, maugis, load", [(100.0, 3.0, 25.0), (9.0, 2.0, 3.0), (9.0, 10.0, -1.5), (12.0, 0.7, 1.0)])
+@pytest.mark.parametrize("period, maugis, load", [(100.0, 3.0, 25.0), (9.0, 2.0, 3.0),
+                                                  (9.0, 10.0, -1.5), (12.0, 0.7, 1.0)])
 def test_maugis_line_in_a_cell_conforms_and_spends_the_work_of_adhesion(period, maugis, load):
     a, c = reference.maugis_line(load, maugis, period)
     pressure = lambda x: float(reference.maugis_line_pressure(x, a, c, maugis, period))
@@ -291,22 +324,28 @@ def test_maugis_line_in_a_cell_tends_to_an_isolated_one_and_to_jkr_with_order_tw
     periods, maugis = np.array([40.0, 80.0, 160.0]), np.array([20.0, 40.0, 80.0])
     for outer in (0, 1):
         alone = reference.maugis_line(5.0, 3.0)[outer]
-        assert slope(periods, [reference.maugis_line(5.0, 3.0, L)[outer] - alone for L in periods]) == pytest.approx(-2, abs=0.1)
-        sharp = reference.maugis_line(5.0, maugis, 12.0)[outer] - reference.jkr_line_half_width(5.0, 12.0)
+        assert slope(periods, [reference.maugis_line(5.0, 3.0, L)[outer] - alone
+                               for L in periods]) == pytest.approx(-2, abs=0.1)
+        sharp = (reference.maugis_line(5.0, maugis, 12.0)[outer]
+                 - reference.jkr_line_half_width(5.0, 12.0))
         assert slope(maugis, sharp) == pytest.approx(-2, abs=0.05)
     loads = reference.maugis_line_pull_off(3.0, periods)[0] - reference.maugis_line_pull_off(3.0)[0]
     assert slope(periods, loads) == pytest.approx(-2, abs=0.1)
     approach = reference.maugis_line_approach(*reference.maugis_line(5.0, 300.0, 12.0), 300.0, 12.0)
-    assert approach == pytest.approx(reference.jkr_line_approach(reference.jkr_line_half_width(5.0, 12.0), 12.0), abs=1e-4)
+    assert approach == pytest.approx(
+        reference.jkr_line_approach(reference.jkr_line_half_width(5.0, 12.0), 12.0), abs=1e-4
+    )
 
 
 def test_maugis_line_in_a_cell_has_a_range_of_loads():
-    """Least and largest load are those of all states; beyond, the contact pulls off or jumps to the full period."""
+    """Least and largest load are those of all states; beyond, the contact pulls off or jumps to the
+    full period."""
     maugis, period = 3.0, 9.0
     least, a, c = reference.maugis_line_pull_off(maugis, period)
     inside = np.linspace(least + 1e-3, 4.0, 40)
     widths, zones = reference.maugis_line(inside, maugis, period)
-    assert (np.diff(widths) > 0).all() and (np.diff(zones) > 0).all() and a < widths[0] and c < zones[0]
+    assert ((np.diff(widths) > 0).all() and (np.diff(zones) > 0).all() and a < widths[0]
+            and c < zones[0])
     for outside in (least - 1e-6, 20.0):
         with pytest.raises(ValueError, match="no stable"):
             reference.maugis_line(outside, maugis, period)
@@ -318,16 +357,19 @@ def test_how_far_jkr_is_from_a_law_of_finite_range():
     """What the conditions of JKR's solutions say."""
     loads = [25.0, -1.0]
     for maugis, excess in ((10.0, (0.003, 0.011)), (3.0, (0.023, 0.098))):
-        ratio = reference.maugis_line(loads, maugis, 100.0)[1] / reference.jkr_line_half_width(loads, 100.0)
+        ratio = reference.maugis_line(loads, maugis,
+                                      100.0)[1] / reference.jkr_line_half_width(loads, 100.0)
         np.testing.assert_allclose(ratio - 1, excess, rtol=0.1)
-    assert reference.maugis_line_pull_off(3.0)[0] / reference.jkr_line_pull_off()[1] == pytest.approx(0.992, abs=5e-4)
+    assert reference.maugis_line_pull_off(
+        3.0)[0] / reference.jkr_line_pull_off()[1] == pytest.approx(0.992, abs=5e-4)
 
 
 def test_rigid_cylinder_integrates_the_law():
     maugis = 0.2
     for gap in (-2.0, 0.0, 4.0):
         attraction = lambda x: maugis**2 * (gap + x**2 / 2) * np.exp(-maugis * (gap + x**2 / 2))
-        assert -quad(attraction, -40, 40, points=[0.0])[0] == pytest.approx(reference.rigid_cylinder_load(gap, maugis))
+        assert -quad(attraction, -40, 40,
+                     points=[0.0])[0] == pytest.approx(reference.rigid_cylinder_load(gap, maugis))
     gap, load = reference.rigid_cylinder_pull_off(maugis)
     loads = reference.rigid_cylinder_load(np.linspace(gap - 1, gap + 1, 2001), maugis)
     assert loads.argmin() == 1000 and load == pytest.approx(-np.sqrt(2 * np.pi * maugis / np.e))
@@ -337,7 +379,9 @@ def test_rigid_cylinder_integrates_the_law():
 
 @pytest.mark.parametrize("period", [np.inf, 100.0, 10.5])
 def test_slip_zone_sticks_inside(period):
-    a, stick, strength = 5.0, 3.1, 1.7
+    a = 5.0
+    stick = 3.1
+    strength = 1.7
     traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength, period))
     total = over_contact(traction, a, (-stick, stick))
     assert total == pytest.approx(reference.slip_zone_force(a, stick, strength, period), rel=1e-7)
@@ -350,32 +394,41 @@ def test_slip_zone_sticks_inside(period):
 
 @pytest.mark.parametrize("period", [np.inf, 100.0, 10.5])
 def test_slip_at_the_edge_of_a_slip_zone(period):
-    a, stick, strength = 5.0, 3.1, 1.7
+    a = 5.0
+    stick = 3.1
+    strength = 1.7
     traction = lambda x: float(reference.slip_zone_traction(x, a, stick, strength, period))
     held = lift(traction, a, 0.0, period, breaks=(-stick, stick))
     slip = held - lift(traction, a, a * (1 - 1e-12), period, breaks=(-stick, stick))
-    assert slip == pytest.approx(reference.slip_zone_edge_slip(a, stick, strength, period), abs=1e-5)
+    assert slip == pytest.approx(reference.slip_zone_edge_slip(a, stick, strength, period),
+                                 abs=1e-5)
 
 
 def test_slip_zones_of_arrays():
     a, stick = np.array([2.0, 3.0, 4.0]), np.array([[0.5], [1.9]])
     for function in (reference.slip_zone_force, reference.slip_zone_edge_slip):
         values = function(a, stick, 0.8, 20.0)
-        assert values.shape == (2, 3) and values[1, 2] == pytest.approx(function(4.0, 1.9, 0.8, 20.0), rel=1e-14)
+        assert values.shape == (2, 3) and values[1,
+                                                 2] == pytest.approx(function(4.0, 1.9, 0.8, 20.0),
+                                                                     rel=1e-14)
 
 
 def test_narrow_slip_zone_is_the_brittle_strength():
-    """tau times the slip at the edge is the work of separation; for a narrow zone the force is the ligament's."""
+    """tau times the slip at the edge is the work of separation; for a narrow zone the force is the
+    ligament's."""
     a, strength = 2.0, np.array([10.0, 20.0, 40.0])
     stick = a - np.pi / (4 * strength**2)
     force = np.array([reference.slip_zone_force(a, s, t) for s, t in zip(stick, strength)])
     energy = np.array([t * reference.slip_zone_edge_slip(a, s, t) for s, t in zip(stick, strength)])
-    assert slope(strength, force / np.sqrt(energy) / reference.ligament_force(a) - 1) == pytest.approx(-2, abs=0.1)
+    assert slope(strength, force / np.sqrt(energy) / reference.ligament_force(a)
+                 - 1) == pytest.approx(-2, abs=0.1)
 
 
 @pytest.mark.parametrize("period", PERIODS)
 def test_cattaneo_line_sticks_inside_and_slips_by_coulomb(period):
-    a, friction, tangential = 3.0, 0.4, 1.5
+    a = 3.0
+    friction = 0.4
+    tangential = 1.5
     stick = reference.cattaneo_line_stick_half_width(a, tangential, friction, period)
     traction = lambda x: float(reference.cattaneo_line_traction(x, a, stick, friction, period))
     pressure = lambda x: float(reference.hertz_line_pressure(x, a, period))
@@ -385,7 +438,8 @@ def test_cattaneo_line_sticks_inside_and_slips_by_coulomb(period):
     assert traction(0.5 * (a + stick)) == pytest.approx(friction * pressure(0.5 * (a + stick)))
     assert 0 < traction(0.5 * stick) < friction * pressure(0.5 * stick)
     if np.isfinite(period):
-        assert held[0] == pytest.approx(reference.cattaneo_line_displacement(a, stick, friction, period), abs=1e-6)
+        assert held[0] == pytest.approx(reference.cattaneo_line_displacement(a, stick, friction,
+                                                                             period), abs=1e-6)
     else:
         assert stick / a == pytest.approx(np.sqrt(1 - tangential / (friction * np.pi * a**2 / 4)))
 
@@ -398,13 +452,17 @@ def modified_law(b, maugis, residual):
 
 @pytest.mark.parametrize("residual", [1.0, 0.3])
 def test_uniform_slip_is_the_limit_of_small_tangential_parameters(residual):
-    """A strip with the modified law, collocated on panels: the error of the uniform slip falls as lambda_t^2."""
-    a, period, panels = 3.0, 60.0, 120
+    """A strip with the modified law, collocated on panels: the error of the uniform slip falls as
+    lambda_t^2."""
+    a = 3.0
+    period = 60.0
+    panels = 120
     width = 2 * a / panels
     x = -a + width * (np.arange(panels) + 0.5)
     distance = np.abs(x[:, None] - x) + np.diag(np.full(panels, np.nan))
     kernel = np.log(2 * np.sin(np.pi * distance / period)) * width
-    np.fill_diagonal(kernel, width * (np.log(np.pi * width / period) - 1))  # int ln|2 pi y/L| over a panel
+    # int ln|2 pi y/L| over a panel
+    np.fill_diagonal(kernel, width * (np.log(np.pi * width / period) - 1))
     maugis, errors = np.array([0.01, 0.02, 0.04]), {0.3: [], 1.6: []}
     for parameter in maugis:
         for b in errors:
@@ -418,17 +476,26 @@ def test_uniform_slip_is_the_limit_of_small_tangential_parameters(residual):
         assert 4 * error[0] - error[1] == pytest.approx(0, abs=1e-5)  # the limit, by extrapolation
         if b < 1 or residual < 1:
             assert slope(maugis, error) == pytest.approx(2, abs=0.1)
-    assert reference.uniform_slip_force(a, -1.0, 0.1, residual) == -reference.uniform_slip_force(a, 1.0, 0.1, residual)
+    assert reference.uniform_slip_force(a, -1.0, 0.1,
+                                        residual) == -reference.uniform_slip_force(a, 1.0, 0.1,
+                                                                                   residual)
     slips = np.linspace(0, 40, 4001)
-    assert reference.uniform_slip_force(a, slips, 0.1, residual).max() == pytest.approx(2 * a * 0.1 * np.sqrt(2 / np.e))
+    assert reference.uniform_slip_force(a, slips, 0.1,
+                                        residual).max() == pytest.approx(2 * a * 0.1 * np.sqrt(
+        2 / np.e))
 
 
 def test_drive_is_the_simple_shear_of_the_layer():
-    young, poisson, height, period, force = 3.0, 0.3, 7.0, 5.0, 0.4
+    young = 3.0
+    poisson = 0.3
+    height = 7.0
+    period = 5.0
+    force = 0.4
     modulus = young / (1 - poisson**2)  # unit of stress of the scaled stiffness
     shear = young / (2 * (1 + poisson))
     sheared = force / period * height / shear
-    assert reference.driven_displacement(1.5, force / modulus, period, height, poisson) == pytest.approx(1.5 + sheared)
+    assert reference.driven_displacement(1.5, force / modulus, period, height,
+                                         poisson) == pytest.approx(1.5 + sheared)
     assert reference.drive_stiffness(100.0, 2000.0) == pytest.approx(0.0125)
 
 
@@ -436,7 +503,8 @@ def test_drive_is_the_simple_shear_of_the_layer():
 
 def test_hutchinson_suo_toughness():
     angle = np.linspace(-1.5, 1.5, 7)
-    np.testing.assert_allclose(reference.mixed_mode_toughness(angle, 0.3), 1 + np.tan(0.7 * angle) ** 2)
+    np.testing.assert_allclose(reference.mixed_mode_toughness(angle, 0.3),
+                               1 + np.tan(0.7 * angle) ** 2)
     np.testing.assert_allclose(reference.mixed_mode_toughness(angle, 1.0), 1)
     # parameter 0: G_I alone counts, G cos^2(psi) = 1
     np.testing.assert_allclose(reference.mixed_mode_toughness(angle, 0.0) * np.cos(angle) ** 2, 1)
@@ -444,9 +512,14 @@ def test_hutchinson_suo_toughness():
 
 @pytest.mark.parametrize("period", PERIODS)
 def test_mixed_mode_edge_has_the_toughness_of_its_phase(period):
-    a, angle, parameter, ratio, distance = 2.0, 0.9, 0.4, 1.7, 1e-9
+    a = 2.0
+    angle = 0.9
+    parameter = 0.4
+    ratio = 1.7
+    distance = 1e-9
     load, tangential = reference.mixed_mode_line(a, angle, parameter, ratio, period)
-    tension = reference.ligament_traction(a - distance, a, reference.hertz_line_load(a, period) - load, period)
+    tension = reference.ligament_traction(a - distance, a, reference.hertz_line_load(a, period)
+                                          - load, period)
     shear = np.sqrt(ratio) * reference.ligament_traction(a - distance, a, tangential, period)
     assert np.arctan2(shear, tension) == pytest.approx(angle)
     release = 2 * np.pi * distance * (tension**2 + shear**2) / 2
@@ -467,7 +540,8 @@ def test_savkoor_briggs_line_against_its_quartic(load, ratio):
         largest = roots[np.abs(roots.imag) < 1e-9].real.max()
         a = reference.mixed_mode_line_half_width(load, tangential, work_ratio=ratio)
         assert a == pytest.approx(largest, rel=1e-9)
-        assert reference.savkoor_briggs_line_load(a, tangential, ratio) == pytest.approx(load, abs=1e-9)
+        assert reference.savkoor_briggs_line_load(a, tangential,
+                                                  ratio) == pytest.approx(load, abs=1e-9)
     with pytest.raises(ValueError, match="strength"):
         reference.mixed_mode_line_half_width(load, 1.001 * strength, work_ratio=ratio)
 
@@ -481,12 +555,14 @@ def test_mixed_mode_half_width_meets_load_and_force(load, period):
         _, strength = reference.mixed_mode_line_strength(load, parameter, period=period)
         a = reference.mixed_mode_line_half_width(load, 0.6, parameter, period=period)
         angle = np.arctan2(0.6, reference.hertz_line_load(a, period) - load)
-        assert reference.mixed_mode_line(a, angle, parameter, period=period) == pytest.approx((load, 0.6), abs=1e-10)
+        assert reference.mixed_mode_line(a, angle, parameter,
+                                         period=period) == pytest.approx((load, 0.6), abs=1e-10)
         assert strength > 0.6
         widths.append(a)
     # the less mode II counts, the wider the contact; without it, JKR's
     assert widths == sorted(widths) and widths[-1] < widest
-    assert reference.mixed_mode_line_half_width(load, 0.6, 1e-3, period=period) == pytest.approx(widest, rel=1e-3)
+    assert reference.mixed_mode_line_half_width(load, 0.6, 1e-3,
+                                                period=period) == pytest.approx(widest, rel=1e-3)
 
 
 # ---------------------------------------------------------------- traction-separation laws
@@ -494,7 +570,8 @@ def test_mixed_mode_half_width_meets_load_and_force(load, period):
 def test_peaks_are_the_extrema_of_the_laws():
     gaps = np.linspace(0, 5, 50001)
     assert reference.peak_normal_traction(7.0) == pytest.approx((7.0 * gaps * np.exp(-gaps)).max())
-    assert reference.peak_tangential_traction(3.0) == pytest.approx((3.0 * 2 * gaps * np.exp(-(gaps**2))).max())
+    assert reference.peak_tangential_traction(3.0) == pytest.approx(
+        (3.0 * 2 * gaps * np.exp(-(gaps**2))).max())
 
 
 def mcgarry_normal(a, b):
@@ -507,21 +584,27 @@ def mcgarry_tangential(a, b):
 
 def test_works_of_separation_integrate_the_laws():
     for end in (0.7, np.e, 30.0):
-        assert reference.normal_work(end) == pytest.approx(quad(lambda a: mcgarry_normal(a, 0), 0, end)[0])
+        assert reference.normal_work(end) == pytest.approx(quad(lambda a: mcgarry_normal(a, 0), 0,
+                                                                end)[0])
     for c in (1e-4, 9e-4, 0.5, 1.0, 2.0, 40.0):
         end = min(40, 7 / c)
         normal = quad(lambda a: mcgarry_normal(a, c * a), 0, end, epsrel=1e-12)[0]
         tangential = quad(lambda a: c * mcgarry_tangential(a, c * a), 0, end, epsrel=1e-12)[0]
-        assert reference.mcgarry_proportional_work(c) == pytest.approx((normal, tangential), rel=1e-9)
-    opened = (quad(lambda a: mcgarry_normal(a, 0), 0, 1.3)[0], quad(lambda b: mcgarry_tangential(1.3, b), 0, 8)[0])
+        assert reference.mcgarry_proportional_work(c) == pytest.approx((normal, tangential),
+                                                                       rel=1e-9)
+    opened = (quad(lambda a: mcgarry_normal(a, 0), 0, 1.3)[0],
+              quad(lambda b: mcgarry_tangential(1.3, b), 0, 8)[0])
     assert reference.mcgarry_sequential_work(normal_ranges=1.3) == pytest.approx(opened)
-    slid = (quad(lambda a: mcgarry_normal(a, 0.6), 0, 40)[0], quad(lambda b: mcgarry_tangential(0, b), 0, 0.6)[0])
+    slid = (quad(lambda a: mcgarry_normal(a, 0.6), 0, 40)[0],
+            quad(lambda b: mcgarry_tangential(0, b), 0, 0.6)[0])
     assert reference.mcgarry_sequential_work(tangential_ranges=0.6) == pytest.approx(slid)
     for residual in (0.0, 0.4, 1.0):
         peak = np.sqrt(0.5)
         rising = quad(lambda b: modified_law(b, 1.0, residual), 0, peak)[0]
-        excess = quad(lambda b: modified_law(b, 1.0, residual) - residual * np.sqrt(2 / np.e), peak, 12)[0]
-        assert reference.modified_tangential_work(residual) == pytest.approx((rising, excess), abs=1e-9)
+        excess = quad(lambda b: modified_law(b, 1.0, residual) - residual * np.sqrt(2 / np.e), peak,
+                      12)[0]
+        assert reference.modified_tangential_work(residual) == pytest.approx((rising, excess),
+                                                                             abs=1e-9)
 
 
 # ---------------------------------------------------------------- spheres, in units other than 1
@@ -531,30 +614,37 @@ WORK = 0.7
 
 
 def sphere_lift(pressure, edge, r, breaks=()):
-    """Displacement under an axisymmetric pressure, (4/(pi E*)) int p(s) s/(r+s) K ds, s = edge sin(t)."""
+    """Displacement under an axisymmetric pressure, (4/(pi E*)) int p(s) s/(r+s) K ds, s = edge
+    sin(t)."""
     def integrand(t):
         s = edge * np.sin(t)
         return pressure(s) * s / (r + s) * ellipkm1(((r - s) / (r + s)) ** 2) * edge * np.cos(t)
 
-    points = sorted({0.0, np.pi / 2, *(float(np.arcsin(b / edge)) for b in (r, *breaks) if b < edge)})
-    parts = (quad(integrand, *pair, epsabs=1e-11, epsrel=1e-10, limit=200)[0] for pair in zip(points, points[1:]))
+    points = sorted({0.0, np.pi / 2, *(float(np.arcsin(b / edge)) for b in (r, *breaks)
+                                       if b < edge)})
+    parts = (quad(integrand, *pair, epsabs=1e-11, epsrel=1e-10, limit=200)[0]
+             for pair in zip(points, points[1:]))
     return 4 / (np.pi * SPHERE["contact_modulus"]) * sum(parts)
 
 
 def sphere_load(pressure, edge, breaks=()):
-    return over_contact(lambda r: np.pi * abs(r) * pressure(abs(r)), edge, (0.0, *breaks, *(-b for b in breaks)))
+    return over_contact(lambda r: np.pi * abs(r) * pressure(abs(r)), edge,
+                        (0.0, *breaks, *(-b for b in breaks)))
 
 
 def check_sphere(pressure, contact, edge, load, approach):
     breaks = (contact,) if contact < edge else ()
     assert sphere_load(pressure, edge, breaks) == pytest.approx(load, rel=1e-6, abs=1e-7)
     for r in (1e-6, 0.5 * contact, 0.97 * contact):
-        assert sphere_lift(pressure, edge, r, breaks) == pytest.approx(approach - r**2 / (2 * SPHERE["radius"]), abs=1e-6)
+        assert sphere_lift(pressure, edge, r,
+                           breaks) == pytest.approx(approach - r**2 / (2 * SPHERE["radius"]),
+                                                    abs=1e-6)
 
 
 def test_hertz_and_jkr_spheres_carry_their_load_and_conform():
     a = 1.1
-    check_sphere(lambda r: float(reference.hertz_sphere_pressure(r, a, **SPHERE)), a, a, *reference.hertz_sphere(a, **SPHERE))
+    check_sphere(lambda r: float(reference.hertz_sphere_pressure(r, a, **SPHERE)), a, a,
+                 *reference.hertz_sphere(a, **SPHERE))
     jkr = lambda r: float(reference.jkr_sphere_pressure(r, a, WORK, **SPHERE))
     check_sphere(jkr, a, a, *reference.jkr_sphere(a, WORK, **SPHERE))
     release = 2 * np.pi * 1e-9 * jkr(a - 1e-9) ** 2 / (2 * SPHERE["contact_modulus"])
@@ -562,24 +652,31 @@ def test_hertz_and_jkr_spheres_carry_their_load_and_conform():
 
 
 def test_sphere_radii_invert_and_pull_offs_are_extrema():
-    assert reference.hertz_sphere(reference.hertz_sphere_radius(2.2, **SPHERE), **SPHERE)[0] == pytest.approx(2.2)
+    assert reference.hertz_sphere(reference.hertz_sphere_radius(2.2, **SPHERE),
+                                  **SPHERE)[0] == pytest.approx(2.2)
     a, load = reference.jkr_sphere_pull_off(WORK, **SPHERE)
     fold, least, load_at_fold = reference.jkr_sphere_fold(WORK, **SPHERE)
     trial = np.linspace(0.2 * a, 2 * a, 100001)
     loads, approaches = reference.jkr_sphere(trial, WORK, **SPHERE)
-    assert loads.min() == pytest.approx(load, rel=1e-8) and trial[loads.argmin()] == pytest.approx(a, abs=1e-3)
-    assert approaches.min() == pytest.approx(least, rel=1e-8) and trial[approaches.argmin()] == pytest.approx(fold, abs=1e-3)
+    assert (loads.min() == pytest.approx(load, rel=1e-8)
+            and trial[loads.argmin()] == pytest.approx(a, abs=1e-3))
+    assert (approaches.min() == pytest.approx(least, rel=1e-8)
+            and trial[approaches.argmin()] == pytest.approx(fold, abs=1e-3))
     assert reference.jkr_sphere(fold, WORK, **SPHERE) == pytest.approx((load_at_fold, least))
     for approach in (least, 0.5 * least, 0.0, 0.3, 5.0):
         held = reference.jkr_sphere_radius_at_approach(approach, WORK, **SPHERE)
-        assert held >= fold and reference.jkr_sphere(held, WORK, **SPHERE)[1] == pytest.approx(approach, abs=1e-12)
+        assert held >= fold and reference.jkr_sphere(held, WORK,
+                                                     **SPHERE)[1] == pytest.approx(approach,
+                                                                                   abs=1e-12)
     with pytest.raises(ValueError, match="no stable"):
         reference.jkr_sphere_radius_at_approach(1.001 * least, WORK, **SPHERE)
-    assert reference.dmt_sphere(reference.dmt_sphere_radius(2.2, WORK, **SPHERE), WORK, **SPHERE)[0] == pytest.approx(2.2)
+    assert reference.dmt_sphere(reference.dmt_sphere_radius(2.2, WORK, **SPHERE), WORK,
+                                **SPHERE)[0] == pytest.approx(2.2)
     assert reference.dmt_sphere_radius(-2 * np.pi * WORK * SPHERE["radius"], WORK, **SPHERE) == 0
     for applied in (load, 0.5 * load, 0.0, 4.0):
         stable = reference.jkr_sphere_radius(applied, WORK, **SPHERE)
-        assert stable >= a * (1 - 1e-7) and reference.jkr_sphere(stable, WORK, **SPHERE)[0] == pytest.approx(applied, abs=1e-9)
+        assert (stable >= a * (1 - 1e-7) and reference.jkr_sphere(stable, WORK, **SPHERE)[0]
+                == pytest.approx(applied, abs=1e-9))
 
 
 @pytest.mark.parametrize("stress, load", [(0.3, 1.0), (1.5, -4.0), (8.0, 2.0)])
@@ -599,21 +696,23 @@ def maugis_parameter(stress):
 def test_maugis_sphere_tends_to_jkr_and_dmt():
     load, unit = 1.0, np.pi * WORK * SPHERE["radius"]
     stiff = np.array([50.0, 100.0, 200.0])
-    errors = [reference.maugis_sphere(load, s, WORK, **SPHERE)[0] - reference.jkr_sphere_radius(load, WORK, **SPHERE)
-              for s in stiff]
+    errors = [reference.maugis_sphere(load, s, WORK, **SPHERE)[0]
+              - reference.jkr_sphere_radius(load, WORK, **SPHERE) for s in stiff]
     assert slope(stiff, errors) == pytest.approx(-2, abs=0.1)
     soft = np.array([1e-6, 1e-5, 1e-4])
     limit = reference.hertz_sphere_radius(load + 2 * unit, **SPHERE)
     expected, approach = reference.dmt_sphere(limit, WORK, **SPHERE)
     assert expected == pytest.approx(load)
-    a, _, approaches = np.transpose([reference.maugis_sphere(load, s, WORK, **SPHERE) for s in soft])
+    a, _, approaches = np.transpose([reference.maugis_sphere(load, s, WORK, **SPHERE)
+                                     for s in soft])
     assert slope(soft, a - limit) == pytest.approx(1, abs=0.05)
     assert slope(soft, approaches - approach) == pytest.approx(0.5, abs=0.05)
 
 
 @pytest.mark.parametrize("stress", [0.01, 0.1, 0.5, 2.0, 20.0])
 def test_maugis_sphere_against_the_fits_of_carpick_ogletree_salmeron(stress):
-    """J. Colloid Interface Sci. 211 (1999): pull-off and radius at no load, fitted to Maugis's solution within about 1 %."""
+    """J. Colloid Interface Sci. 211 (1999): pull-off and radius at no load, fitted to Maugis's
+    solution within about 1 %."""
     maugis, unit = maugis_parameter(stress), np.pi * WORK * SPHERE["radius"]
     length = (unit * SPHERE["radius"] / (4 * SPHERE["contact_modulus"] / 3)) ** (1 / 3)
     pull_off = -7 / 4 + (4.04 * maugis**1.4 - 1) / (4.04 * maugis**1.4 + 1) / 4
@@ -621,35 +720,46 @@ def test_maugis_sphere_against_the_fits_of_carpick_ogletree_salmeron(stress):
     load, a, c, _ = reference.maugis_sphere_pull_off(stress, WORK, **SPHERE)
     assert load / unit == pytest.approx(pull_off, rel=0.02) and 0 < a < c
     assert reference.sphere_maugis_parameter(stress, WORK, **SPHERE) == pytest.approx(maugis)
-    assert reference.maugis_sphere(0.0, stress, WORK, **SPHERE)[0] / length == pytest.approx(radius, rel=0.015)
+    assert (reference.maugis_sphere(0.0, stress, WORK,
+                                    **SPHERE)[0] / length == pytest.approx(radius, rel=0.015))
     with pytest.raises(ValueError, match="no stable"):
         reference.maugis_sphere(1.001 * load, stress, WORK, **SPHERE)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 def test_bonded_circle_stiffness_from_cerrutis_point_force(poisson):
-    """u_x = Q/(2 pi mu)[(1 - nu)/r + nu x^2/r^3] (Johnson 1985), at the centre under Q/(2 pi a sqrt(a^2 - r^2))."""
+    """u_x = Q/(2 pi mu)[(1 - nu)/r + nu x^2/r^3] (Johnson 1985), at the centre under Q/(2 pi a
+    sqrt(a^2 - r^2))."""
     a, modulus = 1.3, 3.0
     shear = modulus * (1 - poisson) / 2
-    around = quad(lambda angle: (1 - poisson) + poisson * np.cos(angle) ** 2, 0, 2 * np.pi)[0] / (2 * np.pi * shear)
-    along = quad(lambda t: 1 / (2 * np.pi * a), 0, np.pi / 2)[0]  # int dr/(2 pi a sqrt(a^2 - r^2)), r = a sin(t)
-    assert reference.bonded_circle_stiffness(a, poisson, modulus) == pytest.approx(1 / (around * along))
+    around = quad(lambda angle: (1 - poisson) + poisson * np.cos(angle) ** 2, 0,
+                  2 * np.pi)[0] / (2 * np.pi * shear)
+    # int dr/(2 pi a sqrt(a^2 - r^2)), r = a sin(t)
+    along = quad(lambda t: 1 / (2 * np.pi * a), 0, np.pi / 2)[0]
+    assert reference.bonded_circle_stiffness(a, poisson,
+                                             modulus) == pytest.approx(1 / (around * along))
 
 
 def test_cattaneo_sphere_grows_by_flat_punches_on_its_stick_zone():
-    """d(displacement)/dQ is the compliance of the bonded circle of the present stick radius (Mindlin 1949)."""
-    load, friction, poisson = 4.0, 0.3, 0.3
+    """d(displacement)/dQ is the compliance of the bonded circle of the present stick radius
+    (Mindlin 1949)."""
+    load = 4.0
+    friction = 0.3
+    poisson = 0.3
     state = lambda force: reference.cattaneo_sphere(load, force, friction, poisson, **SPHERE)
     for force in (1e-4, 0.4, 1.1):
         rate = derivative(lambda q: state(q)[1], force, 1e-5)
-        stiffness = reference.bonded_circle_stiffness(state(force)[0], poisson, SPHERE["contact_modulus"])
+        stiffness = reference.bonded_circle_stiffness(state(force)[0], poisson,
+                                                      SPHERE["contact_modulus"])
         assert rate == pytest.approx(1 / stiffness, rel=1e-6)
-    assert state(0.0) == pytest.approx((reference.hertz_sphere_radius(load, **SPHERE), 0)) and state(1.2)[0] < 1e-4
+    assert state(0.0) == pytest.approx((reference.hertz_sphere_radius(load, **SPHERE),
+                                        0)) and state(1.2)[0] < 1e-4
     stick, a = state(0.7)[0], state(0.0)[0]
     traction = lambda r: float(reference.cattaneo_sphere_traction(r, a, stick, friction, **SPHERE))
     assert sphere_load(traction, a, (stick,)) == pytest.approx(0.7, rel=1e-6)
     ring = 0.5 * (a + stick)
-    assert traction(ring) == pytest.approx(friction * reference.hertz_sphere_pressure(ring, a, **SPHERE))
+    assert traction(ring) == pytest.approx(friction * reference.hertz_sphere_pressure(ring, a,
+                                                                                      **SPHERE))
     assert traction(1.01 * a) == 0
 
 
@@ -661,7 +771,8 @@ def test_savkoor_briggs_sphere_releases_the_work_of_adhesion(load, tangential):
     normal = lambda b: 1 / (2 * modulus * b)
     shear = lambda b: 1 / reference.bonded_circle_stiffness(b, poisson, modulus)
     force = 4 * modulus * a**3 / (3 * SPHERE["radius"]) - load
-    release = -(force**2 * derivative(normal, a) + tangential**2 * derivative(shear, a)) / 2 / (2 * np.pi * a)
+    release = -(force**2 * derivative(normal, a) + tangential**2 * derivative(shear, a)) / 2 / (
+        2 * np.pi * a)
     assert release == pytest.approx(WORK, rel=1e-6)
     assert a < reference.jkr_sphere_radius(load, WORK, **SPHERE)
 
@@ -670,7 +781,9 @@ def test_which_limit_of_a_sphere_applies():
     """Johnson & Greenwood's map, and the normal Maugis parameter of the exponential law."""
     assert reference.sphere_maugis_parameter(1 / np.e) == pytest.approx(0.415, abs=1e-3)
     one = 1 / reference.sphere_maugis_parameter(1.0)
-    assert reference.maugis_sphere(0.0, 5 * one)[0] == pytest.approx(reference.jkr_sphere_radius(0.0), rel=0.01)
+    assert reference.maugis_sphere(0.0,
+                                   5 * one)[0] == pytest.approx(reference.jkr_sphere_radius(0.0),
+                                                                rel=0.01)
     assert reference.maugis_sphere_pull_off(0.1 * one)[0] == pytest.approx(-2 * np.pi, rel=0.03)
 
 
@@ -744,7 +857,8 @@ def test_arguments_out_of_range_are_refused(call):
 
 def test_results_have_the_shape_of_the_arguments():
     half_width = np.array([[0.5, 1.0, 1.5], [2.0, 2.5, 3.0]])
-    for function in (reference.jkr_line_load, reference.ligament_force, reference.jkr_line_approach):
+    for function in (reference.jkr_line_load, reference.ligament_force,
+                     reference.jkr_line_approach):
         values = function(half_width, 20.0)
         assert values.shape == (2, 3) and values[1, 1] == function(2.5, 20.0)
     assert reference.jkr_line_pressure(half_width, 2.2).shape == (2, 3)
@@ -760,12 +874,15 @@ def test_states_of_arrays_of_loads():
     inner, outer = reference.maugis_line(loads, 3.0)
     assert (inner[1], outer[1]) == reference.maugis_line(1.0, 3.0)
     sheared = reference.mixed_mode_line_half_width(loads, forces, 0.5, period=100.0)
-    assert sheared.shape == (2, 3) and sheared[1, 2] == reference.mixed_mode_line_half_width(25.0, 0.5, 0.5, period=100.0)
+    assert sheared.shape == (2, 3) and sheared[1, 2] == reference.mixed_mode_line_half_width(
+        25.0, 0.5, 0.5, period=100.0
+    )
     assert reference.maugis_sphere(loads, 1.0)[2][1] == reference.maugis_sphere(1.0, 1.0)[2]
 
 
 def test_every_solution_is_tested_and_has_its_conditions():
-    text = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parent.glob("test_reference*.py"))
+    text = "".join(path.read_text(encoding="utf-8")
+                   for path in Path(__file__).parent.glob("test_reference*.py"))
     assert not [name for name in reference.__all__ if not re.search(rf"reference\.{name}\b", text)]
     assert len(reference.__all__) == len(set(reference.__all__)) > 70
     for name in reference.__all__:

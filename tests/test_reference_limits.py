@@ -39,7 +39,8 @@ def agree(value, expected, rel):
 @pytest.mark.parametrize("work", [0.0, 1e-300, 1e-12, 0.7, 5.3, 1e12, 1e300])
 def test_isolated_jkr_lines_under_any_load(work):
     unit = work ** (2 / 3)
-    for load in (0.0, *spread(20, -300, 300), *spread(40, -3, 3) * unit, *-spread(20, -290, -0.1) * unit):
+    for load in (0.0, *spread(20, -300, 300), *spread(40, -3, 3) * unit,
+                 *-spread(20, -290, -0.1) * unit):
         a = exact.jkr_line_half_width(load, np.inf, work)
         adhesion = np.sqrt(2 * np.pi * a) * np.sqrt(work)
         assert abs(np.pi * a**2 / 4 - adhesion - load) <= 1e-14 * (adhesion + abs(load))
@@ -48,9 +49,11 @@ def test_isolated_jkr_lines_under_any_load(work):
 
 def test_lines_without_load_and_without_adhesion_have_their_closed_forms():
     for work, small in zip(spread(100, -8, 8), (0.0, *spread(99, -300, -22))):
-        assert agree(exact.jkr_line_half_width(small, np.inf, work), np.cbrt(32 * work / np.pi), 4 * EPS)
+        assert agree(exact.jkr_line_half_width(small, np.inf, work), np.cbrt(32 * work / np.pi),
+                     4 * EPS)
     for load in spread(100, -300, 300):
-        assert agree(exact.jkr_line_half_width(load, np.inf, 0.0), 2 * np.sqrt(load / np.pi), 4 * EPS)
+        assert agree(exact.jkr_line_half_width(load, np.inf, 0.0), 2 * np.sqrt(load / np.pi),
+                     4 * EPS)
         periodic = exact.jkr_line_half_width(load, 1e3, 0.0)
         assert periodic == exact.hertz_line_half_width(load, 1e3) < 500
 
@@ -58,7 +61,8 @@ def test_lines_without_load_and_without_adhesion_have_their_closed_forms():
 @pytest.mark.parametrize("work", [0.0, 1e-300, 1e-20, 1e-3, 1.0, 30.0])
 def test_jkr_lines_in_a_cell_and_waves_invert_their_loads(work):
     for period in spread(25, 0.9, 4) * max(1.0, np.cbrt(work)):
-        for load in (0.0, *spread(2, -300, -2), *spread(2, -2, 0.15) * period):  # 1.5 periods fill the least cell
+        # 1.5 periods fill the least cell
+        for load in (0.0, *spread(2, -300, -2), *spread(2, -2, 0.15) * period):
             a = exact.jkr_line_half_width(load, period, work)
             terms = abs(load) + exact.ligament_force(a, period, work)
             assert abs(exact.jkr_line_load(a, period, work) - load) <= 1e-13 * terms
@@ -71,7 +75,8 @@ def test_jkr_lines_in_a_cell_and_waves_invert_their_loads(work):
 def test_spheres_under_any_load_and_approach():
     for body in spread((30, 3), -4, 4):
         unit, depth = np.pi * body[0] * body[2], -exact.jkr_sphere_fold(*body)[1]
-        shares = 0.0, *spread(2, -280, -20), *spread(4, -3, 3), *-spread(3, -280, -0.2), *spread(2, 10, 180)
+        shares = 0.0, *spread(2, -280, -20), *spread(4, -3, 3), *-spread(3, -280,
+                                                                         -0.2), *spread(2, 10, 180)
         for share in shares:
             a = exact.jkr_sphere_radius(share * unit, *body)
             missed = exact.jkr_sphere(a, *body)[0] - share * unit
@@ -82,11 +87,13 @@ def test_spheres_under_any_load_and_approach():
 
 
 def test_cohesive_zones_under_any_load():
-    """Extreme loads leave Hertz's contact, small ones that without load; so stiff a law is JKR's."""
+    """Extreme loads leave Hertz's contact, small ones that without load; so stiff a law is
+    JKR's."""
     for maugis in spread(6, -1, 2):
         for load in spread(2, 12, 280):
             assert agree(exact.maugis_line(load, maugis), exact.hertz_line_half_width(load), 1e-9)
-            assert agree(exact.maugis_sphere(load, maugis)[0], exact.hertz_sphere_radius(load), 1e-5)
+            assert agree(exact.maugis_sphere(load, maugis)[0], exact.hertz_sphere_radius(load),
+                         1e-5)
         small = 10.0 ** RANDOM.uniform(-300, -20)
         for states in (exact.maugis_line, exact.maugis_sphere):
             assert agree(states(small, maugis), states(0.0, maugis), 1e-12)
@@ -109,7 +116,8 @@ def test_pull_off_of_lines_is_the_limit_of_their_states():
         for approach in near(least):
             assert agree(exact.jkr_line_half_width_at_approach(approach, period, work), a, 1e-6)
         for full in near(period**2 / 24):
-            assert agree(exact.jkr_line_half_width_at_approach(full, period, work), period / 2, 1e-6)
+            assert agree(exact.jkr_line_half_width_at_approach(full, period, work), period / 2,
+                         1e-6)
 
 
 def test_cells_and_waves_in_which_the_last_partial_contact_is_stable():
@@ -141,7 +149,8 @@ def test_waves_without_adhesion_are_pressed_to_full_contact():
         with pytest.raises(ValueError, match="no stable"):
             exact.sinusoid_half_width(load * (1 + 1e-9), *wave)
     full = exact.hertz_line_half_width(1e9, 10.0)
-    assert full < 5 and np.isfinite([exact.hertz_line_load(full, 10.0), exact.ligament_stiffness(full, 10.0)]).all()
+    assert full < 5 and np.isfinite([exact.hertz_line_load(full, 10.0),
+                                     exact.ligament_stiffness(full, 10.0)]).all()
     assert agree(exact.hertz_line_approach(full, 10.0), 100 / 24, 1e-12)
 
 
@@ -149,7 +158,8 @@ def test_pull_off_and_fold_of_spheres_are_limits_of_their_states():
     for body in spread((60, 3), -6, 6):
         a, load = exact.jkr_sphere_pull_off(*body)
         fold, approach, _ = exact.jkr_sphere_fold(*body)
-        for one, other, third in zip(near(load), near(approach), near(exact.dmt_sphere(0.0, *body)[0])):
+        for one, other, third in zip(near(load), near(approach),
+                                     near(exact.dmt_sphere(0.0, *body)[0])):
             assert agree(exact.jkr_sphere_radius(one, *body), a, 1e-6)
             assert agree(exact.jkr_sphere_radius_at_approach(other, *body), fold, 1e-6)
             assert exact.dmt_sphere_radius(third, *body) < 1e-4 * a
@@ -173,9 +183,11 @@ def test_pull_off_of_cohesive_zones_is_the_limit_of_their_states():
 def test_bonds_hold_up_to_their_strength():
     for load in (*RANDOM.uniform(-1.6, 20.0, 12), 0.0):
         a, strength = exact.mixed_mode_line_strength(load, 1.0, 1.4)
-        assert all(agree(exact.mixed_mode_line_half_width(load, force, 1.0, 1.4), a, 1e-4) for force in near(strength))
+        assert all(agree(exact.mixed_mode_line_half_width(load, force, 1.0, 1.4), a, 1e-4)
+                   for force in near(strength))
         a, strength = exact.savkoor_briggs_sphere_strength(load, 0.3)
-        assert all(agree(exact.savkoor_briggs_sphere_radius(load, force, 0.3), a, 1e-4) for force in near(strength))
+        assert all(agree(exact.savkoor_briggs_sphere_radius(load, force, 0.3), a, 1e-4)
+                   for force in near(strength))
     for period in (np.inf, 20.0):
         a, pull_off = exact.jkr_line_pull_off(period)
         for load in near(pull_off):
@@ -185,9 +197,11 @@ def test_bonds_hold_up_to_their_strength():
     a, pull_off = exact.jkr_sphere_pull_off()
     for load in near(pull_off):
         size, force = exact.mixed_mode_sphere_strength(load, 0.6)
-        assert force < 1e-3 and agree([size, exact.mixed_mode_sphere_radius(load, 0.0, 0.6)], a, 1e-3)
+        assert force < 1e-3 and agree([size, exact.mixed_mode_sphere_radius(load, 0.0, 0.6)], a,
+                                      1e-3)
     for load in -spread(30, -200, -1):
-        assert agree(exact.mixed_mode_line_half_width(load, 0.0), exact.jkr_line_half_width(load), 1e-9)
+        assert agree(exact.mixed_mode_line_half_width(load, 0.0), exact.jkr_line_half_width(load),
+                     1e-9)
 
 
 def test_friction_up_to_gross_sliding():
@@ -196,11 +210,13 @@ def test_friction_up_to_gross_sliding():
             load = exact.hertz_line_load(a, period)
             for force in near(friction * load):
                 assert exact.cattaneo_line_stick_half_width(a, force, friction, period) < 1e-5 * a
-            stick = exact.cattaneo_line_stick_half_width(a, 0.0, friction, period)  # a, but for rounding
+            # a, but for rounding
+            stick = exact.cattaneo_line_stick_half_width(a, 0.0, friction, period)
             exact.cattaneo_line_traction(0.3 * a, a, stick, friction, period)
             for edge in near(a):
                 for nothing in (exact.slip_zone_force, exact.slip_zone_edge_slip):
                     assert abs(nothing(a, edge, friction, period)) < 1e-5 * a * friction
                 assert exact.front_force(a, edge, friction, 0.5, period) > 0
         for force in near(friction * a):
-            assert exact.cattaneo_sphere(a, force, friction)[0] < 1e-4 * exact.hertz_sphere_radius(a)
+            assert exact.cattaneo_sphere(a, force, friction)[0] < 1e-4 * exact.hertz_sphere_radius(
+                a)

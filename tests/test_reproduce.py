@@ -1,4 +1,5 @@
-"""The pieces of scripts/reproduce on small runs: what is read off them, figures, and the table of statements."""
+"""The pieces of scripts/reproduce on small runs: what is read off them, figures, and the table of
+statements."""
 
 import sys
 import time
@@ -25,7 +26,8 @@ def modules():
 
 @pytest.fixture(scope="module")
 def results(modules, tmp_path_factory):
-    """Two small sheared runs under the names of the large ones; law -> archive is `results[name]`."""
+    """Two small sheared runs under the names of the large ones; law -> archive is
+    `results[name]`."""
     import runs
 
     found = runs.Results(tmp_path_factory.mktemp("paper"))
@@ -46,8 +48,11 @@ def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
     made = runs.Results(tmp_path)
     points = []
     for step in ("0.25", "0.125"):
-        run = runs.Run("small", {"scene_points": 256, "scene_period": 30, "scene_normal_maugis": 3, "load_start": "normal_displacement=1",
-                                 "load_path": "normal_displacement=2", "continuation_initial_step": step, "continuation_largest_step": step})
+        run = runs.Run("small", {"scene_points": 256, "scene_period": 30, "scene_normal_maugis": 3,
+                                 "load_start": "normal_displacement=1",
+                                 "load_path": "normal_displacement=2",
+                                 "continuation_initial_step": step,
+                                 "continuation_largest_step": step})
         made.make_all([run], 1, lambda line: None)
         assert made.done(run)
         points.append(made["small"].points)
@@ -57,7 +62,9 @@ def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
 def test_an_interrupted_run_goes_on_and_those_behind_it_do_not_begin(tmp_path, monkeypatch):
     import runs
 
-    made, asked, ends = runs.Results(tmp_path), [], iter([130, 0])
+    made = runs.Results(tmp_path)
+    asked = []
+    ends = iter([130, 0])
     run = runs.Run("small", {"scene_points": 256}, finer=False)
 
     def command(path, arguments, said):
@@ -78,7 +85,8 @@ def test_an_interrupted_run_goes_on_and_those_behind_it_do_not_begin(tmp_path, m
 
     def slow(run):
         begun.append(run.name)
-        time.sleep(0.0 if len(begun) == 1 else 0.5)  # long enough for a busy machine to stop the others
+        # long enough for a busy machine to stop the others
+        time.sleep(0.0 if len(begun) == 1 else 0.5)
         return 1, 0.05
 
     monkeypatch.setattr(made, "make", slow)
@@ -94,7 +102,8 @@ def test_catalogue_is_of_valid_scenes_and_loads():
     found = runs.catalogue()
     for run in [*found.values(), *cost.NEEDED]:
         options = {name: value for name, value in run.options.items()}
-        scene = Scene(**{name[6:]: value for name, value in options.items() if name.startswith("scene_")})
+        scene = Scene(**{name[6:]: value for name, value in options.items()
+                         if name.startswith("scene_")})
         sizes = {name: tuple(map(float, options[f"continuation_{name}"].split(",")))
                  for name in ("initial_step", "largest_step") if f"continuation_{name}" in options}
         check(scene, Load(start=options["load_start"], path=options["load_path"]), Steps(**sizes))
@@ -144,12 +153,15 @@ def test_profiles_end_at_the_edge(results):
 
     record = results["half-t1-w0.8"]
     x, gap, slip, normal, tangential = profile(record, onset(record).point)
-    assert width_below(x, gap, np.e) == pytest.approx(record["contact_area"][onset(record).point], rel=2e-3)
-    assert np.max(tangential) == pytest.approx(record["maximum_tangential_traction"][onset(record).point])
+    assert width_below(x, gap, np.e) == pytest.approx(record["contact_area"][onset(record).point],
+                                                      rel=2e-3)
+    assert np.max(tangential) == pytest.approx(record["maximum_tangential_traction"][onset(
+        record).point])
     largest = record["maximum_tangential_gap"][onset(record).point]
     right = x >= 0.0
     assert np.interp(np.e, gap[right], np.abs(slip)[right]) == pytest.approx(largest, rel=2e-3)
-    assert np.sum(-normal) * (x[1] - x[0]) * 2.0 == pytest.approx(record["normal_force"][onset(record).point], rel=1e-6)
+    assert np.sum(-normal) * (x[1] - x[0]) * 2.0 == pytest.approx(
+        record["normal_force"][onset(record).point], rel=1e-6)
 
 
 def test_figure_without_runs_is_drawn(tmp_path):
@@ -167,12 +179,14 @@ def test_a_figure_whose_run_is_missing_or_too_short_says_which(results, monkeypa
     import statement
 
     figure, why = statement.evaluated(figure7.draw, results)
-    assert figure is None and why.startswith("the run mcgarry-t0.1-w") and why.endswith("is missing")
+    assert (figure is None and why.startswith("the run mcgarry-t0.1-w")
+            and why.endswith("is missing"))
     # A run that stopped beside its fold has no onset.
     log = results.path("half-t1-w0.8").with_suffix(".log")
     log.write_text(log.read_text() + "contactsnes: SNES DIVERGED_DTOL\nexit status 1\n")
     monkeypatch.setattr(figure7, "onset", lambda record: None)
-    _, why = statement.evaluated(lambda results: figure7.onset(results["half-t1-w0.8"]).force, results)
+    _, why = statement.evaluated(lambda results: figure7.onset(results["half-t1-w0.8"]).force,
+                                 results)
     assert why == "the run half-t1-w0.8 is too short: contactsnes: SNES DIVERGED_DTOL"
     told, _ = errors.movement(figure7.draw, results, runs.Finer(results))
     assert told.startswith("not known: the run mcgarry-t0.1-w") and told.endswith("is missing")
@@ -200,21 +214,29 @@ def test_runs_on_twice_the_points_tell_the_errors_of_the_grid(results):
 
     run = runs.sheared("half", 1, 0.8, fields="all", points=512, normal_maugis=2.0, period=60.0)
     again = results.finer(run)
-    assert again.options["scene_points"] == 1024 and again.options["continuation_stability"] == "off"
-    assert {name for name in run.options if run.options[name] != again.options[name]} == {"scene_points", "continuation_stability"}
+    assert (again.options["scene_points"] == 1024 and again.options["continuation_stability"]
+            == "off")
+    assert {name for name in run.options if run.options[name] != again.options[name]} == {
+        "scene_points", "continuation_stability"}
     results.make_all([again], 1, lambda line: None)
     finer = runs.Finer(results)
     assert run.name in finer and "full-t1-w0.8" not in finer
     forces = [onset(one[run.name]).force for one in (results, finer)]
     assert 0 < abs(forces[0] - forces[1]) < 1e-3 * forces[1]
     text = told([Number("onset", forces[0])], [Number("onset", forces[1])])
-    assert text.startswith("onset: ") and float(text.split(" ± ")[1]) == pytest.approx(abs(forces[0] - forces[1]), rel=0.5)
+    assert (text.startswith("onset: ")
+            and float(text.split(" ± ")[1]) == pytest.approx(abs(forces[0] - forces[1]), rel=0.5))
     assert runs.Finer(results, [run.name])[run.name] is results[run.name]
 
 
-@pytest.mark.parametrize("value, error, unit, text", [
-    (12.5905123, 2e-5, "", "12.5905 ± 2e-5"), (0.027, 1e-4, "%", "2.70 ± 0.01 %"), (2.2, 0.01, "", "2.20 ± 0.01"), (303, 0.0, "", "303"),
-    (0.0001, 0.003, "", "0.0001 ± 0.003"), (4116.3, 12.0, "", "4116 ± 1e+01"), (1 / 3, 0.0, "%", "33.33 %"), (0.0, 0.0, "", "0")])
+@pytest.mark.parametrize("value, error, unit, text", [(12.5905123, 2e-5, "", "12.5905 ± 2e-5"),
+                                                      (0.027, 1e-4, "%", "2.70 ± 0.01 %"),
+                                                      (2.2, 0.01, "", "2.20 ± 0.01"),
+                                                      (303, 0.0, "", "303"),
+                                                      (0.0001, 0.003, "", "0.0001 ± 0.003"),
+                                                      (4116.3, 12.0, "", "4116 ± 1e+01"),
+                                                      (1 / 3, 0.0, "%", "33.33 %"),
+                                                      (0.0, 0.0, "", "0")])
 def test_numbers_have_the_digits_their_errors_leave(value, error, unit, text):
     from statement import with_error
 
@@ -226,7 +248,8 @@ def test_numbers_without_an_error_say_so():
 
     assert told([Number("a", 1.0)]) == "a: 1 ± ?"
     assert told([Number("a", 1.0, exact=True)]) == "a: 1"
-    assert told([("W = 1", [Number("", 1.0, spread=0.1)])], [("W = 1", [Number("", 1.3)])]) == "W = 1: 1.0 ± 0.3"
+    assert told([("W = 1", [Number("", 1.0, spread=0.1)])],
+                [("W = 1", [Number("", 1.3)])]) == "W = 1: 1.0 ± 0.3"
 
 
 def test_movement_of_a_drawing_is_measured_in_points():

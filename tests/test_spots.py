@@ -1,20 +1,21 @@
-"""Windows of several boxes: which are taken, their convolution, and that all results are those of the whole cell."""
+"""Windows of several boxes: which are taken, their convolution, and that all results are those of
+the whole cell."""
 
 import numpy as np
 import pytest
 import scipy.fft
 
-from contactsnes.grid import boxes as spots
+from contactsnes.branch.branch import Branch
 from contactsnes.contact import states
-from contactsnes.contact.problem import DISPLACEMENT, Contact
 from contactsnes.contact.edges import follow_edge
 from contactsnes.contact.forms import DisplacementForm
+from contactsnes.contact.problem import DISPLACEMENT, Contact
+from contactsnes.grid import boxes as spots
+from contactsnes.grid.boxes import Spots, SpotsConvolution
 from contactsnes.grid.cell import Convolution, Grid, Operator, Window, enclosing, transform_cost
 from contactsnes.scene.load import Load
-from contactsnes.solvers.preconditioners import CoreZone
-from contactsnes.branch.branch import Branch
 from contactsnes.scene.settings import Form, Scene, Steps
-from contactsnes.grid.boxes import Spots, SpotsConvolution
+from contactsnes.solvers.preconditioners import CoreZone
 
 LINE, PLANE = (512,), (48, 64)
 BOXES = {LINE: ([(500,), (100,), (300,)], (40,)), PLANE: ([(44, 5), (10, 58), (24, 30)], (9, 14))}
@@ -31,23 +32,29 @@ def heights(directory, dimension, places, depths, points, period):
     x = (np.arange(points) - points // 2) * period / points
     gap = np.inf
     for place, depth in zip(places, depths):
-        away = [((x - centre + period / 2) % period - period / 2) for centre in np.atleast_1d(place)]
-        gap = np.minimum(gap, depth + 0.5 * sum(np.meshgrid(*[a ** 2 for a in away], indexing="ij", sparse=True)))
+        away = [((x - centre + period / 2) % period - period / 2)
+                for centre in np.atleast_1d(place)]
+        gap = np.minimum(gap, depth + 0.5 * sum(np.meshgrid(*[a ** 2 for a in away], indexing="ij",
+                                                            sparse=True)))
     path = directory / f"heights{dimension}.npy"
     np.save(path, -gap)
     return str(path)
 
 
-def line_scene(directory, places=(-45.0, 0.0, 38.0), depths=DEPTHS[1], points=2048, period=150.0, **changes):
+def line_scene(directory, places=(-45.0, 0.0, 38.0), depths=DEPTHS[1], points=2048, period=150.0,
+               **changes):
     path = heights(directory, 1, places, depths, points, period)
-    return Scene(**{"points": points, "period": period, "geometry": "file", "geometry_file": path, "normal_maugis": 2.0,
-                    "tangential_maugis": 1.0, "poisson": 0.3, "height": 20.0, **changes})
+    return Scene(**{"points": points, "period": period, "geometry": "file", "geometry_file": path,
+                    "normal_maugis": 2.0, "tangential_maugis": 1.0, "poisson": 0.3, "height": 20.0,
+                    **changes})
 
 
-def plane_scene(directory, places=((-19.0, -18.0), (20.0, -14.0), (1.0, 22.0)), depths=DEPTHS[2], points=144, period=75.0, **changes):
+def plane_scene(directory, places=((-19.0, -18.0), (20.0, -14.0), (1.0, 22.0)), depths=DEPTHS[2],
+                points=144, period=75.0, **changes):
     path = heights(directory, 2, places, depths, points, period)
-    return Scene(**{"dimension": 2, "points": (points, points), "period": period, "geometry": "file", "geometry_file": path,
-                    "normal_maugis": 1.5, "tangential_maugis": 1.0, "poisson": 0.3, **changes})
+    return Scene(**{"dimension": 2, "points": (points, points), "period": period,
+                    "geometry": "file", "geometry_file": path, "normal_maugis": 1.5,
+                    "tangential_maugis": 1.0, "poisson": 0.3, **changes})
 
 
 @pytest.fixture
@@ -65,7 +72,8 @@ def test_take_put_and_indices_agree(shape):
     window = boxes_of(shape)
     field = np.random.default_rng(0).normal(size=(2, *shape))
     values = window.take(field)
-    assert values.shape == (2, window.size) and window.size == len(set(window.take(np.arange(field[0].size).reshape(shape))))
+    assert (values.shape == (2, window.size)
+            and window.size == len(set(window.take(np.arange(field[0].size).reshape(shape)))))
     np.testing.assert_array_equal(values, field[(slice(None), *window.indices)])
     copy = np.zeros_like(field)
     window.put(values, copy)
@@ -81,8 +89,8 @@ def test_take_put_and_indices_agree(shape):
 def test_convolution_is_that_of_the_cell(shape, transposed):
     """Even, odd and coupling blocks, as a body of Poisson ratio 0.3 has them; to rounding."""
     count = len(shape) + 1
-    contact = Contact(Scene(dimension=len(shape), points=shape if len(shape) == 2 else shape[0], period=20.0, poisson=0.3,
-                            tangential_maugis=2.0, height=5.0))
+    contact = Contact(Scene(dimension=len(shape), points=shape if len(shape) == 2 else shape[0],
+                            period=20.0, poisson=0.3, tangential_maugis=2.0, height=5.0))
     window = Spots(contact.grid, *BOXES[shape])
     operator = contact.operator(count)
     assert (0, 1) in operator.blocks
@@ -92,7 +100,8 @@ def test_convolution_is_that_of_the_cell(shape, transposed):
     flat = cell.reshape(count, -1)
     Convolution(contact.grid.whole, operator, count).apply(flat, flat, transposed)
     for _ in range(2):
-        found = SpotsConvolution(window, operator, count).apply(values, np.empty_like(values), transposed)
+        found = SpotsConvolution(window, operator, count).apply(values, np.empty_like(values),
+                                                                transposed)
         np.testing.assert_allclose(found, window.take(cell), atol=1e-14 * np.abs(cell).max())
 
 
@@ -121,7 +130,8 @@ def test_transforms_are_counted_on_the_circles():
 
 
 def test_a_window_is_made_again_from_start_and_shape():
-    for window in (boxes_of(LINE), boxes_of(PLANE), Window(Grid(PLANE, (4.0, 4.0)), (3, 60), (7, 9))):
+    for window in (boxes_of(LINE), boxes_of(PLANE), Window(Grid(PLANE, (4.0, 4.0)), (3, 60),
+                                                           (7, 9))):
         again = spots.of_boxes(window.grid, np.array(window.start), np.array(window.shape))
         assert again == window and type(again) is type(window)
     assert boxes_of(LINE) != boxes_of(LINE).parts[0]
@@ -157,7 +167,8 @@ def test_neighbours_share_a_box():
     assert len(spots.fitting(grid, mask, 0.05).parts) == 2
 
 
-@pytest.mark.parametrize("boxes", [[((1000,), (400,))], [((16300,), (200,))], [], [((0,), (6000,)), ((8000,), (6000,))],
+@pytest.mark.parametrize("boxes", [[((1000,), (400,))], [((16300,), (200,))], [],
+                                   [((0,), (6000,)), ((8000,), (6000,))],
                                    [((1000,), (400,)), ((1500,), (400,))]],
                          ids=["one", "across the border", "none", "large", "near"])
 def test_one_window_where_that_is_cheaper(boxes):
@@ -182,7 +193,8 @@ def test_many_spots_are_joined_first():
 
 
 def pressed(directory, **changes):
-    """The form on boxes of a pressed line, linearised at its state, and the same on the whole cell."""
+    """The form on boxes of a pressed line, linearised at its state, and the same on the whole
+    cell."""
     scene = line_scene(directory, **changes)
     branch, points = points_of(scene, "normal_displacement=2")
     state, controls = points[-1].state, (DISPLACEMENT,) * len(points[-1].controls)
@@ -196,7 +208,8 @@ def pressed(directory, **changes):
 
 
 def test_boxes_know_of_each_other(tmp_path, always):
-    """The rest |x - M^-1 J x| is as small as in one window, and far smaller than without what boxes are to each other."""
+    """The rest |x - M^-1 J x| is as small as in one window, and far smaller than without what boxes
+    are to each other."""
     boxes, whole = pressed(tmp_path, poisson=0.5, height=np.inf)
     zones = [CoreZone(boxes), CoreZone(whole), CoreZone(boxes)]
     assert len(boxes.window.parts) == 3
@@ -205,9 +218,11 @@ def test_boxes_know_of_each_other(tmp_path, always):
     for zone in zones:
         form, total = zone.form, 0.0
         for waves in range(4):
-            field = np.cos(waves * form.window.take(np.linspace(0.0, 2.0 * np.pi, form.grid.size)) + rng.uniform(0, 6))
+            field = np.cos(waves * form.window.take(np.linspace(0.0, 2.0 * np.pi, form.grid.size))
+                           + rng.uniform(0, 6))
             vector = np.tile(np.where(form.tangent[0, 0] > 0.1, field, 0.0), form.components)
-            rest = zone.apply(form.apply_jacobian(vector, np.empty(form.size)), np.empty(form.size)) - vector
+            rest = zone.apply(form.apply_jacobian(vector, np.empty(form.size)),
+                              np.empty(form.size)) - vector
             total += np.linalg.norm(rest) / np.linalg.norm(vector)
         rests.append(total)
     assert rests[0] < 1.2 * rests[1] and rests[0] < 0.5 * rests[2], rests
@@ -226,7 +241,8 @@ def test_states_on_other_boxes_take_the_nearest_known_values():
     known = window.take(np.arange(512))
     for node in (60, 70, 71, 210, 290, 420, 424, 425, 430, 499):
         away = np.abs((known - node + 256) % 512 - 256)
-        assert any(np.array_equal(cell[:, node], values[:, k]) for k in np.flatnonzero(away == away.min()))
+        assert any(np.array_equal(cell[:, node], values[:, k])
+                   for k in np.flatnonzero(away == away.min()))
     other = Spots(window.grid, [(90,), (310,)], (60,))
     np.testing.assert_array_equal(states.onto(state, other), other.take(cell))
 
@@ -236,14 +252,17 @@ def test_states_on_other_boxes_take_the_nearest_known_values():
 def test_gap_outside_is_that_of_the_whole_cell(made, poisson, tmp_path):
     scene = made(tmp_path, poisson=poisson, height=np.inf)
     contact, rng = Contact(scene, np.load(scene.geometry_file)), np.random.default_rng(6)
-    window = Spots(contact.grid, [[n // part for n in scene.shape] for part in (9, 2)], [20] * len(scene.shape))
-    state = states.State(window, rng.normal(size=(scene.components, window.size)), rng.normal(size=scene.components))
+    window = Spots(contact.grid, [[n // part for n in scene.shape] for part in (9, 2)],
+                   [20] * len(scene.shape))
+    state = states.State(window, rng.normal(size=(scene.components, window.size)),
+                         rng.normal(size=scene.components))
     before, expected = contact.grid.transforms, contact.extended(state)[0] + contact.initial_gap
     window.put(np.full(window.size, np.inf), expected)
     middle, found = contact.grid.transforms, contact.gap_outside(state)
     np.testing.assert_allclose(found, expected, rtol=1e-12)
     assert middle - before >= 2 * scene.components
-    assert contact.grid.transforms - middle == pytest.approx((scene.components if poisson == 0.3 else 1) + 1)
+    assert contact.grid.transforms - middle == pytest.approx((scene.components if poisson == 0.3
+                                                              else 1) + 1)
 
 
 def test_a_box_whose_spot_is_gone_is_left_out(tmp_path, always):
@@ -251,7 +270,8 @@ def test_a_box_whose_spot_is_gone_is_left_out(tmp_path, always):
     contact = Contact(scene, np.load(scene.geometry_file))
     far = contact.window(contact.initial_gap + 2.0)
     assert len(far.parts) == 3
-    lifted = -contact.ranges[0] * np.concatenate([np.full(part.size, -60.0 * (k == 2)) for k, part in enumerate(far.parts)])
+    lifted = -contact.ranges[0] * np.concatenate([np.full(part.size, -60.0 * (k == 2))
+                                                  for k, part in enumerate(far.parts)])
     state = states.State(far, np.zeros((1, far.size)) + 2.0, np.zeros(1))
     assert states.fitted(contact, state) is state
     gone = states.fitted(contact, states.State(far, state.displacement + lifted, np.zeros(1)))
@@ -261,14 +281,16 @@ def test_a_box_whose_spot_is_gone_is_left_out(tmp_path, always):
 # Branches: the same points as on the whole cell
 
 
-def points_of(scene, path, start="normal_displacement=1", window="auto", steps=Steps(initial_step=0.5, largest_step=0.5),
-              log=lambda sentence: None):
-    branch = Branch(scene, Load(path=path, start=start), steps=steps, form=Form(window=window), log=log)
+def points_of(scene, path, start="normal_displacement=1", window="auto",
+              steps=Steps(initial_step=0.5, largest_step=0.5), log=lambda sentence: None):
+    branch = Branch(scene, Load(path=path, start=start), steps=steps, form=Form(window=window),
+                    log=log)
     return branch, list(branch)
 
 
 def same(branch, points, whole):
-    """Loads, forces and states agree to some thousand times the tolerance of 1e-8, which is that of each point's imbalance."""
+    """Loads, forces and states agree to some thousand times the tolerance of 1e-8, which is that of
+    each point's imbalance."""
     assert [point.event for point in points] == [point.event for point in whole]
     for point, other in zip(points, whole):
         np.testing.assert_allclose(point.forces, other.forces, rtol=1e-5, atol=1e-5)
@@ -281,9 +303,12 @@ def same(branch, points, whole):
             assert seen[name] == pytest.approx(expected[name], rel=1e-4, abs=1e-4), name
 
 
-@pytest.mark.parametrize("path, start", [("normal_displacement=2", "normal_displacement=1"), ("normal_force=3", "normal_force=2"),
-                                         ("normal_displacement=hold, tangential_displacement=1", "normal_displacement=2"),
-                                         ("normal_force=hold, tangential_force=1", "normal_force=4")])
+@pytest.mark.parametrize("path, start", [("normal_displacement=2", "normal_displacement=1"),
+                                         ("normal_force=3", "normal_force=2"),
+                                         ("normal_displacement=hold, tangential_displacement=1",
+                                          "normal_displacement=2"),
+                                         ("normal_force=hold, tangential_force=1",
+                                          "normal_force=4")])
 def test_boxes_change_nothing_on_a_line(path, start, tmp_path, always):
     scene = line_scene(tmp_path)
     branch, points = points_of(scene, path, start)
@@ -291,20 +316,26 @@ def test_boxes_change_nothing_on_a_line(path, start, tmp_path, always):
     same(branch, points, points_of(scene, path, start, "off")[1])
 
 
-@pytest.mark.parametrize("path", ["normal_displacement=0.4", "normal_force=hold, tangential_displacement_x=0.5"])
+@pytest.mark.parametrize("path", ["normal_displacement=0.4",
+                                  "normal_force=hold, tangential_displacement_x=0.5"])
 def test_boxes_change_nothing_in_the_plane(path, tmp_path, always):
-    scene, start = plane_scene(tmp_path), "normal_force=2" if "force" in path else "normal_displacement=0.2"
+    scene = plane_scene(tmp_path)
+    start = "normal_force=2" if "force" in path else "normal_displacement=0.2"
     branch, points = points_of(scene, path, start)
     assert all(len(point.state.window.parts) == 3 for point in points)
     same(branch, points, points_of(scene, path, start, "off")[1])
 
 
 @pytest.mark.parametrize("places, depths, boxes", [((-50.0, -29.0, 30.0), (0.0, 0.5, 38.0), {1, 3}),
-                                                   ((-50.0, -29.5, 30.0), (0.0, 0.5, 40.0), {1, 2})])
+                                                   ((-50.0, -29.5, 30.0), (0.0, 0.5, 40.0),
+                                                    {1, 2})])
 def test_spots_appear_and_merge_along_a_path(places, depths, boxes, tmp_path, always):
-    """Two spots near each other, of one box or two, and a third that comes within the law's range as the body is pressed."""
+    """Two spots near each other, of one box or two, and a third that comes within the law's range
+    as the body is pressed."""
     scene = line_scene(tmp_path, places, depths, normal_maugis=1.0, period=200.0)
-    path, start, log = "normal_displacement=12; normal_displacement=-1", "normal_displacement=-1", []
+    path = "normal_displacement=12; normal_displacement=-1"
+    start = "normal_displacement=-1"
+    log = []
     steps = Steps(initial_step=2.0, largest_step=4.0)
     branch, points = points_of(scene, path, start, steps=steps, log=log.append)
     assert {len(point.state.window.parts) for point in points} == boxes
@@ -316,16 +347,20 @@ def test_spots_appear_and_merge_along_a_path(places, depths, boxes, tmp_path, al
 
 def test_a_run_goes_on_from_boxes(tmp_path, always):
     scene = line_scene(tmp_path)
-    load, steps = Load(path="normal_displacement=2", start="normal_displacement=1"), Steps(initial_step=0.25, largest_step=0.25)
+    load = Load(path="normal_displacement=2", start="normal_displacement=1")
+    steps = Steps(initial_step=0.25, largest_step=0.25)
     branch = Branch(scene, load, steps=steps)
     points = list(branch)
     packed = [branch.packed(point) for point in points[:3]]
     assert packed[-1]["window_start"].shape == (3, 1)
     restored = [branch.restored(one) for one in packed]
-    assert restored[-1].state.window == points[2].state.window and len(restored[-1].state.window.parts) == 3
+    assert (restored[-1].state.window == points[2].state.window
+            and len(restored[-1].state.window.parts) == 3)
     again = list(Branch(scene, load, steps=steps, history=restored))
-    assert [point.displacements[0] for point in again] == [point.displacements[0] for point in points[3:]]
-    np.testing.assert_allclose([point.forces for point in again], [point.forces for point in points[3:]], rtol=1e-6)
+    assert [point.displacements[0] for point in again] == [point.displacements[0]
+                                                           for point in points[3:]]
+    np.testing.assert_allclose([point.forces for point in again],
+                               [point.forces for point in points[3:]], rtol=1e-6)
 
 
 def test_a_path_costs_less_where_spots_are_small(tmp_path):
@@ -333,7 +368,8 @@ def test_a_path_costs_less_where_spots_are_small(tmp_path):
     scene = line_scene(tmp_path, (-110.0, 20.0, 120.0), points=8192, period=400.0)
     spent = {}
     for window in ("auto", "off"):
-        branch, points = points_of(scene, "normal_displacement=1", "normal_displacement=0", window, Steps(initial_step=0.2, largest_step=0.2))
+        branch, points = points_of(scene, "normal_displacement=1", "normal_displacement=0", window,
+                                   Steps(initial_step=0.2, largest_step=0.2))
         assert len(points[-1].state.window.parts) == (3 if window == "auto" else 1)
         spent[window] = np.median([point.spent["transforms"] for point in points[1:]])
     assert spent["auto"] < 0.35 * spent["off"]
@@ -344,23 +380,27 @@ def test_one_spot_keeps_its_window(tmp_path):
     scene = line_scene(tmp_path, (0.0,), (0.0,), points=1024, period=75.0)
     path, start = "normal_displacement=2", "normal_displacement=1"
     found = points_of(scene, path, start)[1]
-    assert all(len(point.state.window.parts) == 1 and not point.state.window.is_whole for point in found)
+    assert all(len(point.state.window.parts) == 1 and not point.state.window.is_whole
+               for point in found)
 
 
 def test_each_spot_is_followed_on_its_own():
-    """Three spots whose edges move with different speeds: only interpolation between nodes is left, in boxes or one window."""
+    """Three spots whose edges move with different speeds: only interpolation between nodes is left,
+    in boxes or one window."""
     points, period = 2048, 160.0
     x = (np.arange(points) - points // 2) * period / points
     centres = (-50.0, -8.0, 45.0)
     gap = np.min([(x - centre) ** 2 / 2 for centre in centres], axis=0)
-    contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file", geometry_file="-"), -gap)
+    contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file",
+                            geometry_file="-"), -gap)
     start = [(int((centre - 6.0) / period * points) + points // 2,) for centre in centres]
     for window in (Spots(contact.grid, start, (154,)), contact.grid.whole):
         places, given = window.take(x), []
         for t in range(4):
             gaps = np.full(window.size, np.inf)
             for number, centre in enumerate(centres):
-                left, right = centre - 2.0 - 0.1 * number * t, centre + 2.0 + 0.12 * t - 0.01 * t * t
+                left = centre - 2.0 - 0.1 * number * t
+                right = centre + 2.0 + 0.12 * t - 0.01 * t * t
                 s = 2.0 * (places - left) / (right - left) - 1.0
                 gaps = np.minimum(gaps, contact.scene.contact_threshold + 25.0 * (s ** 2 - 1.0))
             field = (gaps - window.take(contact.initial_gap))[None]
@@ -374,15 +414,18 @@ def test_each_spot_is_followed_on_its_own():
 
 
 def test_spots_next_to_the_border_of_a_window_are_no_trouble():
-    """One that the border of the cell cuts is extrapolated at fixed places, its neighbour is followed."""
+    """One that the border of the cell cuts is extrapolated at fixed places, its neighbour is
+    followed."""
     points, period = 1024, 80.0
     x = (np.arange(points) - points // 2) * period / points
     away = [(x - centre + period / 2) % period - period / 2 for centre in (-39.0, 0.0)]
-    contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file", geometry_file="-"),
-                      -np.min([distance ** 2 / 2 for distance in away], axis=0))
+    contact = Contact(Scene(points=points, period=period, normal_maugis=3.0, geometry="file",
+                            geometry_file="-"), -np.min([distance ** 2 / 2 for distance in away],
+                                                        axis=0))
     given = []
     for half in (2.0, 2.1, 2.2):
-        gap = contact.scene.contact_threshold + 25.0 * (np.min([distance ** 2 for distance in away], axis=0) / half ** 2 - 1.0)
+        gap = contact.scene.contact_threshold + 25.0 * (np.min([distance ** 2 for distance in away],
+                                                               axis=0) / half ** 2 - 1.0)
         field = (gap - contact.initial_gap)[None]
         given.append(states.State(contact.grid.whole, field, contact.grid.mean(field)))
     found = states.normal_gap(contact, follow_edge(contact, given[:2], np.array([-1.0, 2.0])))
@@ -391,7 +434,8 @@ def test_spots_next_to_the_border_of_a_window_are_no_trouble():
 
 
 def test_the_full_approximation_scheme_takes_the_cell(tmp_path, always, options):
-    scene, path = line_scene(tmp_path, (-20.0, 0.0, 18.0), points=1024, period=75.0), "normal_displacement=1.5"
+    scene = line_scene(tmp_path, (-20.0, 0.0, 18.0), points=1024, period=75.0)
+    path = "normal_displacement=1.5"
     whole = points_of(scene, path, window="off")[1]
     options(snes_type="fas")
     points = points_of(scene, path)[1]

@@ -9,12 +9,13 @@ import pytest
 from contactsnes import Branch, Load, Scene, Steps
 from contactsnes.contact.acceptance import detached, doubtful, strayed
 from contactsnes.contact.problem import Contact
-from contactsnes.scene.settings import Form
 from contactsnes.contact.states import State
+from contactsnes.scene.settings import Form
 
 HALF_SPACE = {"points": 512, "period": 30.0, "height": inf, "normal_maugis": 2.0}
 LAYER = {"points": 1024, "period": 40.0, "normal_maugis": 3.0}
-APPROACHES = {"half-space": (HALF_SPACE, -5.115, 0.216, {}), "layer": (LAYER, -4.5, 1.0, {"window": "off"})}
+APPROACHES = {"half-space": (HALF_SPACE, -5.115, 0.216, {}),
+              "layer": (LAYER, -4.5, 1.0, {"window": "off"})}
 STICKY = {**LAYER, "height": 50.0, "tangential_maugis": 2.0, "residual_friction": 0.3}
 SMOOTH = {"points": 256, "period": 20.0, "height": 20.0, "normal_maugis": 1.0,
           "tangential_maugis": 1.0, "residual_friction": 0.0}
@@ -46,9 +47,10 @@ def losses(points):
 def test_steps_of_any_size_and_predictor_meet_the_same_jump(case):
     """A body that comes near jumps into contact; what it loses balances the works of its loads."""
     scene, start, end, form = APPROACHES[case]
-    runs = [walked(scene, f"normal_displacement={end}", size / 40.0 * (end - start), size / 20.0 * (end - start),
-                   f"normal_displacement={start}", Form(**form), predictor=predictor)
-            for size, predictor in ((1.0, "edge"), (10.0, "edge"), (4.0, "tangent"), (2.0, "none"))]
+    runs = [walked(scene, f"normal_displacement={end}", size / 40.0 * (end - start),
+                   size / 20.0 * (end - start), f"normal_displacement={start}", Form(**form),
+                   predictor=predictor) for size, predictor in ((1.0, "edge"), (10.0, "edge"),
+                                                                (4.0, "tangent"), (2.0, "none"))]
     for points in runs:
         assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
         np.testing.assert_allclose(folds(points), folds(runs[0]), rtol=1e-8)
@@ -57,17 +59,22 @@ def test_steps_of_any_size_and_predictor_meet_the_same_jump(case):
 
 
 def test_the_search_for_a_fold_passes_none():
-    """Next to the softest law that jumps, where two folds are 0.003 apart on ways of 8, in steps of the whole way and small ones."""
-    scene, path = {**HALF_SPACE, "points": 256, "normal_maugis": 1.5}, "normal_displacement=0.7; normal_displacement=-8"
-    runs = [walked(scene, path, sizes, sizes, "normal_displacement=-7") for sizes in ((7.7, 8.7), (0.4, 0.4))]
+    """Next to the softest law that jumps, where two folds are 0.003 apart on ways of 8, in steps of
+    the whole way and small ones."""
+    scene = {**HALF_SPACE, "points": 256, "normal_maugis": 1.5}
+    path = "normal_displacement=0.7; normal_displacement=-8"
+    runs = [walked(scene, path, sizes, sizes, "normal_displacement=-7")
+            for sizes in ((7.7, 8.7), (0.4, 0.4))]
     for points in runs:
-        assert kinds(points) == [("fold", "jump_in"), ("jump", ""), ("fold", "pull_off"), ("jump", "")]
+        assert kinds(points) == [("fold", "jump_in"), ("jump", ""), ("fold", "pull_off"),
+                                 ("jump", "")]
         np.testing.assert_allclose(folds(points), folds(runs[0]), rtol=1e-8)
         np.testing.assert_allclose(losses(points), losses(runs[0]), rtol=1e-3)
 
 
 NEIGHBOURS = {1.69: (-2.328162098, -2.327660358), 1.72: (-2.325368946, -2.318713966)}
-"""Normal Maugis parameter -> loads of two folds, found with steps of 0.0002 and residuals of 1e-13."""
+"""Normal Maugis parameter -> loads of two folds, found with steps of 0.0002 and residuals of
+1e-13."""
 
 
 @pytest.mark.parametrize("maugis, begin, form, step, steps", [
@@ -88,27 +95,35 @@ def test_a_trace_finds_both_of_two_folds_near_each_other(maugis, begin, form, st
     np.testing.assert_allclose(folds(points)[:, 0], NEIGHBOURS[maugis], rtol=1e-8)
 
 
-@pytest.mark.parametrize("form, step", [("displacement", 0.704), ("force", 0.704), ("displacement", 0.2), ("force", 0.2)])
+@pytest.mark.parametrize("form, step", [("displacement", 0.704), ("force", 0.704),
+                                        ("displacement", 0.2), ("force", 0.2)])
 def test_a_trace_passes_nearly_broken_bifurcations_on_its_branch(form, step, tmp_path):
-    """Two spots that are nearly the same, of which one makes contact first: the branch on which it is the other one is near.
+    """Two spots that are nearly the same, of which one makes contact first: the branch on which it
+    is the other one is near.
 
     The folds are those of steps of 0.005; long steps came upon two more, of the other branch.
     """
     x = 2.0 * np.pi * np.arange(-64, 64) / 128
     waves = ((1, 1.07596378, 0.00257), (2, 0.454303575, 3.35e-6), (4, 0.18402526, 0.00106))
-    np.save(tmp_path / "two.npy", sum(height * np.cos(number * x + phase) for number, height, phase in waves))
-    scene = {"points": 128, "period": 60.0, "height": inf, "normal_maugis": 0.847, "geometry": "file", "poisson": 0.0,
-             "geometry_file": str(tmp_path / "two.npy"), "residual_friction": 0.52, "tangential_maugis": 0.166, "tangential": "on"}
-    points = walked(scene, "normal_displacement=2.316", step, step, "normal_displacement=-0.5", Form(form=form), at_fold="trace")
+    np.save(tmp_path / "two.npy", sum(height * np.cos(number * x + phase)
+                                      for number, height, phase in waves))
+    scene = {"points": 128, "period": 60.0, "height": inf, "normal_maugis": 0.847,
+             "geometry": "file", "poisson": 0.0, "geometry_file": str(tmp_path / "two.npy"),
+             "residual_friction": 0.52, "tangential_maugis": 0.166, "tangential": "on"}
+    points = walked(scene, "normal_displacement=2.316", step, step, "normal_displacement=-0.5",
+                    Form(form=form), at_fold="trace")
     assert kinds(points) == [("fold", "jump_in"), ("fold", "pull_off")]
     np.testing.assert_allclose(folds(points)[:, 0], (0.0668412, 0.058641), rtol=2e-6)
 
 
 def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
-    """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two folds near each other hide."""
-    scene = {"points": 192, "period": 38.343, "height": 50.0, "geometry": "sinusoid", "amplitude": 0.599, "normal_maugis": 1.54,
-             "tangential_maugis": 0.574, "residual_friction": 0.5}
-    runs = [walked(scene, "normal_displacement=0.429", step, step, "normal_displacement=-0.5", form, type="arclength", predictor="secant")
+    """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two
+    folds near each other hide."""
+    scene = {"points": 192, "period": 38.343, "height": 50.0, "geometry": "sinusoid",
+             "amplitude": 0.599, "normal_maugis": 1.54, "tangential_maugis": 0.574,
+             "residual_friction": 0.5}
+    runs = [walked(scene, "normal_displacement=0.429", step, step, "normal_displacement=-0.5", form,
+                   type="arclength", predictor="secant")
             for step, form in ((0.4645, Form(first="relaxation")), (0.1, None))]
     for points in runs:
         assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
@@ -119,7 +134,8 @@ def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
     (STICKY, 80, (0.06, 2.0, 4.0), (0.6, 16.0, 32.0), {}),
     (SMOOTH, 50, (0.25, 5.0, 10.0), (0.5, 10.0, 20.0), {"type": "arclength"})])
 def test_sliding_back_sticks_again_however_long_the_steps(scene, way, first, largest, steps):
-    """The law knows no direction: where sliding sets in on the way back mirrors where it did there."""
+    """The law knows no direction: where sliding sets in on the way back mirrors where it did
+    there."""
     path = f"normal_force=2; tangential_displacement={way}; tangential_displacement={-way}"
     points = walked(scene, path, first, largest, **steps)
     assert kinds(points) == [("fold", "sliding"), ("jump", "")] * 3
@@ -130,7 +146,8 @@ def test_sliding_back_sticks_again_however_long_the_steps(scene, way, first, lar
 
 
 def uniform(contact, gap, slip=0.0):
-    """The state on the whole cell with a normal gap, for all nodes or each, and a uniform slip, in ranges."""
+    """The state on the whole cell with a normal gap, for all nodes or each, and a uniform slip, in
+    ranges."""
     fields = np.array([gap - contact.initial_gap, np.full(contact.grid.size, slip)])
     return State(contact.grid.whole, fields, np.zeros(2))
 
@@ -157,7 +174,8 @@ def test_one_node_that_jumps_is_seen_among_many(contact):
 
 
 def test_a_long_way_excuses_no_jump(contact):
-    """Sliding by 30 ranges, a body may not end four from where it is predicted, nor stick on the way."""
+    """Sliding by 30 ranges, a body may not end four from where it is predicted, nor stick on the
+    way."""
     last, found = uniform(contact, 0.5, slip=-40.0), uniform(contact, 0.5, slip=-10.0)
     assert strayed(contact, found, last, found) < 0.0
     assert strayed(contact, uniform(contact, 0.5, slip=-14.0), last, found) > 0.0
@@ -168,7 +186,8 @@ def test_a_long_way_excuses_no_jump(contact):
 
 
 def test_energy_released_on_the_way_tells_of_a_jump(contact):
-    """From one side of a softening law to the other the body lets go of energy; where the law stiffens it does not."""
+    """From one side of a softening law to the other the body lets go of energy; where the law
+    stiffens it does not."""
     guess = uniform(contact, 0.6)
     apart, near, pressed = (uniform(contact, gap) for gap in (3.0, 0.0, -1.0))
     assert doubtful(contact, guess, apart, near)
@@ -184,8 +203,10 @@ def test_energy_released_on_the_way_tells_of_a_jump(contact):
 
 
 def test_a_small_part_of_a_contact_that_snaps_is_seen():
-    """The last gap of a shallow wave closes by a jump that loses little beside what the whole contact holds."""
-    wave = {"points": 128, "period": 52.923, "normal_maugis": 1.31, "geometry": "sinusoid", "amplitude": 0.313, "gap_offset": 0.63}
+    """The last gap of a shallow wave closes by a jump that loses little beside what the whole
+    contact holds."""
+    wave = {"points": 128, "period": 52.923, "normal_maugis": 1.31, "geometry": "sinusoid",
+            "amplitude": 0.313, "gap_offset": 0.63}
     for size in (1.063, 4.25):
         points = walked(wave, "normal_displacement=0.5", size, size, "normal_displacement=-2.29")
         assert kinds(points) == [("fold", "jump_in"), ("jump", "")]
@@ -195,16 +216,20 @@ def test_a_small_part_of_a_contact_that_snaps_is_seen():
 
 @pytest.mark.parametrize("kind", ["arclength", "natural"])
 def test_a_body_off_the_flat_lets_go_along_the_arc_too(kind):
-    points = walked({**LAYER, "points": 256, "period": 30.0}, "normal_force=0.5", 1.0, 1.0, "normal_displacement=-3", type=kind)
+    points = walked({**LAYER, "points": 256, "period": 30.0}, "normal_force=0.5", 1.0, 1.0,
+                    "normal_displacement=-3", type=kind)
     fold = next(point for point in points if point.event == "fold")
     assert fold.load[0] == fold.forces[0] == 0.0 and points[-1].load[0] == 0.5
 
 
 def test_a_contact_is_not_made_or_lost_in_one_step():
-    """A shallow wave under a thick layer, in steps as long as the leg: the tangent foretells the body off the flat."""
-    wave = {"points": 128, "period": 12.0, "normal_maugis": 2.0, "geometry": "sinusoid", "amplitude": 0.2}
+    """A shallow wave under a thick layer, in steps as long as the leg: the tangent foretells the
+    body off the flat."""
+    wave = {"points": 128, "period": 12.0, "normal_maugis": 2.0, "geometry": "sinusoid",
+            "amplitude": 0.2}
     for ends in ((1.0, -4.0), (-4.0, 1.0)):
-        runs = [walked(wave, f"normal_displacement={ends[1]}", size, size, f"normal_displacement={ends[0]}", predictor=predictor)
+        runs = [walked(wave, f"normal_displacement={ends[1]}", size, size,
+                       f"normal_displacement={ends[0]}", predictor=predictor)
                 for size, predictor in ((20.0, "secant"), (20.0, "none"), (0.1, "edge"))]
         assert kinds(runs[2])[0][0] == "fold"
         for points in runs[:2]:

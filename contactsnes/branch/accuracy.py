@@ -1,12 +1,14 @@
 """Errors of points: each is solved again on a finer grid, whose solution is nearly exact beside it.
 
-The errors that are left on the finer grid decide what it has to be. Without friction they fall as a power of e with the spacing
-once the cohesive zone is resolved, in two dimensions they average out along the edge: half the spacing will do. Sheared lines
-have nodes that cross corners of the law (an overlap that ends, a peak that is passed), whose errors fall with the spacing
-squared and take either sign: a quarter. The edge of contact, which is interpolated between nodes, is found anew on half the
-finer spacing.
+The errors that are left on the finer grid decide what it has to be. Without friction they fall as a
+power of e with the spacing once the cohesive zone is resolved, in two dimensions they average out
+along the edge: half the spacing will do. Sheared lines have nodes that cross corners of the law (an
+overlap that ends, a peak that is passed), whose errors fall with the spacing squared and take
+either sign: a quarter. The edge of contact, which is interpolated between nodes, is found anew on
+half the finer spacing.
 
-A shift of the same grid would be cheaper, but shows only the part of an error that depends on where nodes lie.
+A shift of the same grid would be cheaper, but shows only the part of an error that depends on where
+nodes lie.
 """
 
 from dataclasses import replace
@@ -30,17 +32,20 @@ from .first_points import refined
 from .grid_choice import next_grid
 
 ASTRAY = 1.0
-"""Ranges of the law, root mean square, that the finer grid's solution may be away where the law acts."""
+"""Ranges of the law, root mean square, that the finer grid's solution may be away where the law
+acts."""
 
 MOST = 5
 """Grids that are given up for finer ones, at most."""
 
 SLOWEST = 0.5
-"""Largest ratio of the traction's shortest waves on the finer grid to those on the grid itself where an estimate holds."""
+"""Largest ratio of the traction's shortest waves on the finer grid to those on the grid itself
+where an estimate holds."""
 
 
 class Errors(NamedTuple):
-    """Relative errors of a point (absolute ones where a value is below one, or what a cell smaller than that can hold).
+    """Relative errors of a point (absolute ones where a value is below one, or what a cell smaller
+    than that can hold).
 
     normal_force : of the force, or of the normal displacement where the force is controlled
     contact_area, slip : of the length or area in contact, and of the mean tangential displacement
@@ -59,13 +64,15 @@ class Errors(NamedTuple):
 
 
 class Reference(Corrector):
-    """A corrector of points that are nearly right: Newton in the displacement form, whatever the method of the run."""
+    """A corrector of points that are nearly right: Newton in the displacement form, whatever the
+    method of the run."""
 
     prefix = "error_"
 
     def __init__(self, contact, window):
         wanted = PETSc.Options().getReal("snes_atol", 1e-8)
-        super().__init__(contact, Form(window=window), tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
+        super().__init__(contact, Form(window=window),
+                         tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
 
 
 class Estimator:
@@ -89,10 +96,12 @@ class Estimator:
     def transforms(self):
         """Transforms of estimates so far, in units of one of the contact's whole cell."""
         weights = {ratio: ratio ** len(self.contact.grid.shape) for ratio in self._finer}
-        return sum(weights[ratio] * system.contact.grid.counter.transforms for ratio, (system, _) in self._finer.items())
+        return sum(weights[ratio] * system.contact.grid.counter.transforms
+                   for ratio, (system, _) in self._finer.items())
 
     def __call__(self, point):
-        """The errors of a point; those of a fold are not known, since other grids have it at other loads."""
+        """The errors of a point; those of a fold are not known, since other grids have it at other
+        loads."""
         if point.event == "fold":
             return Errors()
         state, errors = self._last
@@ -110,12 +119,14 @@ class Estimator:
             return Errors()
         values, finer = self._values(point), self._values_of(exact, system.contact, finest)
         # Below its own tolerance the finer solution is not exact either.
-        errors = [max(np.linalg.norm(np.subtract(value, better)) / max(np.linalg.norm(value), least), system.tolerance)
+        errors = [max(np.linalg.norm(np.subtract(value, better)) / max(np.linalg.norm(value),
+                                                                       least), system.tolerance)
                   for value, better, least in zip(values, finer, self._least(point))]
         resolved = max(resolution(self.contact.scene, len(point.controls) > 1)) <= PINNING
         near = states.missed(system.contact, guess, exact.state) < ASTRAY
         errors[2] *= len(point.controls) > 1
-        return Errors(*map(float, errors), bool(resolved and near and self._decays(exact, system.contact)))
+        return Errors(*map(float, errors),
+                      bool(resolved and near and self._decays(exact, system.contact)))
 
     def _on(self, ratio):
         """The corrector on a grid finer by a ratio, and the contact on half its spacing, kept."""
@@ -129,7 +140,8 @@ class Estimator:
         return _values_at(point, measurement, measurement.contact_area())
 
     def _values_of(self, point, contact, finest):
-        """The same of the finer grid's solution, whose contact edge is found on half its spacing."""
+        """The same of the finer grid's solution, whose contact edge is found on half its
+        spacing."""
         cell = resampled(contact.grid, finest.grid, contact.extended(point.state)[:1])
         gap = cell.reshape(-1) + finest.initial_gap.reshape(-1)
         area = finest.grid.whole.area_below(gap, contact.scene.contact_threshold)
@@ -138,22 +150,25 @@ class Estimator:
     def _least(self, point):
         """Below which size of a value an error is absolute: one, or what is large for the cell."""
         area = self.contact.grid.area
-        force = 1.0 if point.controls[0] == FORCE else min(1.0, self.contact.law.normal_peak * self.contact.ranges[0] * area)
+        force = (1.0 if point.controls[0] == FORCE
+                 else min(1.0, self.contact.law.normal_peak * self.contact.ranges[0] * area))
         return force, min(1.0, area), 1.0
 
     def _decays(self, point, contact):
-        """Whether the spectrum of the traction goes on to fall beyond the shortest waves of the grid itself."""
+        """Whether the spectrum of the traction goes on to fall beyond the shortest waves of the
+        grid itself."""
         grid, components = contact.grid, len(point.controls)
         transform = Transform(grid, grid.shape, components)
         measurement = Measurement(contact, point)
         measurement.window.put(measurement.traction, transform.real)
         transform.forward()
         amplitudes = np.abs(transform.spectrum)
-        waves = [abs(q) * spacing / np.pi for q, spacing in zip(grid.wavevectors(), self.contact.grid.spacings)]
+        waves = [abs(q) * spacing / np.pi for q, spacing in zip(grid.wavevectors(),
+                                                                self.contact.grid.spacings)]
         shortness = np.maximum.reduce(np.broadcast_arrays(*waves))
         last = shortness.max()
-        coarse, fine = (np.max(amplitudes, where=(shortness > 0.8 * top) & (shortness < top), initial=0.0, axis=_waves(amplitudes))
-                        for top in (1.0, last))
+        coarse, fine = (np.max(amplitudes, where=(shortness > 0.8 * top) & (shortness < top),
+                               initial=0.0, axis=_waves(amplitudes)) for top in (1.0, last))
         noise = 1e-9 * amplitudes.max(axis=_waves(amplitudes))
         return bool(np.all((fine <= SLOWEST * coarse) | (coarse <= noise)))
 
@@ -163,7 +178,8 @@ def _waves(amplitudes):
 
 
 def _values_at(point, measurement, area):
-    """Force or the displacement that it belongs to, contact area, and mean slip (all its components).
+    """Force or the displacement that it belongs to, contact area, and mean slip (all its
+    components).
 
     Around an isolated contact displacements are means over its cell, which even a half-plane has.
     """
@@ -180,43 +196,53 @@ def refinement(contact, point):
 
 
 def finer_contact(contact, ratio):
-    """The contact on a grid with ``ratio`` times the nodes in each direction; heights from a file follow their waves."""
+    """The contact on a grid with ``ratio`` times the nodes in each direction; heights from a file
+    follow their waves."""
     points = tuple(ratio * n for n in contact.grid.shape)
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
     if contact.isolated:
         return IsolatedContact(scene, law=contact.law)
     if scene.geometry != "file":
         return Contact(scene, law=contact.law)
-    return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods), contact.initial_gap[None])[0], law=contact.law)
+    return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods),
+                                        contact.initial_gap[None])[0], law=contact.law)
 
 
 class Watch:
-    """The errors of a run's points: their columns, and what becomes of those above the accuracy of the scene.
+    """The errors of a run's points: their columns, and what becomes of those above the accuracy of
+    the scene.
 
     Parameters
     ----------
     branch : Branch
     auto : whether the points of the grid were chosen, and may be chosen again
-    progress : Progress, which gets columns for the errors and the sentence on the first that is too large
+    progress : Progress, which gets columns for the errors and the sentence on the first that is too
+        large
     missed : what a coarser grid was given up for each time, TooCoarse
     """
 
     def __init__(self, branch, auto, progress, missed=()):
-        self.branch, self.auto, self.missed, self.log = branch, auto, missed, progress.log
+        self.branch = branch
+        self.auto = auto
+        self.missed = missed
+        self.log = progress.log
         self.estimator = Estimator(branch.contact, branch.corrector.settings)
         about = {"normal_force": "force (of the displacement, where the force is controlled)",
                  "contact_area": "contact area", "slip": "mean slip"}
-        self.columns = {f"error_{name}": Observable(None, f"error of the {text}", "relative") for name, text in about.items()}
+        self.columns = {f"error_{name}": Observable(None, f"error of the {text}", "relative")
+                        for name, text in about.items()}
         self.columns["error_trusted"] = Observable(None, "whether the errors hold (1, 0)", "", "i8")
         sheared = any(tangential_legs(branch.scene, branch.load))
-        shown = ("normal_force", "contact_area", "slip") if sheared else ("normal_force", "contact_area")
+        shown = ("normal_force", "contact_area", "slip") if sheared else ("normal_force",
+                                                                          "contact_area")
         event = {"event": progress.columns.pop("event")}
         progress.columns |= {f"error_{name}": f"e({name.split('_')[-1]})" for name in shown} | event
         self.points = self.above = self.doubtful = 0
         self.largest = 0.0
 
     def row(self, point):
-        """Name -> value of the columns for a point; TooCoarse where its grid was chosen and another one may do better."""
+        """Name -> value of the columns for a point; TooCoarse where its grid was chosen and another
+        one may do better."""
         errors = self.estimator(point)
         if errors.largest() > self.branch.scene.accuracy:
             self._too_large(point, errors.largest())
@@ -226,13 +252,15 @@ class Watch:
         return dict(zip(self.columns, [*errors[:3], int(errors.trusted)]))
 
     def _too_large(self, point, error):
-        """Raise TooCoarse if another grid may help against an error; else count it, and tell of the first."""
+        """Raise TooCoarse if another grid may help against an error; else count it, and tell of the
+        first."""
         scene = self.branch.scene
         sentence = (f"the error at {scene.loads(point.controls, point.load)} is about {error:.1e}, "
                     f"above -scene_accuracy {as_text(scene.accuracy)}")
         # Where a coarser grid was as good, the spacing is not what is wrong.
-        helps = not self.above and len(self.missed) < MOST and not any(np.array_equal(before.load, point.load) and error > 0.5 * before.error
-                                                    for before in self.missed)
+        helps = (not self.above and len(self.missed) < MOST
+                 and not any(np.array_equal(before.load, point.load) and error > 0.5 * before.error
+                             for before in self.missed))
         finer = next_grid(scene, self.branch.load, error) if self.auto and helps else None
         if finer is not None:
             raise TooCoarse(sentence, finer, point.load, error)
@@ -244,10 +272,12 @@ class Watch:
 
     def summary(self):
         """Lines on the errors of all points."""
-        lines = [f"  errors        at most {self.largest:.1e} of force and contact area; estimating them took "
+        lines = [f"  errors        at most {self.largest:.1e} of "
+                 "force and contact area; estimating them took "
                  f"{self.estimator.transforms:.0f} transforms"]
         if self.above:
             lines.append(f"  accuracy      missed at {self.above} of {self.points} points")
         if self.doubtful:
-            lines.append(f"  trust         none in the estimates at {self.doubtful} of {self.points} points")
+            lines.append(
+                f"  trust         none in the estimates at {self.doubtful} of {self.points} points")
         return lines

@@ -12,25 +12,33 @@ from ..interface.laws.law import softening
 from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
 
 NARROW = 20
-"""Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge has six."""
+"""Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
+has six."""
 ROOMY = 1.0 / 3.0
-"""``resolution`` up to which no edge sticks between nodes: what jumps there, however small it is, is no work of the grid."""
+"""``resolution`` up to which no edge sticks between nodes: what jumps there, however small it is,
+is no work of the grid."""
 CRITICAL = 0.05
-"""Leading eigenvalue (over that of the free surface, 1) below which a state is next to a critical point."""
+"""Leading eigenvalue (over that of the free surface, 1) below which a state is next to a critical
+point."""
 SHORT_WAVES = 0.05
-"""Part of the largest traction by which it may alternate from node to node where the grid resolves it.
+"""Part of the largest traction by which it may alternate from node to node where the grid resolves
+it.
 
-Measured on cylinders and spheres, Maugis parameters 1 to 10: at most 0.03 where the force is right to 1 %, above it elsewhere.
+Measured on cylinders and spheres, Maugis parameters 1 to 10: at most 0.03 where the force is right
+to 1 %, above it elsewhere.
 """
 TRACTIONLESS = 1e-9
 """Traction, over the scale of the law, that counts as none."""
 ALTERNATING = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0]) / 256.0
-"""The eighth difference: waves of two nodes as they are, those of eight nodes or more by less than a thousandth."""
+"""The eighth difference: waves of two nodes as they are, those of eight nodes or more by less than
+a thousandth."""
 USUAL = 1e9
-"""Numbers of scene and load up to this size, or down to its inverse, are no reason why a computation should overflow."""
+"""Numbers of scene and load up to this size, or down to its inverse, are no reason why a
+computation should overflow."""
 NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
-TRY = "try smaller steps (-continuation_initial_step, -continuation_smallest_step) or another -continuation_predictor"
+TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
+       "another -continuation_predictor")
 
 
 class Resolution:
@@ -44,39 +52,51 @@ class Resolution:
     """
 
     def __init__(self, contact, log, last=None):
-        self.contact, self.log, self.last = contact, log, last
+        self.contact = contact
+        self.log = log
+        self.last = last
         self._said = set()
 
     def marked(self, point):
         """The point with ``resolved``."""
         sheared = slips(self.contact, point)
         scene = self.contact.scene
-        bound, found = (max(resolution(scene, len(point.controls) > 1, soft)) for soft in (None, steepest(self.contact, point)))
+        bound, found = (max(resolution(scene, len(point.controls) > 1, soft))
+                        for soft in (None, steepest(self.contact, point)))
         jumped = (point.event == "jump" and self.last is not None and max(bound, found) > ROOMY
                   and narrow(self.contact, self.last.state, point.state))
         # Also on fine grids: a region that sticks may vanish over few nodes.
         crowded = point.event == "fold" and not point.resolved
-        # Where it is steeper than it can be without overlap, the state has lost the margin that spacings are judged by.
+        # Where it is steeper than it can be without overlap, the state has lost the margin that
+        # spacings are judged by.
         sharpened = found > max(1.0, 1.05 * bound)
         alternating = short_waves(self.contact, point) if point.in_contact else 0.0
         coarse = alternating > SHORT_WAVES
         pinned = max(resolution(scene, sheared)) > PINNING or sharpened
         if jumped:
-            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold may be the grid's, where an edge of contact or "
-                              "slip passes from node to node; see whether it stays on a grid twice as fine")
+            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold "
+                      "may be the grid's, where an edge of contact or "
+                      "slip passes from node to node; see whether it "
+                      "stays on a grid twice as fine")
         elif sharpened:
-            self._say("sharpened", f"friction softens faster than the grid resolves, by {found:.3g}, at "
-                                   f"{self.contact.scene.loads(point.controls, point.load)}: rims of contact sink, and edges may stick "
-                                   "between nodes; a grid twice as fine goes farther")
+            self._say("sharpened", "friction softens faster than the grid resolves, "
+                      f"by {found:.3g}, at "
+                      f"{self.contact.scene.loads(point.controls, point.load)}: rims of "
+                      "contact sink, and edges may stick between nodes; a "
+                      "grid twice as fine goes farther")
         elif crowded:
-            self._say("crowded", f"this fold ({point.fold_kind}) may be one of several, which the grid makes of one: the branch bends "
-                                 "unevenly while an edge passes a node; see how far it moves on a grid twice as fine")
+            self._say("crowded", f"this fold ({point.fold_kind}) may be one of "
+                      "several, which the grid makes of one: the branch "
+                      "bends unevenly while an edge passes a node; see "
+                      "how far it moves on a grid twice as fine")
         elif pinned and point.event == "fold":
             self._say("fold", f"this fold ({point.fold_kind}) may be the grid's: "
                               f"{resolution_warning(self.contact.scene, sheared)}")
         elif coarse and not pinned:
-            self._say("coarse", f"the traction alternates from node to node by {alternating:.2g} of its largest value, at "
-                                f"{scene.loads(point.controls, point.load)}: the grid does not resolve it; take more -scene_points")
+            self._say("coarse", "the traction alternates from node to node by "
+                      f"{alternating:.2g} of its largest value, at "
+                      f"{scene.loads(point.controls, point.load)}: the grid does not "
+                      "resolve it; take more -scene_points")
         self.last = point
         return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
 
@@ -88,7 +108,8 @@ class Resolution:
 
 
 def steepest(contact, point):
-    """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip along its own direction."""
+    """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
+    along its own direction."""
     scene, gap = contact.scene, point.state.displacement.copy()
     gap[0] = states.normal_gap(contact, point.state)
     tangent = np.zeros((2, 2, gap.shape[1]))
@@ -96,17 +117,23 @@ def steepest(contact, point):
     tangent[0, 0] = full[0, 0]
     if len(gap) > 1:
         slip = np.linalg.norm(gap[1:], axis=0)
-        along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5), where=slip > 0.0)
+        along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5),
+                          where=slip > 0.0)
         tangent[0, 1] = np.einsum("in,in->n", full[0, 1:], along)
         tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
         tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
     scale = np.array([scene.normal_maugis, sharpness(scene)])
-    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale, scale)[..., None]), initial=0.0))
+    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale,
+                                                                            scale)[..., None]),
+                                      initial=0.0))
 
 
 def short_waves(contact, point):
-    """Part of its largest traction by which that of a point alternates from node to node: of any component, in any direction."""
-    window, gap, found = point.state.window, point.state.displacement.copy(), 0.0
+    """Part of its largest traction by which that of a point alternates from node to node: of any
+    component, in any direction."""
+    window = point.state.window
+    gap = point.state.displacement.copy()
+    found = 0.0
     gap[0] = states.normal_gap(contact, point.state)
     for component in contact.law.traction(gap):
         boxes, largest = component.reshape(-1, *window.parts[0].shape), np.abs(component).max()
@@ -119,7 +146,8 @@ def short_waves(contact, point):
 
 
 def slips(contact, point):
-    """Whether a node in contact has slipped past the law's peak, so that slip fronts are to be resolved, too."""
+    """Whether a node in contact has slipped past the law's peak, so that slip fronts are to be
+    resolved, too."""
     if len(point.state.displacement) == 1:
         return False
     touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
@@ -128,14 +156,16 @@ def slips(contact, point):
 
 
 def narrow(contact, before, after):
-    """Whether what changed from one state to another, by half of the most or more, is nowhere wider than `NARROW` nodes."""
+    """Whether what changed from one state to another, by half of the most or more, is nowhere wider
+    than `NARROW` nodes."""
     window = max(before.window, after.window, key=lambda window: window.size)
     first, last = states.onto(before, window), states.onto(after, window)
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
     boxes = changed.reshape(len(window.parts), *window.parts[0].shape)
-    return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max() for box in boxes) < NARROW)
+    return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max()
+                                      for box in boxes) < NARROW)
 
 
 def explained(error, contact, sheared, modes):
@@ -146,11 +176,13 @@ def explained(error, contact, sheared, modes):
     error : NotConverged
     contact : Contact
     sheared : whether the path has tangential unknowns
-    modes : function () -> modes of the last point (`stability.Stability.modes`), None without a point or a tangent
+    modes : function () -> modes of the last point (`stability.Stability.modes`), None without a
+        point or a tangent
     """
     scene, softest = contact.scene, critical(contact, sheared)
     if max(resolution(scene, sheared)) > PINNING:
-        return NotConverged(f"{error}; the grid is too coarse, edges stick between nodes: {resolution_warning(scene, sheared)}")
+        return NotConverged(f"{error}; the grid is too coarse, edges stick "
+                            f"between nodes: {resolution_warning(scene, sheared)}")
     try:
         found = modes()
     except (RuntimeError, ArithmeticError, ValueError):
@@ -159,33 +191,41 @@ def explained(error, contact, sheared, modes):
         return NotConverged(f"{error}; a failure of the solver: {TRY}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
-        why = f"unstable ({found.unstable} modes, {told}): a bifurcation was passed, which -continuation_stability sign finds"
+        why = (f"unstable ({found.unstable} modes, {told}): a bifurcation was "
+               "passed, which -continuation_stability sign finds")
     elif found.leading.real < softest:
-        why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try smaller steps, or "
-               "-continuation_type arclength")
+        why = (f"stable, but hardly ({told}): a fold or a bifurcation is "
+               "next to it; try smaller steps, or -continuation_type "
+               "arclength")
     else:
         why = f"stable ({told}), and no fold was found: a failure of the solver; {TRY}"
     return NotConverged(f"{error}; the last point is {why}")
 
 
 def critical(contact, sheared):
-    """Leading eigenvalue below which a state is next to a critical point: less than a tall layer alone gives its mean."""
+    """Leading eigenvalue below which a state is next to a critical point: less than a tall layer
+    alone gives its mean."""
     components = contact.scene.components if sheared else 1
     give = contact.rigid_compliance(components) * contact.mean_mass(components)
     return CRITICAL / max(1.0, 0.2 * give.max())
 
 
 def uncomputable(error, options):
-    """Exit status and sentence on an overflow, an ArithmeticError: bad input only where numbers that were given are extreme.
+    """Exit status and sentence on an overflow, an ArithmeticError: bad input only where numbers
+    that were given are extreme.
 
     Parameters
     ----------
     error : ArithmeticError
     options : name -> text of all options
     """
-    given = {name: [number for number in re.findall(NUMBER, text) if float(number) and not 1.0 / USUAL <= float(number) <= USUAL]
-             for name, text in options.items() if name.startswith(("scene_", "load_"))}
-    extreme = "; ".join(f"-{name} {', '.join(numbers)}" for name, numbers in given.items() if numbers)
+    given = {name: [number for number in re.findall(NUMBER, text) if float(number)
+                    and not 1.0 / USUAL <= float(number) <= USUAL] for name, text in options.items()
+             if name.startswith(("scene_", "load_"))}
+    extreme = "; ".join(f"-{name} {', '.join(numbers)}" for name, numbers in given.items()
+                        if numbers)
     if extreme:
-        return 2, f"numbers of the scene or the load are too large or too small to compute with ({error}): {extreme}"
-    return 1, f"a number became too large or too small to compute with on the way ({error}): a failure of the solver; {TRY}"
+        return (2, "numbers of the scene or the load are too large or "
+                f"too small to compute with ({error}): {extreme}")
+    return (1, "a number became too large or too small to compute with "
+            f"on the way ({error}): a failure of the solver; {TRY}")

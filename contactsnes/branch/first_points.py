@@ -3,9 +3,9 @@
 By way of softer laws on coarser grids where that leads to the same state. Where the gap is not
 convex, motion decides (`jumps.settle`).
 
-A sharp law is reached from far away in many Newton iterations, a soft one in few; softened to what a coarse grid resolves, it
-costs next to nothing there, and each level's solution is the next one's guess. Where a body that touches the flat has one
-equilibrium only, all levels lead to it.
+A sharp law is reached from far away in many Newton iterations, a soft one in few; softened to what
+a coarse grid resolves, it costs next to nothing there, and each level's solution is the next one's
+guess. Where a body that touches the flat has one equilibrium only, all levels lead to it.
 """
 
 import numpy as np
@@ -19,17 +19,21 @@ from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.snes import COLD
 
 SPACING = 2.0 * LARGEST_RESOLUTION
-"""Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks between its nodes yet."""
+"""Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks
+between its nodes yet."""
 
 LOOSE = 1e-2
-"""Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge that sticks."""
+"""Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge
+that sticks."""
 
 FEWEST, SHORTEST = 8, 32
-"""Nodes of each direction on the flat, at least, in the start of the coarsest grid; and nodes of the cell."""
+"""Nodes of each direction on the flat, at least, in the start of the coarsest grid; and nodes of
+the cell."""
 
 
 def first_point(system, controls, load):
-    """The point of one component at a given load, by way of coarser grids where that serves, else on the grid itself.
+    """The point of one component at a given load, by way of coarser grids where that serves, else
+    on the grid itself.
 
     Parameters
     ----------
@@ -59,8 +63,8 @@ def beginning(contact, controls, load):
 def on_grid(system, controls, load, start=None):
     """The point of one component at a given load that a solve from the start without overlap finds.
 
-    Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves at given approaches first
-    find the one that belongs to the load.
+    Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves
+    at given approaches first find the one that belongs to the load.
     """
     state = states.undeformed(system.contact, controls, load) if start is None else start
     if controls[0] == FORCE or system.contact.rigid_compliance(1)[0] > 0.0:
@@ -69,8 +73,11 @@ def on_grid(system, controls, load, start=None):
 
 
 def _at_load(system, state, controls, load):
-    """A state near the load in question: a few solves at given approaches, which a secant chooses."""
-    contact, kept, trials = system.contact, (APPROACH,), []
+    """A state near the load in question: a few solves at given approaches, which a secant
+    chooses."""
+    contact = system.contact
+    kept = (APPROACH,)
+    trials = []
     approach = float(contact.signs(1)[0] * state.means[0] / contact.ranges[0])
     for _ in range(8):
         values = np.array([approach])
@@ -81,12 +88,14 @@ def _at_load(system, state, controls, load):
             break
         (first, before), (last, now) = trials[0], trials[-1]
         rate = (now - before) / (last - first) if len(trials) > 1 and now != before else 0.7
-        approach += float(np.clip((load[0] - now) / max(rate, 0.1), -2.0 - 0.5 * abs(approach), 2.0 + 0.5 * abs(approach)))
+        approach += float(np.clip((load[0] - now) / max(rate, 0.1), -2.0 - 0.5 * abs(approach),
+                                  2.0 + 0.5 * abs(approach)))
     return point.state
 
 
 def levels(contact, start):
-    """The contact and coarser ones through which its first point may be reached, the finest first; none but itself if none.
+    """The contact and coarser ones through which its first point may be reached, the finest first;
+    none but itself if none.
 
     One equilibrium is there for a convex body that is pressed until it overlaps the flat, where its
     edge hardly sticks between nodes.
@@ -95,37 +104,42 @@ def levels(contact, start):
     if not contact.convex or max(resolution(contact.scene, False)) > PINNING:
         return found
     touching = contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
-    while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
+    while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST
+                                                         for n in found[-1].grid.shape):
         found.append(found[-1].coarse(SPACING))
         touching /= 2 ** directions
     return found
 
 
 def through_grids(system, start, controls, load):
-    """The state near a first point that coarser grids find from a start without overlap, or None where none serves."""
+    """The state near a first point that coarser grids find from a start without overlap, or None
+    where none serves."""
     state, found = None, levels(system.contact, start)
     for finer, level in reversed(list(zip(found, found[1:]))):
         coarse = system.on(level, tolerance(level, finer))
         if coarse is None:
             return None
-        point = on_grid(coarse, controls, load) if state is None else coarse.solve(state, controls, load)
+        point = (on_grid(coarse, controls, load) if state is None
+                 else coarse.solve(state, controls, load))
         state = refined(level, finer, point.state)
     system.contact.coarse.cache_clear()
     return state
 
 
 def tolerance(level, finer):
-    """The residual norm that is worth reaching on a coarse grid; None where it is that of the finest."""
+    """The residual norm that is worth reaching on a coarse grid; None where it is that of the
+    finest."""
     resolved = max(resolution(level.scene, False)) <= 1.01
     return None if resolved and level.ranges[0] == finer.ranges[0] else LOOSE
 
 
 def refined(contact, finer, state):
-    """The state of a contact as one of a contact on twice as many nodes in each direction, whose law may be sharper.
+    """The state of a contact as one of a contact on twice as many nodes in each direction, whose
+    law may be sharper.
 
-    With the same law, displacements over the cell are interpolated by their waves: they are as smooth as the body makes them.
-    With another one, w = a + N(a)/kappa in units of length is, with one stiffness for both: where the surfaces overlap it is
-    the traction, elsewhere the gap.
+    With the same law, displacements over the cell are interpolated by their waves: they are as
+    smooth as the body makes them. With another one, w = a + N(a)/kappa in units of length is, with
+    one stiffness for both: where the surfaces overlap it is the traction, elsewhere the gap.
     """
     if contact.ranges[0] == finer.ranges[0]:
         cell = resampled(contact.grid, finer.grid, contact.extended(state))
@@ -133,13 +147,17 @@ def refined(contact, finer, state):
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
     stiffness = finer.law.moving_stiffness
     window = Window(finer.grid, [2 * first for first in coarse.start],
-                    [2 * n if n == total else 2 * n - 1 for n, total in zip(coarse.shape, coarse.grid.shape)])
-    smooth = contact.law.regularised(states.normal_gap(contact, state), stiffness / ratio ** 2) / ratio
+                    [2 * n if n == total else 2 * n - 1
+                     for n, total in zip(coarse.shape, coarse.grid.shape)])
+    smooth = contact.law.regularised(states.normal_gap(contact, state),
+                                     stiffness / ratio ** 2) / ratio
     smooth = interpolation(window) @ smooth
     gap = finer.law.gap_of_regularised(smooth, stiffness)
     # The sharper law reaches less far.
     within = window.box(gap) < finer.law.range
-    part = tuple(extent(within, axis, margin=2 + count // 20) for axis, count in enumerate(window.shape))
+    part = tuple(extent(within, axis, margin=2 + count // 20)
+                 for axis, count in enumerate(window.shape))
     known = window.box(gap - window.take(finer.initial_gap))[part]
-    window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)], known.shape)
+    window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
+                    known.shape)
     return states.State(window, known.reshape(1, -1), state.means / ratio)

@@ -1,6 +1,7 @@
 """Points of the grid for a wanted accuracy (-scene_points auto), and what memory holds.
 
-What is predicted here is only where to begin: estimates of the errors at every point (``accuracy``) tell what was reached.
+What is predicted here is only where to begin: estimates of the errors at every point (``accuracy``)
+tell what was reached.
 """
 
 import contextlib
@@ -43,7 +44,8 @@ MOST_UNKNOWNS = 2 ** 31 - 1
 def chosen(scene, load):
     """The scene on the grid for its accuracy; itself where the points are given.
 
-    InputError, with the size that it would take and the best that can be done, where no grid in memory reaches it.
+    InputError, with the size that it would take and the best that can be done, where no grid in
+    memory reaches it.
     """
     if scene.points != "auto":
         return scene
@@ -67,7 +69,8 @@ def heights(scene):
 
 
 def jumps_of_heights(scene):
-    """Where the heights of a scene jump at the seam of its cell (`gap.seams`), u_n,r; empty for other scenes."""
+    """Where the heights of a scene jump at the seam of its cell (`gap.seams`), u_n,r; empty for
+    other scenes."""
     return seams(heights(scene)) if scene.geometry == "file" else []
 
 
@@ -81,14 +84,16 @@ def _cell(scene, load):
     if not scene.isolated:
         return scene
     sheared = any(tangential_legs(scene, load))
-    return replace(lay_out(replace(scene, points=None), largest_force(scene, load)), tangential="on" if sheared else "off")
+    return replace(lay_out(replace(scene, points=None), largest_force(scene, load)), tangential="on"
+                   if sheared else "off")
 
 
 def _unbounded(scene, cell):
     """The scene on the grid of its cell."""
     if not scene.isolated:
         return cell
-    return replace(scene, points=None, spacing=cell.spacings if scene.dimension == 2 else cell.spacings[0])
+    return replace(scene, points=None, spacing=cell.spacings if scene.dimension == 2
+                   else cell.spacings[0])
 
 
 def reason(scene, load):
@@ -97,35 +102,42 @@ def reason(scene, load):
         return f"{as_text(scene.shape)} points, those of the file"
     sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
     error = max(predicted(cell, sheared, axis, n) for axis, n in enumerate(cell.shape))
-    grid = f"spacing {scene.words(scene.spacings, 'beta')}" if scene.isolated else f"{as_text(cell.shape)} points"
+    grid = (f"spacing {scene.words(scene.spacings, 'beta')}" if scene.isolated
+            else f"{as_text(cell.shape)} points")
     return (f"{grid}, from which the law's cohesive length and the shape promise errors of about "
             f"{error:.1g} (-scene_accuracy {as_text(scene.accuracy)})")
 
 
 def next_grid(scene, load, error):
-    """The scene on the next grid, where its points had an error above its accuracy; None where there is none in memory.
+    """The scene on the next grid, where its points had an error above its accuracy; None where
+    there is none in memory.
 
-    At most four times finer: the errors of the contact area fall with the fourth power of the spacing, those of corners of the
-    law that nodes cross under shear with the second.
+    At most four times finer: the errors of the contact area fall with the fourth power of the
+    spacing, those of corners of the law that nodes cross under shear with the second.
     """
     if scene.geometry == "file":
         return None
     sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
     factor = min(4.0, (error / (MARGIN * scene.accuracy)) ** (1 / 2 if sheared else 1 / 4))
-    points = tuple(_nice(factor * n) if predicted(cell, sheared, axis, n) > 0.0 else n for axis, n in enumerate(cell.shape))
+    points = tuple(_nice(factor * n) if predicted(cell, sheared, axis, n) > 0.0 else n
+                   for axis, n in enumerate(cell.shape))
     fits = points != cell.shape and memory_needed(cell, load, points) <= memory()
     return _unbounded(scene, on(cell, points)) if fits else None
 
 
 def predicted(scene, sheared, axis, points):
-    """Relative error of force and area to be expected of a direction's number of points; 0 where nothing varies along it.
+    """Relative error of force and area to be expected of a direction's number of points; 0 where
+    nothing varies along it.
 
-    With l = dx/x the cohesive length of the law, x the spacing in units of it (at most 1.25 in a grid that resolves it): the
-    force's error falls as a wave's, 300 l exp(-17.7/x); the edge of contact, interpolated by a cubic, has 9e-4 l x^4, and corners
-    of the law under shear 3e-5 l x^2. A law of long range is smooth on the scale on which the initial gap, of curvature c, goes
-    through it: exp(-c lambda x^2/2) has waves up to exp(-(pi/dx)^2/(c lambda)). Measured on lines at lambda = 3 to 10.
+    With l = dx/x the cohesive length of the law, x the spacing in units of it (at most 1.25 in a
+    grid that resolves it): the force's error falls as a wave's, 300 l exp(-17.7/x); the edge of
+    contact, interpolated by a cubic, has 9e-4 l x^4, and corners of the law under shear 3e-5 l x^2.
+    A law of long range is smooth on the scale on which the initial gap, of curvature c, goes
+    through it: exp(-c lambda x^2/2) has waves up to exp(-(pi/dx)^2/(c lambda)). Measured on lines
+    at lambda = 3 to 10.
     """
-    grid = on(replace(scene, points="auto"), tuple(points if i == axis else FEWEST for i in range(scene.dimension)))
+    grid = on(replace(scene, points="auto"), tuple(points if i == axis else FEWEST
+                                                   for i in range(scene.dimension)))
     x = LARGEST_RESOLUTION * resolution(grid, sheared)[axis]
     if x == 0.0:
         return 0.0
@@ -135,7 +147,8 @@ def predicted(scene, sheared, axis, points):
     if scene.geometry == "rough" and 2 * spacing > scene.rough_shortest:
         return 1.0
     length = min(spacing / x, 1.0)
-    law = length * (300.0 * math.exp(-17.7 / x) + 9e-4 * x ** 4 + (3e-5 * x ** 2 if sheared else 0.0))
+    law = length * (300.0 * math.exp(-17.7 / x) + 9e-4 * x ** 4 + (3e-5 * x ** 2 if sheared
+                                                                   else 0.0))
     width = 1.0 / math.sqrt(scene.normal_maugis * _curvature(scene, axis))
     shape = math.exp(-(math.pi * width / spacing) ** 2) + 1e-3 * (spacing / width) ** 4
     return min(1.0, law + shape)
@@ -145,7 +158,8 @@ def _curvature(scene, axis):
     """Of the initial gap at the apex, u_n,r/beta^2; of roughness that of its sharp asperities."""
     if scene.geometry == "rough":
         return 1.0 + 3.0 * surface(scene.periods, *scene.roughness)[0].rms(2, axis)
-    return scene.amplitudes[axis] * (2 * math.pi / scene.periods[axis]) ** 2 if scene.geometry == "sinusoid" else 1.0
+    return (scene.amplitudes[axis] * (2 * math.pi / scene.periods[axis]) ** 2
+            if scene.geometry == "sinusoid" else 1.0)
 
 
 def _points(scene, sheared, axis, accuracy):
@@ -157,7 +171,8 @@ def _points(scene, sheared, axis, accuracy):
 
 
 def _nice(points):
-    """The smallest number that is not below ``points`` and 4, 5 or 6 times a power of 2: even often enough for coarser grids."""
+    """The smallest number that is not below ``points`` and 4, 5 or 6 times a power of 2: even often
+    enough for coarser grids."""
     power = 2 ** max(2, math.floor(math.log2(points)) - 2)
     return next(n * power for n in (4, 5, 6, 8) if n * power >= points)
 
@@ -169,37 +184,45 @@ def _nice_below(points):
 
 
 def memory_of_solve(unknowns, whole):
-    """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over the cell."""
+    """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over
+    the cell."""
     return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
 
 
 def memory_needed(scene, load, points):
-    """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its errors are estimated on."""
+    """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its
+    errors are estimated on."""
     cell = (scene.components if any(tangential_legs(scene, load)) else 1) * math.prod(points)
     return 5 * memory_of_solve(window_part(scene, load) * cell, cell)
 
 
 @lru_cache(maxsize=8)
 def window_part(scene, load):
-    """The largest part of the cell on which the law acts where the path begins and at the ends of its legs.
+    """The largest part of the cell on which the law acts where the path begins and at the ends of
+    its legs.
 
-    That of the body bent without a law, on few points: the window of a contact with adhesion is somewhat larger.
+    That of the body bent without a law, on few points: the window of a contact with adhesion is
+    somewhat larger.
     """
     contact = Contact(on(scene, FEW[scene.dimension]))
     legs = scene.legs(load) if load.path else ()
     controls = [scene.initial(load)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]
-    windows = [contact.window(states.normal_gap(contact, states.undeformed(contact, (its.control,), [its.value]))
-                              .reshape(contact.grid.shape)) for its in controls if its.value is not None]
+    windows = [contact.window(states.normal_gap(contact,
+                                                states.undeformed(contact, (its.control,),
+                                                                  [its.value])) .reshape(
+        contact.grid.shape)) for its in controls if its.value is not None]
     return min(1.0, 1.2 * max(window.size for window in windows) / contact.grid.size)
 
 
 def memory():
-    """Bytes that a run may take on this machine: what is free now, within the limits of the process and its control group."""
+    """Bytes that a run may take on this machine: what is free now, within the limits of the process
+    and its control group."""
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     limits = [total, *_group_limits(), *([] if limit == resource.RLIM_INFINITY else [limit])]
     try:
-        fields = dict(line.split(":") for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
+        fields = dict(line.split(":")
+                      for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
         limits.append(1024 * int(fields["MemAvailable"].split()[0]))
     except (OSError, ValueError, KeyError):
         pass  # no Linux
@@ -207,14 +230,17 @@ def memory():
 
 
 def _group_limits():
-    """Limits on memory of the control group of this process and of those above it, as far as there are any."""
+    """Limits on memory of the control group of this process and of those above it, as far as there
+    are any."""
     limits = []
     try:
-        groups = [line.split(":", 2)[1:] for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines()]
+        groups = [line.split(":", 2)[1:]
+                  for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines()]
     except OSError:
         return limits
     for controllers, place in groups:
-        root, name = ("/sys/fs/cgroup", "memory.max") if not controllers else ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+        root, name = (("/sys/fs/cgroup", "memory.max") if not controllers
+                      else ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"))
         if controllers in ("", "memory"):
             folder = Path(root + place)
             for above in (folder, *folder.parents):
@@ -224,13 +250,15 @@ def _group_limits():
 
 
 def refuse_too_large(scene, load, form):
-    """InputError, with what would fit, unless memory holds the solves of a scene on its grid, and PETSc can count the unknowns.
+    """InputError, with what would fit, unless memory holds the solves of a scene on its grid, and
+    PETSc can count the unknowns.
 
     To be called before anything of the grid's size is made.
     """
     cell = _cell(scene, load)
     nodes = (cell.components if any(tangential_legs(scene, load)) else 1) * math.prod(cell.shape)
-    waves = math.prod(FINE[cell.dimension] * period / scene.rough_shortest for period in cell.periods) if cell.roughness else 0
+    waves = math.prod(FINE[cell.dimension] * period / scene.rough_shortest
+                      for period in cell.periods) if cell.roughness else 0
     room, whole = memory(), form.form == "force" or form.window == "off"
     needed, unknowns = memory_of_solve(nodes, nodes) + 60 * waves, nodes
     if not whole and (needed > room or nodes > MOST_UNKNOWNS):
@@ -238,11 +266,13 @@ def refuse_too_large(scene, load, form):
         needed = memory_of_solve(unknowns, nodes) + 60 * waves
     share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
     if share < 1.0:
-        raise InputError(_too_many(scene, cell, needed, room, unknowns, share ** (1 / cell.dimension)))
+        raise InputError(_too_many(scene, cell, needed, room, unknowns,
+                                   share ** (1 / cell.dimension)))
 
 
 def _least_part(cell, load):
-    """`window_part`; 0 for a surface that is known on its own grid only, or made of too many waves."""
+    """`window_part`; 0 for a surface that is known on its own grid only, or made of too many
+    waves."""
     if cell.geometry in ("file", "rough"):
         return 0.0
     try:
@@ -252,35 +282,48 @@ def _least_part(cell, load):
 
 
 def _too_many(scene, cell, needed, room, unknowns, share):
-    """One sentence on a grid that memory or PETSc does not hold, and one that they do, with a share of its points a direction."""
-    why = f"takes about {needed / 1e9:.3g} GB of memory, of which {room / 1e9:.3g} GB are to be had here"
+    """One sentence on a grid that memory or PETSc does not hold, and one that they do, with a share
+    of its points a direction."""
+    why = (f"takes about {needed / 1e9:.3g} GB of memory, of which "
+           f"{room / 1e9:.3g} GB are to be had here")
     if needed <= room:
         why = f"has about {unknowns:.3g} unknowns, and PETSc counts {MOST_UNKNOWNS} of them"
     what = f"the grid of {' x '.join(f'{n:.8g}' for n in cell.shape)} nodes {why}"
     if scene.geometry == "file":
-        return f"{scene.option_name('geometry_file')} is '{scene.geometry_file}': {what}; take fewer heights"
+        return (f"{scene.option_name('geometry_file')} is '{scene.geometry_file}': "
+                f"{what}; take fewer heights")
     if scene.isolated:
         fitting = tuple(float(f"{1.1 * spacing / share:.2g}") for spacing in scene.spacings)
         given = "not set" if scene.spacing is None else f"'{as_text(scene.as_typed('spacing'))}'"
-        return (f"{scene.option_name('spacing')} is {given}: {what}; {as_text(scene.told(max(fitting), 'beta'))} would fit, or a smaller "
-                "load")
+        return (f"{scene.option_name('spacing')} is {given}: {what}; "
+                f"{as_text(scene.told(max(fitting), 'beta'))} would fit, or a "
+                "smaller load")
     points = tuple(max(16, _nice_below(n * share)) for n in cell.shape)
     return (f"{scene.option_name('points')} is '{as_text(scene.points or scene.shape)}': {what}; "
             f"{as_text(points if len(points) > 1 else points[0])} would fit")
 
 
 def _too_large(scene, load, points):
-    """One sentence with the size that an accuracy would take, and the best accuracy there is memory for."""
-    needed, best, sheared = points, max(scene.accuracy, FINEST), any(tangential_legs(scene, load))
+    """One sentence with the size that an accuracy would take, and the best accuracy there is memory
+    for."""
+    needed = points
+    best = max(scene.accuracy, FINEST)
+    sheared = any(tangential_legs(scene, load))
     while best < 1.0:
         points = tuple(_points(scene, sheared, axis, best) for axis in range(scene.dimension))
         if memory_needed(scene, load, points) <= memory():
             break
         best *= 1.25
-    size = f"{as_text(needed)} points and {memory_needed(scene, load, needed) / 1e9:.3g} GB of memory"
+    size = (f"{as_text(needed)} points and "
+            f"{memory_needed(scene, load, needed) / 1e9:.3g} GB of memory")
     place = math.ceil(-math.log10(best))
-    reach = f"the best that it can do is -scene_accuracy {math.ceil(best * 10 ** place) / 10 ** place:.1g}, with {as_text(points)} points" if best < 1.0 else \
-        "no grid that resolves the cohesive zone fits; give -scene_points, or a softer law or a smaller -scene_period"
-    digits = f", and what solves leave is about {as_text(FINEST)}" if scene.accuracy < FINEST else ""
-    return (f"-scene_accuracy is '{as_text(scene.accuracy)}': that takes {size}, and this machine has "
-            f"{memory() / USABLE / 1e9:.3g} GB{digits}; {reach}")
+    reach = ("the best that it can do is -scene_accuracy "
+             f"{math.ceil(best * 10 ** place) / 10 ** place:.1g}, with "
+             f"{as_text(points)} points" if best < 1.0 else "no grid that resolves the "
+             "cohesive zone fits; give -scene_points, or a softer law "
+             "or a smaller -scene_period")
+    digits = (f", and what solves leave is about {as_text(FINEST)}"
+              if scene.accuracy < FINEST else "")
+    return (f"-scene_accuracy is '{as_text(scene.accuracy)}': that takes {size}, "
+            f"and this machine has {memory() / USABLE / 1e9:.3g} "
+            f"GB{digits}; {reach}")

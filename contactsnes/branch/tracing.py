@@ -17,7 +17,8 @@ from .corrector import KSP_REASONS, Corrector, finite
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
 TIGHT = 1e-11
-"""Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the residual a hundredfold."""
+"""Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the
+residual a hundredfold."""
 FAR = 8.0
 """Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
 
@@ -25,18 +26,21 @@ FAR = 8.0
 class Tracer(Corrector):
     """A corrector that knows the branch's direction, too, and goes along it by arc length.
 
-    A ``chord``, a pair of states, measures how far a state has gone (``states.chord``). The ``examiner`` (`stability.Stability`),
-    if it is given one, counts unstable modes where nobody asked for certificates, but a solve met one (``Point.softest``).
+    A ``chord``, a pair of states, measures how far a state has gone (``states.chord``). The
+    ``examiner`` (`stability.Stability`), if it is given one, counts unstable modes where nobody
+    asked for certificates, but a solve met one (``Point.softest``).
     """
 
     examiner = None
 
     def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
-        """The point at a place of a chord, near a guess and its position in the leg; NotConverged otherwise.
+        """The point at a place of a chord, near a guess and its position in the leg; NotConverged
+        otherwise.
 
-        ``border``: what the place counts in the equation that holds it, and a unit of the position, from the given one on.
-        ``tight``: to a residual below which a fold's load hardly depends on it.
-        By Newton in the displacement form (options under the prefix ``arc_``) if the user's method is another one.
+        ``border``: what the place counts in the equation that holds it, and a unit of the position,
+        from the given one on. ``tight``: to a residual below which a fold's load hardly depends on
+        it. By Newton in the displacement form (options under the prefix ``arc_``) if the user's
+        method is another one.
         """
         share, rate = border
         length, guess = share * length + rate * position, finite(guess)
@@ -57,46 +61,57 @@ class Tracer(Corrector):
             if imbalance is not None:
                 arc.set_position(unknown[-1])
                 point = self._point(form, state, imbalance, iterations)
-                return replace(point, leg=leg.number, position=float(unknown[-1]), softest=arc.ritz.smallest)
+                return replace(point, leg=leg.number, position=float(unknown[-1]),
+                               softest=arc.ritz.smallest)
             guess, position = state, unknown[-1]
         raise NotConverged("the window kept growing: try -contact_window off")
 
     def direction(self, point, chord, leg):
-        """The branch's direction at a point per unit of length along a chord: one linear solve, regular at a fold, too."""
+        """The branch's direction at a point per unit of length along a chord: one linear solve,
+        regular at a fold, too."""
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
         right = np.zeros(arc.size)
         right[-1] = 1.0
         change = self._linear(snes, arc, right, EXACT)
-        field, rate, grid = form.displacement(change[:-1]), float(change[-1]), self.contact.grid
+        field = form.displacement(change[:-1])
+        rate = float(change[-1])
+        grid = self.contact.grid
         if form.name == "force":
             return Direction(states.State(form.window, field, grid.mean(field)), rate)
         gap = form.displacement(unknown[:-1])
         gap[0] += form.window.take(self.contact.initial_gap)
         response = np.einsum("ijn,jn->in", self.contact.law.tangent(gap), field)
-        means = rate * self.contact.far_displacement(form.components, leg.direction) - form.rigid_compliance * grid.mean(response)
+        means = (rate * self.contact.far_displacement(form.components, leg.direction)
+                 - form.rigid_compliance * grid.mean(response))
         means[form.forced] = form.scalars(change[:-1])
         return Direction(states.State(form.window, field, means), rate)
 
     def unit(self, point, direction):
         """A direction at a point per unit of the branch's own length."""
         change = direction.state
-        ahead = states.State(change.window, states.onto(point.state, change.window) + change.displacement, point.state.means)
+        ahead = states.State(change.window, states.onto(point.state, change.window)
+                             + change.displacement, point.state.means)
         length = self.chord_length(point.state, ahead)
         if length == 0.0:
             raise NotConverged("no direction of the branch: its state stands still")
-        return Direction(states.State(change.window, change.displacement / length, change.means / length), direction.rate / length)
+        return Direction(states.State(change.window, change.displacement / length,
+                                      change.means / length), direction.rate / length)
 
     def margin(self, point, event):
-        """What is at least 0 where there is an event, 'pull_off' or 'gross_sliding': a gap or slip over its threshold, ranges."""
-        gap, threshold = states.normal_gap(self.contact, point.state), self.contact.scene.contact_threshold
+        """What is at least 0 where there is an event, 'pull_off' or 'gross_sliding': a gap or slip
+        over its threshold, ranges."""
+        gap = states.normal_gap(self.contact, point.state)
+        threshold = self.contact.scene.contact_threshold
         if event == "pull_off":
             return float(self.contact.grid.minimum(gap) - threshold)
         slip = np.linalg.norm(point.state.displacement[1:], axis=0)
-        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3) - np.nextafter(self.contact.law.slip_peak, np.inf))
+        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3)
+                     - np.nextafter(self.contact.law.slip_peak, np.inf))
 
     def stride(self, point, direction):
-        """Length along a branch in which the edge that moves fastest, of contact or slip, passes a node of a line.
+        """Length along a branch in which the edge that moves fastest, of contact or slip, passes a
+        node of a line.
 
         0 in the plane, whose edges pass nodes here and there, and on grids that are known to pin.
         """
@@ -106,15 +121,18 @@ class Tracer(Corrector):
         state, window = point.state, direction.state.window
         field, moved = states.onto(state, window).copy(), direction.state.displacement
         field[0] += window.take(self.contact.initial_gap)
-        node = np.unravel_index(np.argmax(np.abs(np.where(field[0] < states.NEAR, moved, 0.0))), moved.shape)
+        node = np.unravel_index(np.argmax(np.abs(np.where(field[0] < states.NEAR, moved, 0.0))),
+                                moved.shape)
         steps = np.gradient(field[node[0]].reshape(len(window.parts), -1), axis=1).reshape(-1)
         return float(abs(steps[node[1]] / moved[node]))
 
     def lost(self, point, leg, heading):
-        """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in words, or ""."""
+        """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in
+        words, or ""."""
         gap = states.normal_gap(self.contact, point.state)
         free = point.controls[0] == FORCE or heading < 0.0
-        if free and not point.in_contact and self.contact.grid.minimum(gap) > self.contact.law.range:
+        if free and not point.in_contact and self.contact.grid.minimum(
+                gap) > self.contact.law.range:
             return "it has left the range of the law"
         if FORCE in point.controls[1:] and point.in_contact:
             slip = np.linalg.norm(point.state.displacement[1:], axis=0)
@@ -128,13 +146,15 @@ class Tracer(Corrector):
         return states.chord(self.contact, first, last, last.window)[1]
 
     def along_tangent(self, point, leg, position, step):
-        """The state of a point of a leg moved along the branch's tangent: one linear solve with the Jacobian there."""
+        """The state of a point of a leg moved along the branch's tangent: one linear solve with the
+        Jacobian there."""
         state, direction = self._fitted(point.state), leg.direction
         form = self._form_for(state, leg.controls)
         form.set_load(leg.load(position))
         unknown = form.pack(state.displacement, state.means[form.forced])
         form.linearise(unknown)
-        change = self._linear(self.snes, form, form.load_derivative(-direction, np.empty(form.size)), 1e-3)
+        change = self._linear(self.snes, form,
+                              form.load_derivative(-direction, np.empty(form.size)), 1e-3)
         moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
         field = form.displacement(moved)
         # In the regularised gap a long step into overlap stays bounded.
@@ -143,34 +163,43 @@ class Tracer(Corrector):
         field[0] = state.displacement[0] + ahead
         moved = form.pack(field, form.scalars(moved))
         if form.name == "displacement" and form.forced:
-            # The mean displacement belonged to another gap than this: it is balanced anew, where the law acts.
-            aside, near = form.displacement(form.residual(moved, np.empty(form.size))), gap < states.NEAR
-            moved[form.count:] += self.contact.grid.sum(aside[form.forced][:, near]) / max(self.contact.grid.count(near), 1)
+            # The mean displacement belonged to another gap than this: it is balanced anew, where
+            # the law acts.
+            aside = form.displacement(form.residual(moved, np.empty(form.size)))
+            near = gap < states.NEAR
+            moved[form.count:] += self.contact.grid.sum(aside[form.forced][:, near]) / max(
+                self.contact.grid.count(near), 1)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
 
     def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
-        """Form, form with the arc length, its SNES and its unknown, for a state and position on or near a chord."""
+        """Form, form with the arc length, its SNES and its unknown, for a state and position on or
+        near a chord."""
         own = solver_type().startswith("newton")
         state = self._fitted(guess) if own else states.fitted(self.contact, guess)
-        form = self._form_for(state, leg.controls) if own else DisplacementForm(self.contact, state.window, leg.controls)
+        form = (self._form_for(state, leg.controls) if own
+                else DisplacementForm(self.contact, state.window, leg.controls))
         none = np.zeros(len(form.forced))
         first, last = (form.pack(states.onto(end, form.window), none) for end in chord)
         row, way = states.chord(self.contact, *chord, form.window)
         row = form.pack(row, none)
         row *= border[0] * way / max(form.grid.inner(row, last - first), 1e-300)
         arc = ArcLength(form, leg.start, leg.direction, first, row, length, border[1])
-        unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]), position)
+        unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]),
+                            position)
         return form, arc, create_snes(arc, "" if own else "arc_"), unknown
 
     def _linear(self, snes, form, right, tolerance):
         """J^-1 right at the last linearisation of the form of a SNES, by its KSP."""
         ksp = kept(snes.getKSP())
-        # The second of its matrices is ours, too, where the user has products by finite differences (-snes_mf_operator).
+        # The second of its matrices is ours, too, where the user has products by finite differences
+        # (-snes_mf_operator).
         matrix = kept(snes.getJacobian()[1])
         matrix.assemble()
-        tolerances, forcing, kind = ksp.getTolerances(), snes.getUseEW(), ksp.getType()
+        tolerances = ksp.getTolerances()
+        forcing = snes.getUseEW()
+        kind = ksp.getType()
         # Else the SNES would set the tolerance of this solve, too, by how its own last one went.
         snes.setUseEW(False)
         ksp.setOperators(matrix)
@@ -185,7 +214,8 @@ class Tracer(Corrector):
         snes.setUseEW(forcing)
         self.totals["linear_iterations"] += ksp.getIterationNumber()
         if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
-            raise NotConverged(f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
+            raise NotConverged(
+                f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
         change = change.getArray().copy()
         if not np.isfinite(change).all():
             raise NotConverged("no direction of the branch: it is infinite")

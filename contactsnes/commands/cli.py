@@ -1,7 +1,9 @@
-"""The commands run, plot, info and compare, their words and exit statuses. Only this room prints; it decides nothing physical.
+"""The commands run, plot, info and compare, their words and exit statuses. Only this room prints;
+it decides nothing physical.
 
-Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed, no equilibrium exists, or what was
-computed or told cannot be written, 2 bad input, 128 + the signal's number for an interrupted command.
+Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed, no equilibrium
+exists, or what was computed or told cannot be written, 2 bad input, 128 + the signal's number for
+an interrupted command.
 """
 
 import argparse
@@ -18,7 +20,14 @@ from .. import __version__
 from ..branch.failures import uncomputable
 from ..compare.methods import CompareOptions
 from ..contact.balance import CONVERGENCE
-from ..options.database import database, database_text, help_text, petsc_arguments, read, unused_options
+from ..options.database import (
+    database,
+    database_text,
+    help_text,
+    petsc_arguments,
+    read,
+    unused_options,
+)
 from ..options.fields import InputError, nearest
 from ..output.archive import ArchiveError, WriteError
 from ..scene import settings as scenes
@@ -44,10 +53,11 @@ contactsnes: adhesive frictional contact of elastic bodies
   contactsnes plot RUN.h5 ...                         figures of archives (contactsnes plot --help)
   contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
                                                       methods on one scene: cost, accuracy, failures
-  contactsnes run -help                               every option with meaning, unit, default and range
+  contactsnes run -help                               every option: meaning, unit, default, range
   contactsnes --version
 
-Files are read from left to right, then the options of the command line; the later value wins. For instance:
+Files are read from left to right, then the options of the command line; the later value
+wins. For instance:
   contactsnes run options/cylinder.opts options/newton.opts -archive_file run.h5"""
 
 def main(argv=None):
@@ -59,7 +69,8 @@ def main(argv=None):
         if sys.stdout.left:
             return 128 + signal.SIGPIPE
         if sys.stdout.failure:
-            complain("warning", f"standard output cannot be written ({sys.stdout.failure}): what should stand there is lost")
+            complain("warning", "standard output cannot be written "
+                     f"({sys.stdout.failure}): what should stand there is lost")
         return status
 
 
@@ -71,7 +82,8 @@ def _ended(words, interrupts):
         complain("error", error)
         return 1 if isinstance(error, WriteError) else 2
     except MemoryError as error:
-        complain("error", f"there is not enough memory for this scene ({error}): take fewer -scene_points")
+        complain("error",
+                 f"there is not enough memory for this scene ({error}): take fewer -scene_points")
     except OSError as error:
         complain("error", f"a file cannot be read or written: {error}")
         return 1
@@ -81,7 +93,8 @@ def _ended(words, interrupts):
         return status
     except KeyboardInterrupt as interrupt:
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
-    except Exception:  # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
+    # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
+    except Exception:
         traceback.print_exc()
         return 1
     finally:
@@ -107,8 +120,11 @@ def _no_command(command):
         print(HELP, file=sys.stderr)
     else:
         guess = nearest(command, COMMANDS)
-        complain("error", f"'{command}' is no command" + (f": did you mean {guess}?" if guess else
-                  f"; the commands are {', '.join(COMMANDS)}, for instance: contactsnes run FILE.opts"))
+        complain("error", f"'{command}' is no command" + (f": did you mean {guess}?" if guess
+                                                          else "; the commands are "
+                                                          f"{', '.join(COMMANDS)}, for "
+                                                          "instance: contactsnes run "
+                                                          "FILE.opts"))
     return 2
 
 
@@ -125,7 +141,8 @@ def run(arguments, interrupts):
 
 
 def _words(arguments):
-    """The options that arguments and their files stand for; none where a file cannot be read, which help does not need."""
+    """The options that arguments and their files stand for; none where a file cannot be read, which
+    help does not need."""
     try:
         return petsc_arguments(arguments)
     except InputError:
@@ -142,7 +159,8 @@ def _help_on_options(arguments, more=()):
     for name, value in zip(words, words[1:]):
         if name.lower() == "-scene_law":
             scenes.Scene.prepare(lambda named=value: {"scene_law": named})
-    return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)], units=UNITS))
+    return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
+                          units=UNITS))
 
 
 # info
@@ -156,14 +174,20 @@ def info(arguments):
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
     # Without a path there is still a contact to tell of.
-    still = dataclasses.replace(load, path="normal_force=hold" if scene.isolated else "normal_displacement=hold")
-    branch = create_branch(settings if legs else settings._replace(load=still, steps=scenes.Steps()))
-    sections = {"Scene": summary.about_scene(settings), "Load path": summary.about_path(settings, legs),
-                "Unknowns": summary.about_unknowns(settings, branch), "Left out": summary.skipped(settings, branch),
+    still = dataclasses.replace(load, path="normal_force=hold" if scene.isolated
+                                else "normal_displacement=hold")
+    branch = create_branch(settings if legs else settings._replace(load=still,
+                                                                   steps=scenes.Steps()))
+    sections = {"Scene": summary.about_scene(settings),
+                "Load path": summary.about_path(settings, legs),
+                "Unknowns": summary.about_unknowns(settings, branch),
+                "Left out": summary.skipped(settings, branch),
                 "Method": summary.about_method(settings),
-                "Without effect": [f"-{name}: {why}" for name, why in
-                                   scenes.ineffective(scene, load, database(), settings.form, settings.output,
-                                                      settings.estimates)],
+                "Without effect": [f"-{name}: {why}"
+                                   for name, why in scenes.ineffective(scene, load, database(),
+                                                                       settings.form,
+                                                                       settings.output,
+                                                                       settings.estimates)],
                 "All options": summary.all_options([*settings, *map(read, solver_options())])}
     for title, lines in sections.items():
         if lines:
@@ -181,17 +205,21 @@ def compare(arguments):
     if _asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
-    os.environ.pop("MPLBACKEND", None)  # files are written: no backend has a say, and an unknown one would end the import
+    # files are written: no backend has a say, and an unknown one would end the import
+    os.environ.pop("MPLBACKEND", None)
     from ..compare import figure as comparison_figure
     from ..compare import table as comparison_table
 
-    about = {"scene": str(comparison.branch.scene), "options": database_text(), "versions": str(versions())}
+    about = {"scene": str(comparison.branch.scene), "options": database_text(),
+             "versions": str(versions())}
     comparison.run(lambda: comparison_table.save(comparison, stem, about))
     for name in unused_options(solver_options()):
         if name[1:] in comparison.given:
-            complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
+            complain("warning", f"{name} was never used: neither this program "
+                     "nor any PETSc object in use asks for it")
     print("", *comparison_table.lines(comparison), sep="\n")
-    figures = [comparison_figure.plot_comparison([f"{stem}.h5"], f"{stem}.png")] if comparison.watched else []
+    figures = [comparison_figure.plot_comparison([f"{stem}.h5"],
+                                                 f"{stem}.png")] if comparison.watched else []
     print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
@@ -201,11 +229,13 @@ def compare(arguments):
 
 def plot(arguments):
     """``contactsnes plot``: figures of archives."""
-    parser = argparse.ArgumentParser(prog="contactsnes plot", description="Figures of archives, beside them.")
+    parser = argparse.ArgumentParser(prog="contactsnes plot",
+                                     description="Figures of archives, beside them.")
     parser.add_argument("archives", nargs="+", metavar="RUN.h5")
     parser.add_argument("--pdf", action="store_true", help="each figure as PDF, too")
     parser.add_argument("--output", metavar="FOLDER", help="folder of the figures")
-    parser.add_argument("--points", metavar="0,5,-1", type=_numbers, help="points of profiles and maps, from 0 or from the end")
+    parser.add_argument("--points", metavar="0,5,-1", type=_numbers,
+                        help="points of profiles and maps, from 0 or from the end")
     if "--points" in arguments[:-1]:
         # A list that begins with a negative number would be taken for an option.
         place = arguments.index("--points")
@@ -221,9 +251,11 @@ def plot(arguments):
         try:
             drawn = figures.plot(path, asked.output, asked.pdf, asked.points)
         except OSError as error:
-            kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO) else InputError
+            kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG,
+                                                 errno.EIO) else InputError
             raise kind(f"the figures of {path} cannot be written: {error}") from None
-        print(*drawn.files, *(f"no figure {name} of {path}: {why}" for name, why in drawn.skipped.items()), sep="\n")
+        print(*drawn.files, *(f"no figure {name} of {path}: {why}"
+                              for name, why in drawn.skipped.items()), sep="\n")
     return 0
 
 
@@ -232,7 +264,8 @@ def _numbers(text):
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
 
 
 COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare}

@@ -1,4 +1,5 @@
-"""Progress of a run in lines and a bar: what a point has to say in one line, events, counts and the closing table."""
+"""Progress of a run in lines and a bar: what a point has to say in one line, events, counts and the
+closing table."""
 
 import math
 import time
@@ -9,11 +10,13 @@ from ..contact.energies import energy_unit
 from ..scene.settings import tangential_legs
 
 INEXACT = 0.01
-"""Part of the largest work of the loads by which the balance of energies may miss without a word."""
+"""Part of the largest work of the loads by which the balance of energies may miss without a
+word."""
 
 
 class Progress:
-    """What a run says while it goes on: a bar, or one line a point, and sentences between; and its counts and events.
+    """What a run says while it goes on: a bar, or one line a point, and sentences between; and its
+    counts and events.
 
     Parameters
     ----------
@@ -32,14 +35,22 @@ class Progress:
         self.loads = {"normal_displacement": "D", "normal_force": "W"}
         if any(tangential_legs(scene, load)):
             for end in plane:
-                self.loads |= {f"tangential_displacement{end}": f"U{end}", f"tangential_force{end}": f"T{end}"}
-        self.columns = {"leg": "leg", **self.loads, "contact_area": "area", "nonlinear_iterations": "nonlinear",
-                        "linear_iterations": "linear", "transforms": "transforms", "event": "event"}
-        self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations", "function_evaluations", "transforms"), 0)
-        self.points, self.events, self.lost, self.began = 0, [], 0.0, time.monotonic()
+                self.loads |= {f"tangential_displacement{end}": f"U{end}",
+                               f"tangential_force{end}": f"T{end}"}
+        self.columns = {"leg": "leg", **self.loads, "contact_area": "area",
+                        "nonlinear_iterations": "nonlinear", "linear_iterations": "linear",
+                        "transforms": "transforms", "event": "event"}
+        self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
+                                     "function_evaluations", "transforms"), 0)
+        self.points = 0
+        self.events = []
+        self.lost = 0.0
+        self.began = time.monotonic()
         self.missing, self.work = 0.0, 0.0
         self.stable = {}
-        self.show, self.live, self.unit = show, live, "window" if scene.isolated else "whole cell"
+        self.show = show
+        self.live = live
+        self.unit = "window" if scene.isolated else "whole cell"
         self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
 
@@ -72,20 +83,25 @@ class Progress:
     def _advance(self, row, position, loads):
         """Move the bar, which begins with the first point."""
         if self.bar is None:
-            self.bar = tqdm(total=self.legs, bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}", miniters=0,
-                            leave=False)
+            self.bar = tqdm(total=self.legs,
+                            bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}",
+                            miniters=0, leave=False)
         if row["event"]:
             self.bar.write(self.events[-1])
-        self.bar.set_postfix_str(f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms", refresh=False)
+        self.bar.set_postfix_str(
+            f"{loads}, {self.points} points, {self.counts['transforms']:.0f} transforms",
+            refresh=False)
         self.bar.update(max(row["leg"] - 1, 0) + position - self.bar.n)
 
     def _line(self, row):
         """Values, or headings, in columns."""
         texts = []
         for name, heading in self.columns.items():
-            value, width = row[name], {"leg": 3, "event": 0}.get(name, 11 if name in self.loads else 10)
+            value = row[name]
+            width = {"leg": 3, "event": 0}.get(name, 11 if name in self.loads else 10)
             if isinstance(value, float):
-                value = f"{value:.1f}" if name == "transforms" else f"{value:.1e}" if name.startswith("error") else f"{value:.6g}"
+                value = (f"{value:.1f}" if name == "transforms" else f"{value:.1e}"
+                         if name.startswith("error") else f"{value:.6g}")
             texts.append(f"{value:>{width}}")
         return " ".join(texts).rstrip()
 
@@ -97,16 +113,21 @@ class Progress:
 
     def summary(self, known):
         """The closing table of this run; ``known``: points that an archive had before."""
-        lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known else "")]
+        lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known
+                                                     else "")]
         if self.stable.keys() & {0, 1}:
-            lines.append(f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
+            lines.append(
+                f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
         lines += [f"  {'event':13} {event}" for event in self.events]
         if any(event.startswith("jump") for event in self.events):
             lost = "not known" if math.isnan(self.lost) else f"{self.lost:.6g} {self.energy_unit}"
             lines.append(f"  {'dissipated':13} {lost} in jumps")
         if self.missing > INEXACT * self.work:
-            lines.append(f"  {'works':13} {self.missing:.2g} of at most {self.work:.3g} {self.energy_unit} is missing in the balance of "
-                         "energies (energy_imbalance): the work of the loads is integrated over steps, shorter ones know it better")
+            lines.append(f"  {'works':13} {self.missing:.2g} of at most "
+                         f"{self.work:.3g} {self.energy_unit} is missing in the "
+                         "balance of energies (energy_imbalance): the work of "
+                         "the loads is integrated over steps, shorter ones "
+                         "know it better")
         for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
             lines.append(f"  {unit:13} {self.counts[name]} iterations")
         lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")

@@ -1,4 +1,5 @@
-"""One run of a scene along its load path: its points as they come, kept and shown, and how it ended, in words and as exit status."""
+"""One run of a scene along its load path: its points as they come, kept and shown, and how it
+ended, in words and as exit status."""
 
 import dataclasses
 import signal
@@ -30,7 +31,8 @@ from .session import (
 from .speech import complain
 
 BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
-"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown type, no factorisation."""
+"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown
+type, no factorisation."""
 
 
 class Run:
@@ -41,7 +43,8 @@ class Run:
         self._set_up()
 
     def _set_up(self, missed=()):
-        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their accuracy."""
+        """Begin the path on the grid of the settings, where coarser ones have ``missed`` their
+        accuracy."""
         settings = self.settings
         self.table = observables.table(settings.scene)
         # What PETSc prints by itself would tear a bar to pieces.
@@ -52,19 +55,25 @@ class Run:
         self.warnings = summary.resolution_warnings(settings)
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
-        self.archive, self.waiting, self.known = None, 0, 0
+        self.archive = None
+        self.waiting = 0
+        self.known = 0
         if settings.output.file:
             self.archive = self._open_archive()
             self.known = self.archive.points
 
     def _open_archive(self):
-        """The archive to append to, created or resumed; the branch gets the history it goes on from."""
+        """The archive to append to, created or resumed; the branch gets the history it goes on
+        from."""
         scene, output = self.settings.scene, self.settings.output
-        content = {"scene": self.branch.attributes(), "options": database_text(), "versions": versions(),
-                   "columns": {name: Column(row.unit, row.kind, row.names) for name, row in self.table.items()},
-                   "fields": output.fields, "components": scene.components, "warnings": self.warnings}
+        content = {"scene": self.branch.attributes(), "options": database_text(),
+                   "versions": versions(), "columns": {name: Column(row.unit, row.kind, row.names)
+                                                       for name, row in self.table.items()},
+                   "fields": output.fields, "components": scene.components,
+                   "warnings": self.warnings}
         if output.fields != "none":
-            content |= observables.frame(self.branch.contact) | {"modes": self.branch.steps.keeps_modes}
+            content |= (observables.frame(self.branch.contact)
+                        | {"modes": self.branch.steps.keeps_modes})
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)
@@ -78,7 +87,8 @@ class Run:
     def follow(self):
         """Follow the path to its end, and say how it went; return the exit status."""
         if self.archive and self.archive.complete:
-            print(f"{self.archive.path} is complete with {self.known} points: there is nothing to do")
+            print(
+                f"{self.archive.path} is complete with {self.known} points: there is nothing to do")
             return 0
         self._say_what_is_solved()
         if self.known:
@@ -87,11 +97,14 @@ class Run:
                 self.progress.log(f"from point {self.known + 1} on {change}")
         status, reason = self._points()
         for name in unused_options(solver_options()):
-            complain("warning", f"{name} was never used: neither this program nor any PETSc object in use asks for it")
+            complain("warning", f"{name} was never used: neither this program "
+                     "nor any PETSc object in use asks for it")
         if status == 2 and self.archive and not self.archive.points:
-            self.archive.path.unlink(missing_ok=True)  # an empty one would only be in the way of the next try
+            # an empty one would only be in the way of the next try
+            self.archive.path.unlink(missing_ok=True)
         if self.progress.points:
-            print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()), sep="\n", flush=True)
+            print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()),
+                  sep="\n", flush=True)
         if self.archive and self.archive.points:
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
@@ -104,8 +117,10 @@ class Run:
             for point in new_points(self.branch, self.waiting):
                 self._accept(point)
                 if sys.stdout.left:
-                    return 128 + signal.SIGPIPE, "nobody reads standard output any more" if self.archive else ""
-                if self.interrupts.number:  # PETSc may swallow what is raised in some of its callbacks
+                    return (128 + signal.SIGPIPE, "nobody reads standard output any more"
+                            if self.archive else "")
+                # PETSc may swallow what is raised in some of its callbacks
+                if self.interrupts.number:
                     raise KeyboardInterrupt(self.interrupts.number)
             if self.archive:
                 self.archive.finish()
@@ -121,14 +136,16 @@ class Run:
 
     def _begin_anew(self, coarse):
         """The path from its beginning on a finer grid, in place of the points so far."""
-        self.progress.log(f"{coarse}; the path begins anew with {reason(coarse.scene, self.settings.load)}")
+        self.progress.log(
+            f"{coarse}; the path begins anew with {reason(coarse.scene, self.settings.load)}")
         output = dataclasses.replace(self.settings.output, resume=False, overwrite=True)
         self.settings = self.settings._replace(scene=coarse.scene, output=output)
         self._set_up((*self.watch.missed, coarse))
         return self._points()
 
     def _verdict(self, error):
-        """Exit status and reason of what ended the path early; what is neither solver nor user is raised again."""
+        """Exit status and reason of what ended the path early; what is neither solver nor user is
+        raised again."""
         from petsc4py import PETSc
 
         if isinstance(error, PETSc.Error) and error.__cause__ is not None:
@@ -137,7 +154,8 @@ class Run:
         if isinstance(error, (NotConverged, NoEquilibrium, ArchiveError)):
             return 1, str(error)
         if isinstance(error, MemoryError):
-            return 2 if early else 1, f"there is not enough memory ({error}): take fewer points of the grid"
+            return (2 if early else 1, f"there is not enough memory ({error}): take "
+                    "fewer points of the grid")
         if isinstance(error, ArithmeticError):
             status, reason = uncomputable(error, database())
             return status if early else 1, reason
@@ -146,7 +164,8 @@ class Run:
             return 128 + number, f"interrupted by {signal.Signals(number).name}"
         if isinstance(error, PETSc.Error):
             sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
-            return 2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error {error.ierr})"
+            return (2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error "
+                    f"{error.ierr})")
         if isinstance(error, ImportError) and early:
             return 2, f"a Python class that an option names cannot be imported: {error}"
         raise error
@@ -155,7 +174,8 @@ class Run:
         """Keep and show a point."""
         measurement = observables.Measurement(self.branch.contact, point)
         row = self.watch.row(point) if self.watch else {}
-        row |= {name: observable.function(measurement) for name, observable in self.table.items() if name not in row}
+        row |= {name: observable.function(measurement) for name, observable in self.table.items()
+                if name not in row}
         if self.archive:
             fields = measurement.fields() if self.settings.output.fields != "none" else ()
             self.archive.append(row, self.branch.packed(point), *fields)
@@ -167,7 +187,8 @@ class Run:
         scene, form, load, _, output = self.settings
         if self.settings.auto:
             self.progress.log(f"the grid: {reason(scene, load)}")
-        for name, why in scenes.ineffective(scene, load, database(), form, output, self.settings.estimates):
+        for name, why in scenes.ineffective(scene, load, database(), form, output,
+                                            self.settings.estimates):
             self.progress.log(f"-{name} has no effect: {why}")
         for sentence in summary.skipped(self.settings, self.branch):
             self.progress.log(sentence)

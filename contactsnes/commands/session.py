@@ -1,4 +1,5 @@
-"""PETSc started with the arguments of a command, and what its database asks for: settings, branch, versions."""
+"""PETSc started with the arguments of a command, and what its database asks for: settings, branch,
+versions."""
 
 import importlib
 import os
@@ -49,13 +50,17 @@ def solver_options():
     return SOLVER_OPTIONS
 
 
-LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"), ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),
-            ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"), ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
-"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are, and which it is."""
+LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
+            ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
+                                                       "MV2_COMM_WORLD_RANK"),
+            ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
+"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are,
+and which it is."""
 
 
 def begin_petsc(words):
-    """Initialise PETSc in the only process, with an argument list; InputError for more processes, or options that it refuses."""
+    """Initialise PETSc in the only process, with an argument list; InputError for more processes,
+    or options that it refuses."""
     import petsc4py
 
     for size, rank in LAUNCHED:
@@ -63,11 +68,12 @@ def begin_petsc(words):
     # One process needs no daemon of Open MPI, which takes a good part of a second to start.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     try:
-        # Unused options are our own business: PETSc would list those that a sentence on bad input leaves unread. Signals are,
-        # too: PETSc's handlers would abort.
+        # Unused options are our own business: PETSc would list those that a sentence on bad input
+        # leaves unread. Signals are, too: PETSc's handlers would abort.
         petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
     except RuntimeError as error:
-        raise InputError(f"PETSc does not start with these options ({error}); it says why above") from None
+        raise InputError(
+            f"PETSc does not start with these options ({error}); it says why above") from None
     world = sys.modules["petsc4py.PETSc"].COMM_WORLD
     _refuse_several(world.getSize(), world.getRank())
 
@@ -81,10 +87,12 @@ def _count(name):
 def _refuse_several(size, rank):
     """InputError in the first of several processes; the others end without a word."""
     if size > 1 and rank:
-        sys.exit(0)  # a launcher that sees another status would end the first one before it has spoken
+        # a launcher that sees another status would end the first one before it has spoken
+        sys.exit(0)
     if size > 1:
-        raise InputError(f"started as {size} processes, but a scene is solved by one: start contactsnes without mpirun or srun, or "
-                         "with -n 1")
+        raise InputError(f"started as {size} processes, but a scene is solved "
+                         "by one: start contactsnes without mpirun or srun, "
+                         "or with -n 1")
 
 
 def start_petsc(arguments):
@@ -92,7 +100,8 @@ def start_petsc(arguments):
     try:
         os.getcwd()
     except OSError as error:
-        raise InputError(f"the working folder cannot be used ({error.strerror}): change into one that exists") from None
+        raise InputError(f"the working folder cannot be used ({error.strerror}): "
+                         "change into one that exists") from None
     words = petsc_arguments(arguments)[1:]
     refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
     begin_petsc(words)
@@ -106,12 +115,15 @@ def start_petsc(arguments):
 
 
 def _with_points(settings):
-    """The scene with its points chosen where they are to be; a run that is resumed keeps those of its archive."""
+    """The scene with its points chosen where they are to be; a run that is resumed keeps those of
+    its archive."""
     scene, output = settings.scene, settings.output
     if settings.auto and output.resume and Path(output.file).is_file():
         archive = read_archive(output.file)
         if archive.points and scene.isolated:
-            return replace(scene, points=None, spacing=(np.atleast_1d(archive.scene["spacing"]) / scene.scale("beta")[0]).tolist())
+            return replace(scene, points=None,
+                           spacing=(np.atleast_1d(archive.scene["spacing"])
+                                    / scene.scale("beta")[0]).tolist())
         if archive.points and scene.geometry != "file":
             return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
     try:
@@ -121,7 +133,8 @@ def _with_points(settings):
 
 
 def start_comparison(arguments, log):
-    """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the stem of its files."""
+    """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the
+    stem of its files."""
     scene, paths, words = methods.split(arguments)
     settings = start_petsc([scene, *words])
     check_names((methods.CompareOptions,))
@@ -148,13 +161,17 @@ def start_comparison(arguments, log):
 def _check_files(stem, overwrite):
     """InputError unless a comparison can write its files."""
     if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
-        raise InputError(f"-compare_file is '{stem}': its folder does not exist or cannot be written; name another")
+        raise InputError(f"-compare_file is '{stem}': its folder does not "
+                         "exist or cannot be written; name another")
     try:
-        there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png")) if path.exists()]
+        there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png"))
+                 if path.exists()]
     except OSError as error:
-        raise InputError(f"-compare_file is '{stem}', which cannot be the name of a file: {error.strerror}") from None
+        raise InputError(f"-compare_file is '{stem}', which cannot be the "
+                         f"name of a file: {error.strerror}") from None
     if there and not overwrite:
-        raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, another -compare_file leaves it alone")
+        raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, "
+                         "another -compare_file leaves it alone")
 
 
 def check_classes():
@@ -183,7 +200,8 @@ def create_branch(settings, log=lambda sentence: None):
 
 
 def create_watch(settings, branch, progress, missed):
-    """What estimates the errors of a run's points (``accuracy.Watch``); None where nobody asks for them."""
+    """What estimates the errors of a run's points (``accuracy.Watch``); None where nobody asks for
+    them."""
     from ..branch.accuracy import Watch
 
     return Watch(branch, settings.auto, progress, missed) if settings.estimates else None
@@ -195,5 +213,5 @@ def versions():
     from petsc4py import PETSc
 
     packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
-    return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "petsc4py": petsc4py.__version__,
-            **packages, "python": platform.python_version()}
+    return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+            "petsc4py": petsc4py.__version__, **packages, "python": platform.python_version()}

@@ -1,4 +1,5 @@
-"""What would be solved, in words: lines on a scene, its load path, unknowns and method, and on what is left out."""
+"""What would be solved, in words: lines on a scene, its load path, unknowns and method, and on what
+is left out."""
 
 import dataclasses
 import math
@@ -29,9 +30,12 @@ def _seams(scene):
     """Sentences on heights that jump where the cell meets its neighbours."""
     size, unit = scene.scale("u_n,r")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
-    return [f"the heights are not periodic: along {names[axis]} they step by {jump * size:.4g} {unit} across the seam of the cell, "
-            f"{jump / typical if typical else math.inf:.3g} times the typical step between neighbours, {typical * size:.4g} {unit}; what "
-            "is solved has this step: take out the trend of the heights, or taper them towards the edges"
+    return [f"the heights are not periodic: along {names[axis]} they step "
+            f"by {jump * size:.4g} {unit} across the seam of the cell, "
+            f"{jump / typical if typical else math.inf:.3g} times the typical step "
+            f"between neighbours, {typical * size:.4g} {unit}; what is solved "
+            "has this step: take out the trend of the heights, or "
+            "taper them towards the edges"
             for axis, jump, typical in jumps_of_heights(scene)]
 
 
@@ -46,7 +50,9 @@ def start_window(settings, branch):
 
 def skipped(settings, branch):
     """Sentences on what is left out of the solves, and why."""
-    scene, form, load = settings.scene, settings.form, settings.load
+    scene = settings.scene
+    form = settings.form
+    load = settings.load
     sheared = scenes.tangential_legs(scene, load)
     sentences = []
     if scene.tangential == "off":
@@ -57,22 +63,30 @@ def skipped(settings, branch):
             "the body does not couple them to normal ones"
         sentences.append(f"no tangential unknowns: the load names none, and {why}")
     elif not all(sheared):
-        sentences.append(f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
+        sentences.append(
+            f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
     if any(sheared) and not branch.contact.couples():
-        sentences.append("no elastic coupling of normal and tangential displacements: an incompressible layer this thick has none")
+        sentences.append("no elastic coupling of normal and tangential "
+                         "displacements: an incompressible layer this "
+                         "thick has none")
     window, cell = start_window(settings, branch), branch.contact.grid.shape
     if np.isnan(branch.contact.datum):
-        sentences.append("no displacement of the body as a whole (nan): that of a half-plane under a force has no bound")
+        sentences.append("no displacement of the body as a whole (nan): "
+                         "that of a half-plane under a force has no bound")
     if scene.isolated:
-        sentences.append(f"nodes beyond the law's range: the window has {_by(window.shape)} nodes at the start; there is room for "
-                         f"{_by(n // 2 for n in cell)}")
+        sentences.append("nodes beyond the law's range: the window has "
+                         f"{_by(window.shape)} nodes at the start; there is "
+                         f"room for {_by(n // 2 for n in cell)}")
     elif form.form == "force":
-        sentences.append(f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
+        sentences.append(
+            f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
     elif window.is_whole:
         sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
     else:
-        nodes = _by(window.shape) if len(window.parts) == 1 else f"{len(window.parts)} boxes with {window.size}"
-        sentences.append(f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start")
+        nodes = (_by(window.shape) if len(window.parts) == 1
+                 else f"{len(window.parts)} boxes with {window.size}")
+        sentences.append("nodes beyond the law's range: the window has "
+                         f"{nodes} of {_by(cell)} nodes at the start")
     return [*sentences, _mirror_images(settings, branch.contact, sheared)]
 
 
@@ -86,7 +100,9 @@ def _mirror_images(settings, contact, sheared):
         return f"no symmetry is used: {reason}"
     part = "half the line" if settings.scene.dimension == 1 else "a quarter of the plane"
     if reason:
-        return f"mirror images before leg {why.index(reason)}, so that {part} is solved: the contact is even there; from then on {reason}"
+        return (f"mirror images before leg {why.index(reason)}, so that {part} "
+                "is solved: the contact is even there; from then "
+                f"on {reason}")
     return f"mirror images, so that {part} is solved: scene and load path are even about the apex"
 
 
@@ -105,26 +121,34 @@ def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
     resolved = resolution.resolution(scene, any(scenes.tangential_legs(scene, settings.load)))
-    return [f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
-            f"normal Maugis parameter {scene.normal_maugis:.8g}, tangential {scene.tangential_maugis:.8g}; "
-            f"residual friction {as_text(scene.residual_friction)}, residual adhesion {as_text(scene.residual_adhesion)}",
-            f"Poisson ratio {as_text(scene.poisson)}, height {_size(scene, [scene.height], 'beta')}, ratio of works of adhesion "
-            f"{scene.work_ratio:.8g}",
-            ("isolated contact, spacing " if scene.isolated else
-             f"period {_size(scene, scene.periods, 'beta')}, {_by(scene.shape)} points, spacing ")
-            + _size(scene, scene.spacings, "beta", 4),
-            *_roughness(scene),
-            *_scales(scene),
-            *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
-            f"cohesive zone: the spacing is {_by(f'{ratio:.3g}' for ratio in resolved)} of the largest that resolves it"
-            + (" (0: no edge of contact in that direction)" if 0.0 in resolved else "")]
+    grid = ("isolated contact" if scene.isolated else
+            f"period {_size(scene, scene.periods, 'beta')}, {_by(scene.shape)} points")
+    finest = _by(f"{ratio:.3g}" for ratio in resolved)
+    return [
+        f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
+        f"normal Maugis parameter {scene.normal_maugis:.8g}, "
+        f"tangential {scene.tangential_maugis:.8g}; residual friction "
+        f"{as_text(scene.residual_friction)}, residual adhesion "
+        f"{as_text(scene.residual_adhesion)}",
+        f"Poisson ratio {as_text(scene.poisson)}, "
+        f"height {_size(scene, [scene.height], 'beta')}, ratio of works of "
+        f"adhesion {scene.work_ratio:.8g}",
+        f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",
+        *_roughness(scene),
+        *_scales(scene),
+        *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
+        f"cohesive zone: the spacing is {finest} of the largest that resolves it"
+        + (" (0: no edge of contact in that direction)" if 0.0 in resolved else ""),
+    ]
 
 
 def _size(scene, values, unit, digits=8):
-    """Values, one a direction, in a unit of the scene, and before that in SI where the scene is told in it."""
+    """Values, one a direction, in a unit of the scene, and before that in SI where the scene is
+    told in it."""
     size, name = scene.scale(unit)
     text = f"{_by(f'{value:.{digits}g}' for value in values)} {unit}"
-    return text if name == unit else f"{_by(prefixed(value * size, name) for value in values)} ({text})"
+    return (text if name == unit
+            else f"{_by(prefixed(value * size, name) for value in values)} ({text})")
 
 
 def _roughness(scene):
@@ -133,21 +157,27 @@ def _roughness(scene):
         return []
     hurst, slope, longest, shortest, seed = scene.roughness
     found, _ = surface(scene.periods, *scene.roughness)
-    return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} waves shorter than {_size(scene, [longest], 'beta', 4)} and "
-            f"longer than {_size(scene, [shortest], 'beta', 4)}, seed {seed}",
-            f"root mean square slope {_size(scene, [slope], 'u_n,r/beta', 4)}, height {_size(scene, [found.rms(0)], 'u_n,r', 4)}"]
+    return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} "
+            f"waves shorter than {_size(scene, [longest], 'beta', 4)} and longer "
+            f"than {_size(scene, [shortest], 'beta', 4)}, seed {seed}", "root mean square "
+            f"slope {_size(scene, [slope], 'u_n,r/beta', 4)}, height "
+            f"{_size(scene, [found.rms(0)], 'u_n,r', 4)}"]
 
 
 def _scales(scene):
     """What a scene in SI is made of, and the units of its dimensionless form."""
     if scene.units == "dimensionless":
         return []
-    made = (("works of adhesion", "work_of_adhesion_normal"), ("and", "work_of_adhesion_tangential"), ("contact modulus", "contact_modulus"),
+    made = (("works of adhesion", "work_of_adhesion_normal"),
+            ("and", "work_of_adhesion_tangential"), ("contact modulus", "contact_modulus"),
             ("radius", "radius"), ("ranges", "range_normal"), ("and", "range_tangential"))
-    quantity = {name: f"{word} {prefixed(getattr(scene, name), type(scene).rule(name)['unit'])}" for word, name in made}
+    quantity = {name: f"{word} {prefixed(getattr(scene, name), type(scene).rule(name)['unit'])}"
+                for word, name in made}
     forces = ("w_n,r", "w_t,r") if scene.dimension == 1 else ("R phi_n", "R sqrt(phi_n phi_t)")
-    units = (f"{unit} {prefixed(*scene.scale(unit))}" for unit in ("beta", "u_n,r", "u_t,r", *forces, "p_n,r", "p_t,r"))
-    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and"), "SI scales: " + ", ".join(units)]
+    units = (f"{unit} {prefixed(*scene.scale(unit))}" for unit in ("beta", "u_n,r", "u_t,r",
+                                                                   *forces, "p_n,r", "p_t,r"))
+    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and"),
+            "SI scales: " + ", ".join(units)]
 
 
 def about_path(settings, legs):
@@ -158,12 +188,19 @@ def about_path(settings, legs):
     def words(controls, verb):
         for component, (control, value) in controls.items():
             name = known[component, control]
-            yield f"{name} is held" if value is None else f"{name} {verb} {as_text(value)} {settings.scene.scale(units[name].unit)[1]}"
+            yield (
+                f"{name} is held"
+                if value is None
+                else f"{name} {verb} {as_text(value)} {settings.scene.scale(units[name].unit)[1]}"
+            )
 
-    lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated), "="))]
-    lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to")) for number, leg in enumerate(legs, start=1)]
+    lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated),
+                                         "="))]
+    lines += [f"leg {number}: " + ", ".join(words(leg.controls, "goes to"))
+              for number, leg in enumerate(legs, start=1)]
     stops = " or ".join(settings.load.stops)
-    return lines + ([] if legs else ["no legs: run needs a -load_path"]) + ([f"ends at the first {stops}"] if stops else [])
+    return lines + ([] if legs else ["no legs: run needs a -load_path"]) + (
+        [f"ends at the first {stops}"] if stops else [])
 
 
 def about_unknowns(settings, branch):
@@ -171,23 +208,30 @@ def about_unknowns(settings, branch):
     scene, window = settings.scene, start_window(settings, branch)
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
     controls = settings.load.initial(scene.dimension, scene.isolated)
-    lines, largest, sheared_legs = [], 0, scenes.tangential_legs(scene, settings.load)
-    for number, (sheared, uneven) in enumerate(zip(sheared_legs, _asymmetries(settings, branch.contact, sheared_legs))):
+    lines = []
+    largest = 0
+    sheared_legs = scenes.tangential_legs(scene, settings.load)
+    for number, (sheared, uneven) in enumerate(zip(sheared_legs,
+                                                   _asymmetries(settings, branch.contact,
+                                                                sheared_legs))):
         if number:
             controls = controls | legs[number - 1].controls
         components = scene.components if sheared else 1
-        forced = sum(controls[i].control == "force" for i in range(components)) if settings.form.form == "displacement" else 0
+        forced = sum(controls[i].control == "force"
+                     for i in range(components)) if settings.form.form == "displacement" else 0
         nodes = [extent // 2 + 1 for extent in window.shape] if not uneven else \
             window.shape if len(window.parts) == 1 else [window.size]
         count = components * math.prod(nodes) + forced
         largest = max(largest, count)
-        lines.append(f"{f'leg {number}' if number else 'start'}: {components} x {_by(nodes)} displacements"
-                     + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
+        lines.append(
+            f"{f'leg {number}' if number else 'start'}: {components} x {_by(nodes)} displacements"
+            + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
     if window.size < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = scene.components * branch.contact.grid.size
     estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
-    return lines + [f"memory: up to {_megabytes(largest, whole)} on the window at the start, {_megabytes(whole, whole)} on the whole "
+    return lines + [f"memory: up to {_megabytes(largest, whole)} on the window "
+                    f"at the start, {_megabytes(whole, whole)} on the whole "
                     f"cell{estimates}, besides Python and its libraries"]
 
 
@@ -201,12 +245,14 @@ def about_method(settings):
     entries = database()
     solver = entries.get("snes_type", "newtonls")
     solver = entries.get("snes_python_type", solver) if solver == "python" else solver
-    return [f"{settings.form.form} form, SNES {solver}",
-            f"{settings.steps.type} continuation, predictor {settings.steps.predictor}, at a fold: {settings.steps.at_fold}"]
+    return [f"{settings.form.form} form, SNES {solver}", f"{settings.steps.type} "
+            f"continuation, predictor {settings.steps.predictor}, at a fold: "
+            f"{settings.steps.at_fold}"]
 
 
 def all_options(instances):
-    """Every option of dataclasses with its value, as in a file of options, where # marks defaults."""
+    """Every option of dataclasses with its value, as in a file of options, where # marks
+    defaults."""
     given, lines = database(), []
     in_si = given.get("scene_units") == "si"
     for values in instances:

@@ -1,12 +1,15 @@
-"""Methods compared on one scene and on equal terms: what each point of a load path costs them, how exact they are, where they fail.
+"""Methods compared on one scene and on equal terms: what each point of a load path costs them, how
+exact they are, where they fail.
 
-The path is followed once by Newton's method and its points are solved to rounding: the reference. Every method then solves every
-point from the reference's points before it: from the start without overlap the first one, as a run does, and from the same
-predicted state the others. So all have the same path and the same starts, and a failure says something on a method, not on its
-steps. A solution that is not the reference's is another branch's: it is marked, and counts in no mean.
+The path is followed once by Newton's method and its points are solved to rounding: the reference.
+Every method then solves every point from the reference's points before it: from the start without
+overlap the first one, as a run does, and from the same predicted state the others. So all have the
+same path and the same starts, and a failure says something on a method, not on its steps. A
+solution that is not the reference's is another branch's: it is marked, and counts in no mean.
 
-All this happens in one process: the methods share the contact, its symbols and what FFTW has learned, and take turns while the
-machine is in the same mood. The first pass over the path counts, the following ones are timed.
+All this happens in one process: the methods share the contact, its symbols and what FFTW has
+learned, and take turns while the machine is in the same mood. The first pass over the path counts,
+the following ones are timed.
 """
 
 import re
@@ -26,11 +29,16 @@ from ..scene.settings import Form
 from .recorder import Meter, Recorder
 
 PATH_TOLERANCE, POLISHED = "1e-10", ("1e-11", "1e-12", "1e-13")
-"""-snes_atol of the reference's path, and those that its points are then brought to, as far as rounding allows."""
+"""-snes_atol of the reference's path, and those that its points are then brought to, as far as
+rounding allows."""
 
-CONVERGED, ELSEWHERE, FAILED, NOT_TRIED = "converged", "another branch", "failed", "not tried"
+CONVERGED = "converged"
+ELSEWHERE = "another branch"
+FAILED = "failed"
+NOT_TRIED = "not tried"
 
-COUNTS = ("transforms", "function_evaluations", "jacobian_products", "nonlinear_iterations", "linear_iterations")
+COUNTS = ("transforms", "function_evaluations", "jacobian_products", "nonlinear_iterations",
+          "linear_iterations")
 ERRORS = ("displacement_error", "force_error", "area_error")
 
 
@@ -38,9 +46,11 @@ ERRORS = ("displacement_error", "force_error", "area_error")
 class Result:
     """What became of one method at one point.
 
-    counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that is timed
+    counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that
+        is timed
     errors : see ``Target.errors``
-    histories : for each pass an array (iterations, 3) of transforms, seconds and residual norm, at the points that are watched
+    histories : for each pass an array (iterations, 3) of transforms, seconds and residual norm, at
+        the points that are watched
     """
 
     outcome: str = NOT_TRIED
@@ -53,14 +63,16 @@ class Result:
     histories: list = field(default_factory=list)
 
     def history(self):
-        """The history with the median times of the timed passes, where these went the same way, else the last one."""
+        """The history with the median times of the timed passes, where these went the same way,
+        else the last one."""
         timed = self.histories[1:] or self.histories
         same = all(rows.shape == timed[-1].shape for rows in timed)
         return np.median(timed, axis=0) if same else timed[-1]
 
 
 class Target(NamedTuple):
-    """A point of the reference that every method is to find: its stage (0: the first point, then legs), and its start."""
+    """A point of the reference that every method is to find: its stage (0: the first point, then
+    legs), and its start."""
 
     stage: int
     point: object
@@ -69,22 +81,27 @@ class Target(NamedTuple):
     area: float
 
     def errors(self, contact, point):
-        """True errors of a point: displacement (root mean square where the law acts, ranges), force, contact area (relative).
+        """True errors of a point: displacement (root mean square where the law acts, ranges),
+        force, contact area (relative).
 
         Forces relative to 1 where they are smaller; an area relative to itself unless it is zero.
         """
         displacement = states.missed(contact, self.point.state, point.state)
-        force = np.max(np.abs(forces(contact, point) - self.forces) / np.maximum(1.0, np.abs(self.forces)))
+        force = np.max(np.abs(forces(contact, point) - self.forces) / np.maximum(1.0,
+                                                                                 np.abs(
+            self.forces)))
         area = abs(Measurement(contact, point).contact_area() - self.area) / (self.area or 1.0)
         return displacement, float(force), area
 
     def is_found(self, displacement_error, residual_norm):
-        """Whether a state so far from the reference can be the same solution, reached with a tolerance."""
+        """Whether a state so far from the reference can be the same solution, reached with a
+        tolerance."""
         return displacement_error <= max(SAME_STATE, AMPLIFIED * residual_norm)
 
 
 SAME_STATE, AMPLIFIED = 1e-4, 1e4
-"""Distance of equal solutions, ranges of the law; and how much farther off a residual can leave them (near folds most)."""
+"""Distance of equal solutions, ranges of the law; and how much farther off a residual can leave
+them (near folds most)."""
 
 
 def forces(contact, point):
@@ -97,14 +114,16 @@ def forces(contact, point):
 
 
 def follow_reference(branch, given):
-    """The reference's points, as exact as rounding allows, and why the path ends before its end (or an empty text).
+    """The reference's points, as exact as rounding allows, and why the path ends before its end (or
+    an empty text).
 
     Parameters
     ----------
     branch : Branch
     given : name -> value of the options, of which those of a method are left out
     """
-    own = {name: value for name, value in given.items() if not re.match(r"contact_|(.*_)?(snes|ksp|pc)_", name)}
+    own = {name: value for name, value in given.items()
+           if not re.match(r"contact_|(.*_)?(snes|ksp|pc)_", name)}
     install({**own, "snes_atol": PATH_TOLERANCE})
     points, reason = [], ""
     try:
@@ -129,12 +148,13 @@ def _polished(corrector, point):
         better = corrector.solve(point.state, point.controls, point.load)
     except NotConverged:
         return point
-    return replace(point, state=better.state, displacements=better.displacements, forces=better.forces,
-                   residual_norm=better.residual_norm)
+    return replace(point, state=better.state, displacements=better.displacements,
+                   forces=better.forces, residual_norm=better.residual_norm)
 
 
 def targets(branch, points):
-    """What methods are to solve: the first point and those reached by steps, neither folds nor what comes of jumps."""
+    """What methods are to solve: the first point and those reached by steps, neither folds nor what
+    comes of jumps."""
     contact, found = branch.contact, []
     for place, point in enumerate(points):
         if point.event in ("fold", "jump"):
@@ -172,12 +192,19 @@ class Comparison:
     """
 
     def __init__(self, name, branch, methods, given, settings, log):
-        self.name, self.branch, self.methods, self.given = name, branch, methods, given
+        self.name = name
+        self.branch = branch
+        self.methods = methods
+        self.given = given
         self.settings, self.log = settings, log
         self.contact = branch.contact
         self.meter = self.contact.grid.counter = Meter(self.contact.grid.size)
         # Watched are the solves of the first point and of the middle one of each leg.
-        self.targets, self.watched, self.path_failure, self.passes, self.slow = [], [], "", 0, set()
+        self.targets = []
+        self.watched = []
+        self.path_failure = ""
+        self.passes = 0
+        self.slow = set()
         self.results = {method.name: [] for method in methods}
         names = [method.name for method in methods]
         self.base = "newton" if "newton" in names else names[0]
@@ -213,7 +240,8 @@ class Comparison:
                 result.times = [result.first] if result.outcome == CONVERGED else []
 
     def stages(self):
-        """Lists of the places of targets that belong together: the first point, then a list for each leg."""
+        """Lists of the places of targets that belong together: the first point, then a list for
+        each leg."""
         found = {}
         for place, target in enumerate(self.targets):
             found.setdefault(target.stage, []).append(place)
@@ -221,9 +249,12 @@ class Comparison:
 
     def _follow(self, method, timed):
         """Solve the targets by a method, in a timed pass those that it is known to find."""
-        # What symmetry saves is no merit of a method: only Newton's have it, so that it has to be asked for.
+        # What symmetry saves is no merit of a method: only Newton's have it, so that it has to be
+        # asked for.
         install({"contact_symmetry": "off", **self.given, **method.entries})
-        form, failures, corrector = read(Form), 0, None
+        form = read(Form)
+        failures = 0
+        corrector = None
         for place, (target, result) in enumerate(zip(self.targets, self.results[method.name])):
             if failures >= self.settings.failures or timed and result.outcome != CONVERGED:
                 continue
@@ -245,12 +276,16 @@ class Comparison:
         """Set the outcome and, where there is a point, its errors."""
         result.outcome = FAILED
         if point is not None:
-            result.errors, result.residual_norm = target.errors(self.contact, point), point.residual_norm
-            result.outcome = CONVERGED if target.is_found(result.errors[0], point.residual_norm) else ELSEWHERE
+            result.errors = target.errors(self.contact, point)
+            result.residual_norm = point.residual_norm
+            result.outcome = CONVERGED if target.is_found(result.errors[0],
+                                                          point.residual_norm) else ELSEWHERE
 
     def _solve(self, corrector, target):
         """A target's point by a method, or None; the reason why not; and what was spent."""
-        point, reason, wanted = None, "", target.point
+        point = None
+        reason = ""
+        wanted = target.point
         self.meter.limit = self.meter.transforms + self.settings.transforms
         corrector.account()
         corrector.history.restart()
@@ -272,9 +307,11 @@ class Comparison:
         if self.meter.transforms > self.meter.limit:
             return f"more than {self.settings.transforms:.0f} transforms"
         if isinstance(error, PETSc.Error):
-            return f"PETSc: {str(error).splitlines()[-1].removeprefix('[0] ').strip()} (error {error.ierr})"
+            return (f"PETSc: {str(error).splitlines()[-1].removeprefix('[0] ').strip()} (error "
+                    f"{error.ierr})")
         words = " ".join(str(error).split())
-        return words if isinstance(error, (NotConverged, NoEquilibrium, ValueError)) else f"{type(error).__name__}: {words}"
+        return words if isinstance(error, (NotConverged, NoEquilibrium,
+                                           ValueError)) else f"{type(error).__name__}: {words}"
 
     def loads(self, target):
         """Controlled values of a target in words."""
@@ -284,16 +321,19 @@ class Comparison:
     def finished(self, method):
         """Whether a method found every point of a path that has an end."""
         results = self.results[method.name]
-        return not self.path_failure and bool(results) and all(result.outcome == CONVERGED for result in results)
+        return not self.path_failure and bool(results) and all(result.outcome == CONVERGED
+                                                               for result in results)
 
     def verdict(self, method):
         """How a method did, in words."""
         results = self.results[method.name]
-        text = f"{method.name}: {sum(result.outcome == CONVERGED for result in results)} of {len(results)} points"
+        text = (f"{method.name}: {sum(result.outcome == CONVERGED for result in results)} "
+                f"of {len(results)} points")
         for outcome in (FAILED, ELSEWHERE):
             places = [place for place, result in enumerate(results) if result.outcome == outcome]
             if places:
                 first = places[0]
                 reason = f" ({results[first].reason})" if results[first].reason else ""
-                text += f"; {len(places)} {outcome}, first at {self.loads(self.targets[first])}{reason}"
+                text += (f"; {len(places)} {outcome}, first at "
+                         f"{self.loads(self.targets[first])}{reason}")
         return text

@@ -1,4 +1,5 @@
-"""Figure of a comparison of methods: how fast the imbalance falls in some solves, in transforms and in time."""
+"""Figure of a comparison of methods: how fast the imbalance falls in some solves, in transforms and
+in time."""
 
 from __future__ import annotations
 
@@ -20,17 +21,19 @@ COLUMNS = 4
 """Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
 
-HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys", "compositions": "cool_r",
-        "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr", "others": "cool", "dynamic relaxation": "Reds"}
+HUES = {"Newton": "Blues", "Newton after relaxation": "Purples", "multigrid": "Greys",
+        "compositions": "cool_r", "nonlinear Krylov": "Greens", "quasi-Newton": "YlOrBr",
+        "others": "cool", "dynamic relaxation": "Reds"}
 """Family -> colours of its methods, dark to light; kinds of lines tell them apart, too."""
 LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
 
 def plot_comparison(paths, output, shown=None):
-    """Draw the histories of comparisons, a row of panels for each solve that was watched; the path of the figure.
+    """Draw the histories of comparisons, a row of panels for each solve that was watched; the path
+    of the figure.
 
-    One curve a method: the smallest residual norm so far against transforms (left) and time (right); a cross ends the curve of
-    a solve that failed or found another branch.
+    One curve a method: the smallest residual norm so far against transforms (left) and time
+    (right); a cross ends the curve of a solve that failed or found another branch.
 
     Parameters
     ----------
@@ -59,7 +62,8 @@ def plot_comparison(paths, output, shown=None):
 
 
 def _styles(records, shown):
-    """Name -> (family, look of the curve) of the methods that are drawn, in the order of families."""
+    """Name -> (family, look of the curve) of the methods that are drawn, in the order of
+    families."""
     families = defaultdict(list)
     for record in records:
         for name, family in zip(record["methods"]["name"], record["methods"]["family"]):
@@ -71,7 +75,8 @@ def _styles(records, shown):
         shades = matplotlib.colormaps[HUES[family]](np.linspace(0.95, 0.45, len(names)))
         for number, (name, shade) in enumerate(zip(names, shades)):
             styles[name] = family, dict(color=shade, linestyle=LINES[number % len(LINES)],
-                                        linewidth=2.0 if name == "newton" else 1.1, zorder=4 if name == "newton" else 3)
+                                        linewidth=2.0 if name == "newton" else 1.1, zorder=4
+                                        if name == "newton" else 3)
     return styles
 
 
@@ -83,26 +88,33 @@ def _draw_row(panels, record, place, styles):
         if name not in styles or str(number) not in histories or not len(histories[str(number)]):
             continue
         transforms, seconds, norms = histories[str(number)].T
-        # What a solve costs before its first evaluation ends is the first point's place; zero has none on this axis.
-        for axes, costs in zip(panels, (np.maximum(transforms, 1.0), np.maximum(1e3 * seconds, 1e-3))):
+        # What a solve costs before its first evaluation ends is the first point's place; zero has
+        # none on this axis.
+        for axes, costs in zip(panels, (np.maximum(transforms, 1.0),
+                                        np.maximum(1e3 * seconds, 1e-3))):
             axes.plot(costs, np.fmin.accumulate(norms), **styles[name][1])
             if outcomes[number] != "converged":
-                axes.plot(costs[-1], np.nanmin(norms), "x", color=styles[name][1]["color"], markersize=5, zorder=5)
+                axes.plot(costs[-1], np.nanmin(norms), "x", color=styles[name][1]["color"],
+                          markersize=5, zorder=5)
     for axes in panels:
         axes.set(xscale="log", yscale="log")
         axes.grid(True, which="major", linewidth=0.3, color="0.88")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_major_locator(LogLocator(numticks=8))
-    drawn = [histories[str(number)] for number, name in enumerate(names) if name in styles and str(number) in histories]
+    drawn = [histories[str(number)] for number, name in enumerate(names) if name in styles
+             and str(number) in histories]
     first = max((history[0, 2] for history in drawn if len(history)), default=1.0)
     panels[0].set_ylim(1e-10, 10.0 * first if np.isfinite(first) else 1e3)
     panels[0].set_ylabel("residual norm")
-    panels[0].set_title(f"{record['name']}: {str(histories['title']).replace('_', ' ')}", loc="left")
+    panels[0].set_title(f"{record['name']}: {str(histories['title']).replace('_', ' ')}",
+                        loc="left")
 
 
 def _legend(figure, styles):
     """Legend with a heading for each family, which does not stand last in a column."""
-    tall, entries, previous = _tall(styles), [], None
+    tall = _tall(styles)
+    entries = []
+    previous = None
     for name, (family, look) in styles.items():
         if family != previous:
             entries += [BLANK] * (len(entries) % tall == tall - 1)
@@ -110,7 +122,8 @@ def _legend(figure, styles):
         entries.append(Line2D([], [], **look, label=name))
         previous = family
     entries += [BLANK] * (-len(entries) % tall)
-    legend = figure.legend(handles=entries, loc="upper center", ncols=len(entries) // tall, handlelength=2.6, columnspacing=1.5)
+    legend = figure.legend(handles=entries, loc="upper center", ncols=len(entries) // tall,
+                           handlelength=2.6, columnspacing=1.5)
     for text in legend.get_texts():
         text.set_fontweight("bold" if text.get_text() in HUES else "normal")
 

@@ -1,8 +1,9 @@
-"""Methods as files of options: which files those are, what they say, and how a comparison of them goes.
+"""Methods as files of options: which files those are, what they say, and how a comparison of them
+goes.
 
-A method is a file without options of a scene or a load. PETSc's database is one for the whole process: to change the method is
-to make the database hold the scene's options, the method's and the command line's, the later winning, as if all had been given
-to one run.
+A method is a file without options of a scene or a load. PETSc's database is one for the whole
+process: to change the method is to make the database hold the scene's options, the method's and the
+command line's, the later winning, as if all had been given to one run.
 """
 
 from dataclasses import dataclass
@@ -20,12 +21,18 @@ class CompareOptions(Options):
 
     prefix: ClassVar[str] = "compare_"
     title: ClassVar[str] = "Comparison of methods"
-    repeats: int = option(3, "passes over the path that are timed, the methods in turn in each", minimum=1)
-    seconds: float = option(60.0, "a method whose first pass takes longer is not timed again: its times are those of that pass", "s",
-                            minimum=0)
-    transforms: float = option(50000.0, "a method that needs more transforms at a point has failed there", above=0)
-    failures: int = option(3, "failed points of a method, after which it is not tried any more", minimum=1)
-    file: str = option("", "name of the files: FILE.csv, FILE.h5 and FILE.png", default_text="comparison-SCENE")
+    repeats: int = option(3, "passes over the path that are timed, the methods in turn in each",
+                          minimum=1)
+    seconds: float = option(60.0, "a method whose first pass takes longer is not "
+                            "timed again: its times are those of that pass",
+                            "s", minimum=0)
+    transforms: float = option(50000.0,
+                               "a method that needs more transforms at a point has failed there",
+                               above=0)
+    failures: int = option(3, "failed points of a method, after which it is not tried any more",
+                           minimum=1)
+    file: str = option("", "name of the files: FILE.csv, FILE.h5 and FILE.png",
+                       default_text="comparison-SCENE")
     overwrite: bool = option(False, "replace existing files")
 
 
@@ -45,34 +52,43 @@ class Method(NamedTuple):
         """What kind of method it is, in words."""
         kind = self.entries.get("snes_type", "newtonls")
         if kind == "python":
-            return "dynamic relaxation" if "relaxation" in self.entries.get("snes_python_type", "") else "others"
+            return "dynamic relaxation" if "relaxation" in self.entries.get("snes_python_type",
+                                                                            "") else "others"
         if kind.startswith("newton"):
-            return "Newton after relaxation" if self.entries.get("contact_first") == "relaxation" else "Newton"
+            return ("Newton after relaxation" if self.entries.get("contact_first") == "relaxation"
+                    else "Newton")
         return FAMILIES.get(kind, "others")
 
 
 def split(arguments):
-    """The scene's file, the methods' files (by default all that are at hand) and the options of a command line."""
+    """The scene's file, the methods' files (by default all that are at hand) and the options of a
+    command line."""
     files, options = split_arguments(arguments)
     if not files:
-        raise InputError("there is no scene: name its file, then those of the methods, for instance "
-                         "compare options/cylinder.opts options/newton.opts options/fire.opts")
+        raise InputError("there is no scene: name its file, then those of "
+                         "the methods, for instance compare options/cylinder.opts "
+                         "options/newton.opts options/fire.opts")
     scene, *paths = files
     if is_method(scene):
-        raise InputError(f"the first file, '{scene}', has no option of a scene or a load: name the scene's file first")
+        raise InputError(f"the first file, '{scene}', has no option of a "
+                         "scene or a load: name the scene's file first")
     for path in paths:
         if not is_method(path):
-            raise InputError(f"'{path}' is no method: it has options of a scene or a load; only the first file may have those")
+            raise InputError(f"'{path}' is no method: it has options of a "
+                             "scene or a load; only the first file may "
+                             "have those")
     return scene, paths or files_at_hand(), options
 
 
 def files_at_hand():
-    """The methods in the folder options/ of the current folder or, failing that, of a checkout; newton.opts first."""
+    """The methods in the folder options/ of the current folder or, failing that, of a checkout;
+    newton.opts first."""
     for folder in (Path("options"), Path(__file__).resolve().parents[1] / "options"):
         paths = [path for path in sorted(folder.glob("*.opts")) if is_method(path)]
         if paths:
             return sorted(paths, key=lambda path: path.stem != "newton")
-    raise InputError("no method is named, and the current folder has no folder options/ with files of methods: name them "
+    raise InputError("no method is named, and the current folder has no "
+                     "folder options/ with files of methods: name them "
                      "after the scene")
 
 
@@ -82,8 +98,11 @@ def is_method(path):
 
 
 def entries(arguments):
-    """Name (lower case, without dash) -> value of the options of an argument list; a flag has an empty text."""
-    found, prefixes, name = {}, [], ""
+    """Name (lower case, without dash) -> value of the options of an argument list; a flag has an
+    empty text."""
+    found = {}
+    prefixes = []
+    name = ""
     for argument in arguments:
         if not is_option(argument):
             if name == "prefix_push":
@@ -114,5 +133,6 @@ def read_methods(paths, given):
         name = stem if stem not in [method.name for method in methods] else str(path)
         methods.append(Method(name, {**found, **given}))
         if name == "newton" and "contact_window" not in given:
-            methods.append(Method("newton (whole cell)", {**found, **given, "contact_window": "off", "contact_symmetry": "off"}))
+            methods.append(Method("newton (whole cell)", {**found, **given, "contact_window": "off",
+                                                          "contact_symmetry": "off"}))
     return methods

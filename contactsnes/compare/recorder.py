@@ -1,4 +1,5 @@
-"""A corrector whose solves leave a history, and a count of transforms that stops what would go on for ever."""
+"""A corrector whose solves leave a history, and a count of transforms that stops what would go on
+for ever."""
 
 import time
 
@@ -23,7 +24,9 @@ class Meter:
     """
 
     def __init__(self, size):
-        self.size, self.limit, self._transforms = size, np.inf, 0.0
+        self.size = size
+        self.limit = np.inf
+        self._transforms = 0.0
 
     @property
     def transforms(self):
@@ -39,7 +42,8 @@ class Meter:
 
 
 class History:
-    """Transforms, seconds and residual norm at the iterations of solves: numbers appended to a list, which cost a method nothing.
+    """Transforms, seconds and residual norm at the iterations of solves: numbers appended to a
+    list, which cost a method nothing.
 
     It knows of no SNES, for a SNES whose monitor knew it in turn would never be freed.
     """
@@ -59,7 +63,8 @@ class History:
         return np.array(rows or np.empty((0, 3)), dtype=float)
 
     def watch(self, snes):
-        """Record a SNES by a monitor and, where the test of the force form finds a norm that PETSc has not, by that."""
+        """Record a SNES by a monitor and, where the test of the force form finds a norm that PETSc
+        has not, by that."""
         snes.setMonitor(lambda snes, iteration, norm: self._add(snes, norm))
         test = snes.getConvergenceTest()
         if test is None or test[0] is not displacement_test:

@@ -1,1 +1,2 @@
-"""The contact problem on its grid: residuals, states, predictors, energies and observables; without PETSc."""
+"""The contact problem on its grid: residuals, states, predictors, energies and observables; without
+PETSc."""

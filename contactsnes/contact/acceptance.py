@@ -1,35 +1,47 @@
-"""Steps that stay on their branch: what tells a neighbour of the last point from a state that lies beyond a jump."""
+"""Steps that stay on their branch: what tells a neighbour of the last point from a state that lies
+beyond a jump."""
 
 import numpy as np
 
 from .energies import weights
 from .states import onto, way
 
-STRAYS, SHARE, LONG = 0.35, 0.15, 10.0
-"""How far a node may end from its prediction: ranges of the law, and the share of its way, up to a long one, that adds to it."""
+STRAYS = 0.35
+SHARE = 0.15
+LONG = 10.0
+"""How far a node may end from its prediction: ranges of the law, and the share of its way, up to a
+long one, that adds to it."""
 DOUBTFUL = 0.5
 """Part of that from which on the law is asked whether the step released energy."""
 RELEASED = 0.05
-"""Energy released on the way, over the work that linear springs would do, that few smooth steps come up to."""
+"""Energy released on the way, over the work that linear springs would do, that few smooth steps
+come up to."""
 ABRUPT = 0.15
 """The same for a step that is too long to tell, whatever the tangent behind it says."""
-RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial.legendre.leggauss(5)[1]))
+RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0],
+                 0.5 * np.polynomial.legendre.leggauss(5)[1]))
 """Places on the way, and weights, of a quadrature along it."""
 TRIFLE = 1e-6
 """Traction, in units of the law, that counts as none."""
-HELD, OPEN, WHOLE = 1.0, 3.0, 0.9
-"""Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the held nodes that is nearly all."""
+HELD = 1.0
+OPEN = 3.0
+WHOLE = 0.9
+"""Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the
+held nodes that is nearly all."""
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
 LEFT = 0.5
-"""Part of its way that a node goes back at the rate where it ended, below which a jump made much of it; a parabola just behind its fold has one half."""
+"""Part of its way that a node goes back at the rate where it ended, below which a jump made much of
+it; a parabola just behind its fold has one half."""
 
 
 def strayed(contact, guess, last, found):
-    """By how much a node ends farther from its prediction than a step of a smooth branch leaves open, ranges of the law.
+    """By how much a node ends farther from its prediction than a step of a smooth branch leaves
+    open, ranges of the law.
 
-    Negative where all nodes are where the guess has them. Over the nodes where the law acts: a spot that jumps among many moves
-    a few of them only, and a body that slides moves all of them, so that neither a mean nor the whole way tells of a jump.
+    Negative where all nodes are where the guess has them. Over the nodes where the law acts: a spot
+    that jumps among many moves a few of them only, and a body that slides moves all of them, so
+    that neither a mean nor the whole way tells of a jump.
 
     Parameters
     ----------
@@ -41,18 +53,21 @@ def strayed(contact, guess, last, found):
     if _made_or_lost(contact.grid, gap[0], gap[0] + change[0]):
         return np.inf
     touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
-    if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:], contact.law.slip_peak)):
+    if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
+                                                       contact.law.slip_peak)):
         return np.inf
     return float(contact.grid.maximum(aside - allowed, initial=-STRAYS))
 
 
 def doubtful(contact, guess, last, found):
-    """Whether nodes release so much energy on the way that a jump may be a part of it (``_suspects``)."""
+    """Whether nodes release so much energy on the way that a jump may be a part of it
+    (``_suspects``)."""
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 
 def detached(contact, guess, last, found, back):
-    """Whether the branch where a step ended hardly leads back to where it began, for the nodes that are doubtful.
+    """Whether the branch where a step ended hardly leads back to where it began, for the nodes that
+    are doubtful.
 
     Parameters
     ----------
@@ -60,28 +75,36 @@ def detached(contact, guess, last, found, back):
     """
     compared = _compared(contact, guess, last, found)
     nodes = _suspects(contact, *compared)
-    window, inner = max(guess.window, found.window, key=lambda window: window.size), contact.grid.inner
-    gap, change, returned = (field[:, nodes] for field in (*compared[:2], onto(found, window) - onto(back, window)))
-    return _released(contact, gap, change) > ABRUPT or inner(returned, change) < LEFT * inner(change, change)
+    window = max(guess.window, found.window, key=lambda window: window.size)
+    inner = contact.grid.inner
+    gap, change, returned = (field[:, nodes] for field in (*compared[:2],
+                                                           onto(found, window)
+                                                           - onto(back, window)))
+    return _released(contact, gap, change) > ABRUPT or inner(returned,
+                                                             change) < LEFT * inner(change, change)
 
 
 def _suspects(contact, gap, change, aside, allowed):
-    """Nodes that release more energy than smooth steps do: of those aside of their prediction, or of all; None where none do.
+    """Nodes that release more energy than smooth steps do: of those aside of their prediction, or
+    of all; None where none do.
 
-    A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies beyond the jump.
+    A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies
+    beyond the jump.
     """
     near = np.minimum(gap[0], gap[0] + change[0]) < REACH
     moved = np.abs(change).max(axis=0) * near
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
     most = moved > 0.5 * contact.grid.maximum(moved, initial=0.0)
     for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near, most):
-        if contact.grid.count(nodes) and _released(contact, gap[:, nodes], change[:, nodes]) > RELEASED:
+        if contact.grid.count(nodes) and _released(contact, gap[:, nodes],
+                                                   change[:, nodes]) > RELEASED:
             return nodes
     return None
 
 
 def _compared(contact, guess, last, found):
-    """Gaps before a step, their changes, how far they are from the guess where the law acts, and how far they may be."""
+    """Gaps before a step, their changes, how far they are from the guess where the law acts, and
+    how far they may be."""
     window = max(guess.window, found.window, key=lambda window: window.size)
     aside, near = way(contact, guess, found, window)
     gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
@@ -92,7 +115,8 @@ def _compared(contact, guess, last, found):
 def _made_or_lost(grid, begin, end):
     """Whether nearly all of a contact is made or lost between two normal gaps (nodes).
 
-    A body that is rigid beside its law comes off as a whole: its tangent foretells where it is then, whatever happens on the way.
+    A body that is rigid beside its law comes off as a whole: its tangent foretells where it is
+    then, whatever happens on the way.
     """
     for first, last in ((begin, end), (end, begin)):
         held = first < HELD
@@ -102,30 +126,38 @@ def _made_or_lost(grid, begin, end):
 
 
 def _through_sticking(begin, end, peak):
-    """Nodes that slide at the begin and the end of a straight way of their slip (components, nodes), but stick in between: below the ``peak``
-    of the friction.
+    """Nodes that slide at the begin and the end of a straight way of their slip (components,
+    nodes), but stick in between: below the ``peak`` of the friction.
 
-    A whole contact that slides back ends where it is predicted, on the other side of all that friction does to it.
+    A whole contact that slides back ends where it is predicted, on the other side of all that
+    friction does to it.
     """
     change = end - begin
-    part = np.clip(-np.sum(begin * change, axis=0) / np.maximum(np.sum(change * change, axis=0), 1e-300), 0.0, 1.0)
-    begins, ends, least = (np.linalg.norm(slip, axis=0) for slip in (begin, end, begin + part * change))
+    part = np.clip(-np.sum(begin * change, axis=0) / np.maximum(np.sum(change * change, axis=0),
+                                                                1e-300), 0.0, 1.0)
+    begins, ends, least = (np.linalg.norm(slip, axis=0)
+                           for slip in (begin, end, begin + part * change))
     return (begins > peak) & (ends > peak) & (least < peak)
 
 
 def _released(contact, gap, change):
-    """Energy that nodes release on the straight way from one equilibrium to the next, over what linear springs do there.
+    """Energy that nodes release on the straight way from one equilibrium to the next, over what
+    linear springs do there.
 
-    The body balances the law's tractions at both ends and linearly in between; what the law does beyond that is of third order
-    in the step on a smooth branch, but the energy that a jump dissipates where its barrier, a softening law, is crossed.
-    -inf where that is little, or nothing softens.
+    The body balances the law's tractions at both ends and linearly in between; what the law does
+    beyond that is of third order in the step on a smooth branch, but the energy that a jump
+    dissipates where its barrier, a softening law, is crossed. -inf where that is little, or nothing
+    softens.
     """
     first, last = contact.law.traction(gap), contact.law.traction(gap + change)
     inner, weighted = contact.grid.inner, weights(contact, len(change))[:, None] * change
     # Where a body slides freely tractions change by rounding.
-    springs, work, softest = inner(np.maximum(np.abs(last - first), TRIFLE), np.abs(weighted)), 0.0, np.inf
+    springs = inner(np.maximum(np.abs(last - first), TRIFLE), np.abs(weighted))
+    work = 0.0
+    softest = np.inf
     for place, share in RULE:
-        work += share * inner(contact.law.traction(gap + place * change) - first - place * (last - first), weighted)
+        work += share * inner(contact.law.traction(gap + place * change) - first
+                              - place * (last - first), weighted)
     if -work <= RELEASED * springs:
         return -np.inf
     for place, _ in RULE:

@@ -1,4 +1,5 @@
-"""How well a state balances: the residual of the displacement form at all nodes of its window, evaluated anew."""
+"""How well a state balances: the residual of the displacement form at all nodes of its window,
+evaluated anew."""
 
 from typing import NamedTuple
 
@@ -10,28 +11,33 @@ from .even_form import EvenForm
 from .forms import DisplacementForm
 
 CONVERGENCE = """\
-A point is converged when residual_norm <= -snes_atol (default 1e-8; -snes_rtol and -snes_stol default to 0), with
-residual_norm = sqrt( sum over the window's nodes and components of r^2 / (nodes x components) + sum over force rows of
-(difference / max(1, |prescribed force|))^2 ) and r = u + C t - ubar in ranges of the law (u_n in delta_n, u_t in delta_t).
-It is found anew at all nodes for every point, whatever method, symmetry or form led to it; beside it stands largest_residual, the
-largest |r| at a node where the law acts (gap within its range), of which a mean over many nodes may tell little."""
+A point is converged when residual_norm <= -snes_atol (default 1e-8; -snes_rtol and -snes_stol
+default to 0), with residual_norm = sqrt( sum over the window's nodes and components of
+r^2 / (nodes x components) + sum over force rows of (difference / max(1, |prescribed force|))^2 )
+and r = u + C t - ubar in ranges of the law (u_n in delta_n, u_t in delta_t). It is found anew at
+all nodes for every point, whatever method, symmetry or form led to it; beside it stands
+largest_residual, the largest |r| at a node where the law acts (gap within its range), of which a
+mean over many nodes may tell little."""
 
 ROUNDING = 8.0 * np.finfo(float).eps
-"""Largest difference of mirror images in tractions that are even, relative to the largest of them."""
+"""Largest difference of mirror images in tractions that are even, relative to the largest of
+them."""
 
 
 class Imbalance(NamedTuple):
-    """The ``residual_norm`` of a state, and the largest imbalance at a node where the law acts (0 if it acts nowhere)."""
+    """The ``residual_norm`` of a state, and the largest imbalance at a node where the law acts (0
+    if it acts nowhere)."""
 
     norm: float
     largest: float
 
 
 class Response:
-    """Product of a circulant operator of the cell with fields on a window, at all of its nodes: as `boxes.convolution`.
+    """Product of a circulant operator of the cell with fields on a window, at all of its nodes: as
+    `boxes.convolution`.
 
-    Fields that are even to rounding, which is asked of each, take half of the transforms, or a quarter, where the operator leaves
-    the components apart.
+    Fields that are even to rounding, which is asked of each, take half of the transforms, or a
+    quarter, where the operator leaves the components apart.
 
     Parameters
     ----------
@@ -46,8 +52,10 @@ class Response:
         self._half = half if all(i == j for i, j in operator.blocks) else None
 
     def apply(self, values, out):
-        """out (components, nodes) = operator times values (components, nodes), perhaps the same array."""
-        if self._half is not None and asymmetry(self._given[0], values) <= ROUNDING * np.max(np.abs(values)):
+        """out (components, nodes) = operator times values (components, nodes), perhaps the same
+        array."""
+        if self._half is not None and asymmetry(self._given[0],
+                                                values) <= ROUNDING * np.max(np.abs(values)):
             folded = self._half.window.fold(values)
             out[...] = self._half.window.unfold(self._half.apply(folded, folded))
             return out
@@ -65,7 +73,8 @@ class FullForm(DisplacementForm):
 
 
 class Balance:
-    """Imbalances of states of a contact, from their displacements and means alone: tractions and residuals of all nodes.
+    """Imbalances of states of a contact, from their displacements and means alone: tractions and
+    residuals of all nodes.
 
     The first state in which the law acts on a window is asked by whole transforms in any case.
 
@@ -75,10 +84,13 @@ class Balance:
     """
 
     def __init__(self, contact):
-        self.contact, self._form, self._proved = contact, None, None
+        self.contact = contact
+        self._form = None
+        self._proved = None
 
     def __call__(self, state, controls, load, solver):
-        """The Imbalance of a state under controlled values, ranges of the law, that a form of the ``solver`` led to."""
+        """The Imbalance of a state under controlled values, ranges of the law, that a form of the
+        ``solver`` led to."""
         form = self._form_on(state.window, tuple(controls), solver)
         form.set_load(load)
         unknown = form.pack(state.displacement, state.means[form.forced])
@@ -87,14 +99,18 @@ class Balance:
         if isinstance(solver, EvenForm) and acts.any():
             self._proved = state.window, len(controls)
         field = np.abs(form.displacement(residual))
-        return Imbalance(form.grid.norm(residual), float(form.grid.maximum(field, where=acts, initial=0.0)))
+        return Imbalance(form.grid.norm(residual),
+                         float(form.grid.maximum(field, where=acts, initial=0.0)))
 
     def _form_on(self, window, controls, solver):
-        """The displacement form at all nodes of a window: the solver's, if it has that, or one that is kept."""
+        """The displacement form at all nodes of a window: the solver's, if it has that, or one that
+        is kept."""
         for form in (solver, self._form):
-            if isinstance(form, DisplacementForm) and form.window == window and form.controls == controls:
+            if isinstance(form,
+                          DisplacementForm) and form.window == window and form.controls == controls:
                 return form
-        half = solver.half.convolution if isinstance(solver, EvenForm) and solver.window == window else None
+        half = solver.half.convolution if isinstance(solver,
+                                                     EvenForm) and solver.window == window else None
         if half is not None and self._proved != (window, len(controls)):
             # On each window halves themselves are on trial the first time.
             return FullForm(self.contact, window, controls, None)

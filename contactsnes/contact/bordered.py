@@ -4,25 +4,39 @@ import numpy as np
 
 
 class ArcLength:
-    """A form whose load s is one more unknown, fixed by how far the state has gone along a direction.
+    """A form whose load s is one more unknown, fixed by how far the state has gone along a
+    direction.
 
-    F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The unknown is [x, s].
+    F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
+    unknown is [x, s].
 
     Parameters
     ----------
     form : DisplacementForm
     start, direction : controlled values at s = 0, and their change per unit of s
-    anchor, tangent : arrays of the form's size; the tangent measures how far an unknown has gone from the anchor
+    anchor, tangent : arrays of the form's size; the tangent measures how far an unknown has gone
+        from the anchor
     length : how far to go
     rate : how much of that a unit of s is
     """
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
-        self.form, self.start, self.direction = form, start, direction
-        self.anchor, self.tangent, self.length, self.rate = anchor, tangent, length, rate
-        self.name, self.contact, self.grid = form.name, form.contact, form.grid
-        self.components, self.nodes, self.shape = form.components, form.nodes, form.shape
-        self.count, self.root, self.size = form.count, form.root, form.size + 1
+        self.form = form
+        self.start = start
+        self.direction = direction
+        self.anchor = anchor
+        self.tangent = tangent
+        self.length = length
+        self.rate = rate
+        self.name = form.name
+        self.contact = form.contact
+        self.grid = form.grid
+        self.components = form.components
+        self.nodes = form.nodes
+        self.shape = form.shape
+        self.count = form.count
+        self.root = form.root
+        self.size = form.size + 1
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
 
@@ -48,12 +62,14 @@ class ArcLength:
         """F of the form and of the arc length."""
         self.set_position(unknown[-1])
         self.form.residual(unknown[:-1], out[:-1])
-        out[-1] = self.grid.inner(self.tangent, unknown[:-1] - self.anchor) + self.rate * unknown[-1] - self.length
+        out[-1] = (self.grid.inner(self.tangent, unknown[:-1] - self.anchor)
+                   + self.rate * unknown[-1] - self.length)
         return out
 
     def displacement_norm(self, unknown, imbalance):
         """That of the force form, with the row of the arc length."""
-        return float(np.hypot(self.form.displacement_norm(unknown[:-1], imbalance[:-1]), imbalance[-1]))
+        return float(np.hypot(self.form.displacement_norm(unknown[:-1], imbalance[:-1]),
+                              imbalance[-1]))
 
     def linearise(self, unknown):
         """Take the law's tangent and dF/ds at the unknown."""

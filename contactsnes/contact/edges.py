@@ -1,4 +1,5 @@
-"""Predictions that follow the edges of spots of contact: states extrapolated in coordinates in which the edges stay in place."""
+"""Predictions that follow the edges of spots of contact: states extrapolated in coordinates in
+which the edges stay in place."""
 
 import numpy as np
 from scipy import ndimage
@@ -10,26 +11,33 @@ from ..grid.transfer import extent
 from .states import NEAR, State, combined, normal_gap, onto, wider
 
 SUPPORT = 12
-"""Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than 1e-7)."""
+"""Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
+1e-7)."""
 FAR = 0.3
-"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip front has to move in a step to be
-followed: wider ones, and the gradual ones of full residual friction, are predicted better in place."""
+"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
+front has to move in a step to be followed: wider ones, and the gradual ones of full residual
+friction, are predicted better in place."""
 
 
 def edges(contact, state):
-    """First and last place, in nodes of the window, of the one spot of contact along each direction, an array (directions, 2).
+    """First and last place, in nodes of the window, of the one spot of contact along each
+    direction, an array (directions, 2).
 
-    In two dimensions on the lines through its middle. None where there is no such spot: none, several, one across the border.
+    In two dimensions on the lines through its middle. None where there is no such spot: none,
+    several, one across the border.
     """
     if len(state.window.parts) > 1:
         return None
-    box, level, ends = state.window.box(normal_gap(contact, state)), contact.scene.contact_threshold, []
+    box = state.window.box(normal_gap(contact, state))
+    level = contact.scene.contact_threshold
+    ends = []
     touching = box < level
     lines = [extent(touching, axis) for axis in range(box.ndim)]
     if not touching.any() or any(line.start == 0 for line in lines):
         return None
     for axis, line in enumerate(lines):
-        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2 for i, other in enumerate(lines))
+        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2
+                        for i, other in enumerate(lines))
         places, _ = crossings(box[through], level)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
@@ -39,36 +47,40 @@ def edges(contact, state):
 
 
 def slip_fronts(contact, state, ends):
-    """The two places on a line, within ``ends`` of the contact, between which the surfaces stick: where the slip passes that of the peak
-    of the friction. None where there are not two."""
+    """The two places on a line, within ``ends`` of the contact, between which the surfaces stick:
+    where the slip passes that of the peak of the friction. None where there are not two."""
     if len(ends) > 1 or len(state.displacement) < 2:
         return None
-    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]), contact.law.slip_peak)
+    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]),
+                              contact.law.slip_peak)
     within = (places > ends[0, 0]) & (places < ends[0, 1])
     return places[None, within] if list(signs[within]) == [-1, 1] else None
 
 
 def followed_places(contact, states):
-    """Places of each state that stay in place in the stretched coordinates, in order: the ends of its spot of contact and, where all have
-    them, the slip fronts; an array (directions, places) for each state, or None without such a spot."""
+    """Places of each state that stay in place in the stretched coordinates, in order: the ends of
+    its spot of contact and, where all have them, the slip fronts; an array (directions, places) for
+    each state, or None without such a spot."""
     ends = [edges(contact, state) for state in states]
     if any(end is None for end in ends):
         return None
     fronts = [slip_fronts(contact, state, end) for state, end in zip(states, ends)]
     if any(front is None for front in fronts):
         return ends
-    return [np.concatenate((end[:, :1], front, end[:, 1:]), axis=1) for end, front in zip(ends, fronts)]
+    return [np.concatenate((end[:, :1], front, end[:, 1:]), axis=1)
+            for end, front in zip(ends, fronts)]
 
 
 def follow_edge(contact, states, weights, half=False):
-    """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place; None without such a spot.
+    """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place;
+    None without such a spot.
 
-    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at fixed places. Of several spots
-    each is followed in a box of its own.
+    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at
+    fixed places. Of several spots each is followed in a box of its own.
 
-    The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places change abruptly where gaps
-    at a fixed distance from the edge hardly do. So do the fronts of slip on a line. Where the law hardly acts, displacements are
-    extrapolated at fixed places.
+    The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places
+    change abruptly where gaps at a fixed distance from the edge hardly do. So do the fronts of slip
+    on a line. Where the law hardly acts, displacements are extrapolated at fixed places.
     """
     ahead = _follow_spot(contact, states, weights, half)
     return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
@@ -80,11 +92,14 @@ def _follow_spot(contact, states, weights, half=False):
     if known is None:
         return None
     window = states[-1].window
-    # Places of all states in nodes from the first one of the last window; a wider window begins before it.
-    places = np.array([one + _nodes_between(window, state.window)[:, None] for one, state in zip(known, states)])
+    # Places of all states in nodes from the first one of the last window; a wider window begins
+    # before it.
+    places = np.array([one + _nodes_between(window, state.window)[:, None]
+                       for one, state in zip(known, states)])
     target = np.tensordot(weights, places, axes=1)
     moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0) * contact.grid.spacings[0]
-    if moved * contact.scene.tangential_maugis ** 2 * contact.law.slip_softening < FAR or np.any(np.diff(target) < 4.0):
+    if (moved * contact.scene.tangential_maugis ** 2 * contact.law.slip_softening < FAR
+        or np.any(np.diff(target) < 4.0)):
         # Fronts that hardly move, or meet each other or the edges, are not followed.
         places, target = places[..., [0, -1]], target[:, [0, -1]]
     if np.any(np.diff(target) < 4.0):
@@ -96,8 +111,10 @@ def _follow_spot(contact, states, weights, half=False):
     states = [wider(state, window) for state in states]
     far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     far[0] += window.take(contact.initial_gap)
-    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place, target, part)
-                                                for state, weight, place in zip(states, weights, places))
+    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place,
+                                                                    target, part)
+                                                for state, weight, place in zip(states, weights,
+                                                                                places))
     # An extrapolation into deep overlap would meet the exponential.
     np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
     far[0] -= window.take(contact.initial_gap)
@@ -112,12 +129,13 @@ def _follow_spots(contact, states, weights):
         boxes, targets = last.window.parts, np.moveaxis(last.window.box(ahead.displacement), 1, 0)
     else:
         cuts = _near_boxes(one.box(normal_gap(contact, last)))
-        boxes = [Window(one.grid, [s + cut.start for s, cut in zip(one.start, cut)], [line.stop - line.start for line in cut]) for cut in cuts]
+        boxes = [Window(one.grid, [s + cut.start for s, cut in zip(one.start, cut)],
+                        [line.stop - line.start for line in cut]) for cut in cuts]
         targets = [one.box(ahead.displacement)[(slice(None), *cut)] for cut in cuts]
     followed = False
     for box, target in zip(boxes, targets):
-        own = [State(box, onto(state, box), state.means) if state is last or box in state.window.parts else wider(state, box)
-               for state in states]
+        own = [State(box, onto(state, box), state.means) if state is last
+               or box in state.window.parts else wider(state, box) for state in states]
         moved = (follow_edge if several else _follow_spot)(contact, own, weights)
         if moved is not None:
             target[...], followed = moved.displacement.reshape(target.shape), True
@@ -125,7 +143,8 @@ def _follow_spots(contact, states, weights):
 
 
 def carried(contact, change, origin, state):
-    """A small change of one state as one of another: moved with the edge of contact where it is one spot, to the other's window."""
+    """A small change of one state as one of another: moved with the edge of contact where it is one
+    spot, to the other's window."""
     fixed = State(state.window, onto(change, state.window), change.means)
     known = followed_places(contact, [origin, state])
     if known is None:
@@ -136,28 +155,37 @@ def carried(contact, change, origin, state):
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= change.window.take(contact.initial_gap)
-    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, wider(change, window), window, places, known[1], part)
+    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact,
+                                                                      wider(change, window), window,
+                                                                      places, known[1], part)
     return fixed
 
 
 def _near_boxes(gap):
-    """Slices, for each direction, of the boxes around places where the law acts, four nodes wider; none where they are many."""
+    """Slices, for each direction, of the boxes around places where the law acts, four nodes wider;
+    none where they are many."""
     labels, count = ndimage.label(gap < NEAR)
-    return [tuple(slice(max(line.start - 4, 0), min(line.stop + 4, nodes)) for line, nodes in zip(box, gap.shape))
+    return [tuple(slice(max(line.start - 4, 0), min(line.stop + 4, nodes))
+                  for line, nodes in zip(box, gap.shape))
             for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
 
 
 def _stretched(contact, state, window, places, target, part):
-    """Normal gap and tangential displacements (components, *part) of a state whose ``places`` have been moved to ``target``.
+    """Normal gap and tangential displacements (components, *part) of a state whose ``places`` have
+    been moved to ``target``.
 
     Both are counted from the first node of ``window``, of whose box ``part`` is a part.
     """
     known, sources = [], []
-    for here, there, wanted, begin, count in zip(places, target, part, _nodes_between(window, state.window), state.window.shape):
-        node, scale = np.arange(wanted.start, wanted.stop), (here[-1] - here[0]) / (there[-1] - there[0])
+    for here, there, wanted, begin, count in zip(places, target, part,
+                                                 _nodes_between(window, state.window),
+                                                 state.window.shape):
+        node = np.arange(wanted.start, wanted.stop)
+        scale = (here[-1] - here[0]) / (there[-1] - there[0])
         source = np.interp(node, there, here) - begin
         source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
-        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2))
+        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT,
+                                                             int(source[-1]) + SUPPORT + 2))
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
     field = state.window.box(state.displacement)[(slice(None), *known)].copy()
@@ -168,7 +196,8 @@ def _stretched(contact, state, window, places, target, part):
 
 
 def spline(values, places, axis):
-    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an array with these along the axis."""
+    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
+    array with these along the axis."""
     count = values.shape[axis]
     coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
     places = np.minimum(np.maximum(places, 0.0), count - 1.0)
@@ -177,7 +206,8 @@ def spline(values, places, axis):
     along = [1] * values.ndim
     along[axis] = len(places)
     total = 0.0
-    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6), 1 + 3 * t * (1 + t - t ** 2), t ** 3)):
+    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6),
+                                            1 + 3 * t * (1 + t - t ** 2), t ** 3)):
         # Mirrored beyond the ends, as the coefficients are.
         node = np.abs(first + shift)
         node = np.where(node > count - 1, 2 * (count - 1) - node, node)
@@ -186,6 +216,7 @@ def spline(values, places, axis):
 
 
 def _nodes_between(window, other):
-    """Nodes from the first one of a window to that of another near it in each direction, over the cell's border or not."""
+    """Nodes from the first one of a window to that of another near it in each direction, over the
+    cell's border or not."""
     total = np.array(window.grid.shape)
     return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2

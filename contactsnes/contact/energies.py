@@ -1,16 +1,21 @@
-"""Energies of a point and works along a path: what is stored in body and interface, and what is done by the loads.
+"""Energies of a point and works along a path: what is stored in body and interface, and what is
+done by the loads.
 
-In phi_n beta (one dimension: w_n,r u_n,r; two: R phi_n u_n,r, with beta squared); tangential parts count phi_t / phi_n times.
-No transform is needed: in equilibrium K v = -t, so that the energy of the body is half the work of all its loads (Clapeyron).
+In phi_n beta (one dimension: w_n,r u_n,r; two: R phi_n u_n,r, with beta squared); tangential parts
+count phi_t / phi_n times. No transform is needed: in equilibrium K v = -t, so that the energy of
+the body is half the work of all its loads (Clapeyron).
 
-    dE_el + integral of (p_n dg_n + p_t dg_t) dx = W dD + T dU        along every path of equilibria, whatever the law
+    dE_el + integral of (p_n dg_n + p_t dg_t) dx = W dD + T dU        along every path of
+    equilibria, whatever the law
 
-The right side is a line integral over a curve of few dimensions: the cubic through the last four points by chord length, so that
-its error falls as the fourth power of the step, through folds as well. Points at corners of the path, where legs or jumps begin,
-are not joined. Where the law has a potential the work done on the interface is that potential's difference, free of any step
-error: the two then test each other (``energy_imbalance``). Elsewhere it is what the balance leaves of the external work.
-A jump under fixed loads dissipates the work of the loads that is neither stored nor done on the interface. Where there is no
-potential, the latter is summed up along the motion that was followed; if there was none, it is not known.
+The right side is a line integral over a curve of few dimensions: the cubic through the last four
+points by chord length, so that its error falls as the fourth power of the step, through folds as
+well. Points at corners of the path, where legs or jumps begin, are not joined. Where the law has a
+potential the work done on the interface is that potential's difference, free of any step error: the
+two then test each other (``energy_imbalance``). Elsewhere it is what the balance leaves of the
+external work. A jump under fixed loads dissipates the work of the loads that is neither stored nor
+done on the interface. Where there is no potential, the latter is summed up along the motion that
+was followed; if there was none, it is not known.
 """
 
 from dataclasses import replace
@@ -35,7 +40,8 @@ BALANCES = ("", "potential", "motion", "unknown")
 
 
 class Station(NamedTuple):
-    """A point with its displacements D, U, ... and forces W, T, ... (components of the scene), the datum of D that of the body."""
+    """A point with its displacements D, U, ... and forces W, T, ... (components of the scene), the
+    datum of D that of the body."""
 
     point: object
     displacements: np.ndarray
@@ -48,52 +54,63 @@ def energy_unit(scene):
 
 
 def weights(contact, components):
-    """Energy of a component in its own units, ranges times phi_i, over that in phi_n: 1, then phi_t / phi_n."""
+    """Energy of a component in its own units, ranges times phi_i, over that in phi_n: 1, then phi_t
+    / phi_n."""
     return np.array([1.0] + [contact.scene.work_ratio] * (components - 1))
 
 
 def far_displacements(contact, point):
-    """D, U, ... of a point, where they are not defined (nan) against the datum of the body's compliance."""
+    """D, U, ... of a point, where they are not defined (nan) against the datum of the body's
+    compliance."""
     if not np.isnan(point.displacements).any():
         return point.displacements
     count = len(point.forces)
     compliance = contact.rigid_compliance(count)
-    far = point.state.means + compliance * point.forces / (contact.load_factor(count) * contact.grid.size)
+    far = point.state.means + compliance * point.forces / (contact.load_factor(count)
+                                                           * contact.grid.size)
     return contact.signs(count) * far / contact.ranges[:count]
 
 
 def stored(contact, point):
     """Elastic energy of the body and energy of the interface at a point, phi_n beta.
 
-    The first is E = 1/2 sum over components of (F_i D_i - integral of p_i u_i), springs of the rigid compliance included. The
-    second is zero where the surfaces are apart, nan where the law has no potential (`laws.Law.potential`).
+    The first is E = 1/2 sum over components of (F_i D_i - integral of p_i u_i), springs of the
+    rigid compliance included. The second is zero where the surfaces are apart, nan where the law
+    has no potential (`laws.Law.potential`).
     """
     gap = point.state.displacement.copy()
     gap[0] = normal_gap(contact, point.state)
     parts, grid = weights(contact, len(gap)), contact.grid
     tractions = contact.law.traction(gap)
-    work = [grid.inner(traction, field) for traction, field in zip(tractions, point.state.displacement)]
-    elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point) - grid.node_area * np.array(work))
-    gap[1:] = np.where((gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING), gap[1:], 0.0)
+    work = [grid.inner(traction, field) for traction, field in zip(tractions,
+                                                                   point.state.displacement)]
+    elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point)
+                             - grid.node_area * np.array(work))
+    gap[1:] = np.where((gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING),
+                       gap[1:], 0.0)
     potential = contact.law.potential(gap, contact.scene.work_ratio)
-    return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(potential))
+    return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(
+        potential))
 
 
 def straight(contact, first, last, panels=1):
-    """Work done on the interface on the straight way between two states, for each component: sum over nodes, phi_i.
+    """Work done on the interface on the straight way between two states, for each component: sum
+    over nodes, phi_i.
 
     By Gauss and Legendre's rule of five points in each of some equal panels.
     """
     start, gap = onto(first, last.window), np.zeros_like(last.displacement)
     gap[0] = last.window.take(contact.initial_gap)
     way, (places, shares) = last.displacement - start, np.polynomial.legendre.leggauss(5)
-    return sum(0.5 / panels * share * contact.grid.sum(contact.law.traction(gap + start + part * way) * way)
+    return sum(0.5 / panels * share * contact.grid.sum(contact.law.traction(gap + start
+                                                                            + part * way) * way)
                for panel in range(panels)
                for part, share in zip((panel + 0.5 * (1.0 + places)) / panels, shares))
 
 
 def line_integral(places, values, along, first):
-    """Integral of ``values`` d(``along``) from place number ``first`` to the last, by polynomials through all places."""
+    """Integral of ``values`` d(``along``) from place number ``first`` to the last, by polynomials
+    through all places."""
     degree = len(places) - 1
     curves = [Polynomial.fit(places, y, degree) for y in (values, along)]
     area = (curves[0] * curves[1].deriv()).integ()
@@ -101,7 +118,8 @@ def line_integral(places, values, along, first):
 
 
 class Ledger:
-    """Enters the points of a path with their energies and works, in their order; needs the last four of them.
+    """Enters the points of a path with their energies and works, in their order; needs the last
+    four of them.
 
     Parameters
     ----------
@@ -123,7 +141,8 @@ class Ledger:
         else:
             station, last = self._station(point), self.trail[-1]
             if self._same(station, last):
-                return replace(point, smooth_steps=last.point.smooth_steps, **{name: getattr(last.point, name) for name in WORKS})
+                return replace(point, smooth_steps=last.point.smooth_steps,
+                               **{name: getattr(last.point, name) for name in WORKS})
             let_go = point.event == "fold" and not (point.in_contact or point.tangents)
             point = self._after_jump(station, last) if point.event == "jump" else \
                 self._away(station, last) if let_go else self._after_step(station, last)
@@ -133,7 +152,8 @@ class Ledger:
     def _station(self, point):
         """The point with displacements and forces of all components."""
         missing = (0, self.contact.scene.components - len(point.forces))
-        return Station(point, np.pad(far_displacements(self.contact, point), missing), np.pad(point.forces, missing))
+        return Station(point, np.pad(far_displacements(self.contact, point), missing),
+                       np.pad(point.forces, missing))
 
     def _keep(self, point):
         """Remember a point, unless it is a further event at the last one."""
@@ -143,18 +163,24 @@ class Ledger:
 
     def _same(self, station, last):
         """Whether nothing has moved from one station to the next."""
-        return np.array_equal(station.displacements, last.displacements) and np.array_equal(station.forces, last.forces)
+        return np.array_equal(station.displacements,
+                              last.displacements) and np.array_equal(station.forces, last.forces)
 
     def _after_jump(self, station, last):
-        """The point behind a jump from ``last``: loads held did work, and what is not stored is lost."""
-        external = weights(self.contact, len(station.forces)) @ (last.forces * (station.displacements - last.displacements))
+        """The point behind a jump from ``last``: loads held did work, and what is not stored is
+        lost."""
+        external = weights(self.contact,
+                           len(station.forces)) @ (last.forces * (station.displacements
+                                                                  - last.displacements))
         point, before = station.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
         if np.isnan(interface):
-            # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end more abruptly than gaps do. But
-            # a hundredth of the work on the interface may be more than all that a small jump loses, even than nothing.
-            interface, balance = point.jump_work, "unknown" if np.isnan(point.jump_work) else "motion"
+            # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end
+            # more abruptly than gaps do. But a hundredth of the work on the interface may be more
+            # than all that a small jump loses, even than nothing.
+            interface = point.jump_work
+            balance = "unknown" if np.isnan(point.jump_work) else "motion"
             if abs(left - interface - point.viscous_work) > point.viscous_work:
                 interface = left - point.viscous_work
         lost = left - interface
@@ -162,7 +188,8 @@ class Ledger:
         return self._summed(point, before, external, interface, lost)
 
     def _away(self, station, last):
-        """The point out of the law's range at which a force vanishes: too far from ``last`` for a quadrature along the branch.
+        """The point out of the law's range at which a force vanishes: too far from ``last`` for a
+        quadrature along the branch.
 
         What the loads do on the way, which is reversible, is what body and interface take up.
         """
@@ -175,7 +202,8 @@ class Ledger:
         return self._summed(point, before, external, interface, 0.0)
 
     def _after_step(self, station, last):
-        """The point behind a step along the branch. The first three steps of a smooth part are each integrated from its start."""
+        """The point behind a step along the branch. The first three steps of a smooth part are each
+        integrated from its start."""
         steps = 1 + (last.point.smooth_steps if station.point.leg == last.point.leg else 0)
         stations = [*self.trail[-min(steps, 3):], station]
         first = 0 if steps == len(stations) - 1 else len(stations) - 2
@@ -190,14 +218,18 @@ class Ledger:
         return self._summed(point, before, external, interface, 0.0)
 
     def _places(self, stations):
-        """Chord length along stations; a force counts by what a body of compliance one and the rigid compliance give way to it."""
+        """Chord length along stations; a force counts by what a body of compliance one and the
+        rigid compliance give way to it."""
         count = len(stations[0].forces)
-        rigid = self.contact.rigid_compliance(count) / (self.contact.ranges ** 2 * self.contact.grid.area)
-        places = np.array([np.concatenate([other.displacements, (1.0 + rigid) * other.forces]) for other in stations])
+        rigid = self.contact.rigid_compliance(count) / (self.contact.ranges ** 2
+                                                        * self.contact.grid.area)
+        places = np.array([np.concatenate([other.displacements, (1.0 + rigid) * other.forces])
+                           for other in stations])
         return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
 
     def _summed(self, point, before, external, interface, lost):
         """The point with the works of an earlier one and those done since."""
         imbalance = external - (point.elastic_energy - before.elastic_energy) - interface - lost
         return replace(point, **{name: float(getattr(before, name) + part)
-                                 for name, part in zip(WORKS, (external, interface, lost, imbalance))})
+                                 for name, part in zip(WORKS, (external, interface, lost,
+                                                               imbalance))})

@@ -1,4 +1,5 @@
-"""The displacement form on half a line or a quarter of a plane, for states that are even about the apex, and when it serves."""
+"""The displacement form on half a line or a quarter of a plane, for states that are even about the
+apex, and when it serves."""
 
 import numpy as np
 
@@ -13,9 +14,11 @@ EVEN = 1e-6
 
 
 class HalfForm(DisplacementForm):
-    """The equations at the nodes of an even window, each once, whatever number of nodes it stands for.
+    """The equations at the nodes of an even window, each once, whatever number of nodes it stands
+    for.
 
-    Unknown and F are v and r over sqrt(M), M = nodes x components of the full window, as in the full form.
+    Unknown and F are v and r over sqrt(M), M = nodes x components of the full window, as in the
+    full form.
     """
 
     convolution_class = EvenConvolution
@@ -26,10 +29,12 @@ class HalfForm(DisplacementForm):
 
 
 class EvenForm:
-    """The displacement form for even states on a centred window: its equations, those at mirror images as one.
+    """The displacement form for even states on a centred window: its equations, those at mirror
+    images as one.
 
-    Unknown and F at a node that stands for w nodes are sqrt(w) times those of the full form. So norms and inner products are the
-    full form's: F has its ``residual_norm``, and a Krylov method takes the same steps. States are those of the full window.
+    Unknown and F at a node that stands for w nodes are sqrt(w) times those of the full form. So
+    norms and inner products are the full form's: F has its ``residual_norm``, and a Krylov method
+    takes the same steps. States are those of the full window.
 
     Parameters
     ----------
@@ -47,8 +52,15 @@ class EvenForm:
     def __init__(self, contact, window, controls):
         even = EvenWindow(window)
         self.half = half = HalfForm(contact, even, controls)
-        self.contact, self.window, self.controls, self.grid = contact, window, half.controls, even.grid
-        self.components, self.nodes, self.shape, self.count, self.size = half.components, half.nodes, half.shape, half.count, half.size
+        self.contact = contact
+        self.window = window
+        self.controls = half.controls
+        self.grid = even.grid
+        self.components = half.components
+        self.nodes = half.nodes
+        self.shape = half.shape
+        self.count = half.count
+        self.size = half.size
         self.forced, self.rigid_compliance = half.forced, half.rigid_compliance
         scale = np.sqrt(even.grid.weights)
         self.root = half.root / scale
@@ -83,7 +95,8 @@ class EvenForm:
         return np.multiply(vector, self._scale, out=vector)
 
     def pack(self, displacement, scalars):
-        """The unknown from displacements (components, nodes of the full window) and the means of force-controlled components."""
+        """The unknown from displacements (components, nodes of the full window) and the means of
+        force-controlled components."""
         return self.scaled(self.half.pack(self.half.window.fold(displacement), scalars))
 
     def displacement(self, unknown):
@@ -111,7 +124,8 @@ class EvenForm:
         return self.scaled(self.half.apply_jacobian(self.plain(vector), out))
 
     def apply_transpose(self, vector, out):
-        """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner product with weights."""
+        """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner
+        product with weights."""
         return self.scaled(self.half.apply_transpose(self.plain(vector), out))
 
     def load_derivative(self, direction, out):
@@ -120,7 +134,8 @@ class EvenForm:
 
 
 class Symmetry:
-    """Whether the solves of a corrector take states for even: where contact and method allow it, until a state is not.
+    """Whether the solves of a corrector take states for even: where contact and method allow it,
+    until a state is not.
 
     Parameters
     ----------
@@ -131,7 +146,9 @@ class Symmetry:
     """
 
     def __init__(self, contact, settings, solver, log):
-        self.contact, self.log, self.asked = contact, log, settings.symmetry == "even"
+        self.contact = contact
+        self.log = log
+        self.asked = settings.symmetry == "even"
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, solver) is None
 
     def holds(self, components):
@@ -139,19 +156,22 @@ class Symmetry:
         return self.wanted and obstacle(self.contact, components) is None
 
     def checked(self, state):
-        """The state; if it is not even where it should be, no state is taken for even from now on."""
+        """The state; if it is not even where it should be, no state is taken for even from now
+        on."""
         if self.holds(len(state.displacement)) and not self._is_even(state):
             self.leave("the state is not even about the apex")
         return state
 
     def _is_even(self, state):
-        """Whether mirror images in a state are alike, and the law acts where there is one only nowhere."""
+        """Whether mirror images in a state are alike, and the law acts where there is one only
+        nowhere."""
         if not asymmetry(state.window, state.displacement) <= EVEN:
             return False
         if centred(state.window) == state.window:
             return True
         alone = lone(state.window)
-        return self.contact.grid.minimum(normal_gap(self.contact, state), where=alone) >= self.contact.law.certain
+        return self.contact.grid.minimum(normal_gap(self.contact, state),
+                                         where=alone) >= self.contact.law.certain
 
     def leave(self, why):
         """Take no state for even from now on, for a reason in words."""
@@ -159,10 +179,12 @@ class Symmetry:
         self.log(f"{why}: going on without symmetry")
 
     def centred(self, state):
-        """The state on a centred window, if it is taken for even: half of one box, in place of several where that is cheaper."""
+        """The state on a centred window, if it is taken for even: half of one box, in place of
+        several where that is cheaper."""
         self.checked(state)
         window = centred(state.window) if self.holds(len(state.displacement)) else state.window
-        if len(window.parts) < len(state.window.parts) and not self.asked and 2.0 * cost(state.window) < cost(window):
+        if (len(window.parts) < len(state.window.parts) and not self.asked
+            and 2.0 * cost(state.window) < cost(window)):
             self.leave("boxes around the spots cost less than half of one window")
             return state
         return state if window == state.window else State(window, onto(state, window), state.means)
@@ -172,7 +194,8 @@ class Symmetry:
         return self.holds(len(state.displacement)) and centred(state.window) == state.window
 
     def mirrored(self, state):
-        """A state predicted from even ones, or None, made even: places of the cell's first node have no mirror image."""
+        """A state predicted from even ones, or None, made even: places of the cell's first node
+        have no mirror image."""
         if state is None or not self.holds(len(state.displacement)):
             return state
         window = centred(state.window)
@@ -185,10 +208,12 @@ class Symmetry:
 
 
 def method_obstacle(settings, solver):
-    """Why a form of the equations, or a type of SNES on it, does not use even states, in words; None if it does."""
+    """Why a form of the equations, or a type of SNES on it, does not use even states, in words;
+    None if it does."""
     if settings.form == "force":
         return "the force form is solved on the whole cell"
-    return None if solver.startswith("newton") else f"the method (-snes_type {solver}) is none of Newton's"
+    return (None if solver.startswith("newton")
+            else f"the method (-snes_type {solver}) is none of Newton's")
 
 
 def refuse(contact, sheared, settings, solver):
@@ -203,10 +228,13 @@ def refuse(contact, sheared, settings, solver):
     """
     why = obstacles(contact, sheared, settings, solver) if settings.symmetry == "even" else []
     if any(why):
-        raise InputError(f"-contact_symmetry is 'even', but {next(filter(None, why))}: allowed here are auto and off")
+        raise InputError(f"-contact_symmetry is 'even', but {next(filter(None, why))}: "
+                         "allowed here are auto and off")
 
 
 def obstacles(contact, sheared, settings, solver):
-    """Why states are not taken for even at the start and in each leg, in words or None where they are, a list."""
+    """Why states are not taken for even at the start and in each leg, in words or None where they
+    are, a list."""
     method = method_obstacle(settings, solver)
-    return [method or obstacle(contact, contact.scene.components if tangential else 1) for tangential in sheared]
+    return [method or obstacle(contact, contact.scene.components if tangential else 1)
+            for tangential in sheared]

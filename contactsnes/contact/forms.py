@@ -1,10 +1,13 @@
-"""The contact problem in two forms of one balance, on the nodes where the law acts and on the whole cell.
+"""The contact problem in two forms of one balance, on the nodes where the law acts and on the whole
+cell.
 
-Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i / delta_i. With the body's
-compliance C (mean-free part, scaled by lambda_i lambda_j) and its rigid compliance c_0, both scaled:
+Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i /
+delta_i. With the body's compliance C (mean-free part, scaled by lambda_i lambda_j) and its rigid
+compliance c_0, both scaled:
 
-displacement form, window:  v + C t(a + v) - vbar = 0,   vbar = far displacement - c_0 mean t, or one more unknown
-force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the mean displacement or force for q = 0
+displacement form, window:  v + C t(a + v) - vbar = 0,   vbar = far displacement - c_0 mean t, or
+one more unknown force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the
+mean displacement or force for q = 0
 """
 
 import numpy as np
@@ -17,22 +20,24 @@ from .problem import APPROACH, DISPLACEMENT, FORCE
 class DisplacementForm:
     """v + C t(a + v) - vbar = 0 on a window, and one force row for each force-controlled component.
 
-    The unknown is [v / sqrt(M), vbar of the force-controlled components] with M = nodes x components, so that the 2-norm
-    of its first part is the root mean square in ranges of the law, the Jacobian is the identity plus a compact operator,
-    and the 2-norm of the residual is ``residual_norm`` of the archive.
+    The unknown is [v / sqrt(M), vbar of the force-controlled components] with M = nodes x
+    components, so that the 2-norm of its first part is the root mean square in ranges of the law,
+    the Jacobian is the identity plus a compact operator, and the 2-norm of the residual is
+    ``residual_norm`` of the archive.
 
     Parameters
     ----------
     contact : Contact
     window : Window that holds every node within the law's range
-    controls : 'displacement', 'force' or 'approach' for each component; their number is the number of components
+    controls : 'displacement', 'force' or 'approach' for each component; their number is the number
+        of components
 
     Attributes
     ----------
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
-    drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit of mean displacement: 0 but in
-        viscous motion
+    drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
+        of mean displacement: 0 but in viscous motion
     """
 
     name = "displacement"
@@ -40,7 +45,9 @@ class DisplacementForm:
     convolution_class = staticmethod(convolution)
 
     def __init__(self, contact, window, controls):
-        self.contact, self.window, self.controls = contact, window, tuple(controls)
+        self.contact = contact
+        self.window = window
+        self.controls = tuple(controls)
         self.components = len(controls)
         self.grid = window.grid
         self.nodes = window.size
@@ -50,7 +57,8 @@ class DisplacementForm:
         self.size = self.count + len(self.forced)
         self.root = np.sqrt(self.count)
         self.initial_gap = window.take(contact.initial_gap)
-        self.convolution = self.convolution_class(window, contact.operator(self.components), self.components)
+        self.convolution = self.convolution_class(window, contact.operator(self.components),
+                                                  self.components)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.rigid_compliance[[control == APPROACH for control in controls]] = 0.0
         self.factor = contact.load_factor(self.components)
@@ -63,12 +71,14 @@ class DisplacementForm:
         self.products = 0
 
     def set_load(self, load):
-        """Set the controlled values: D, U in u_n,r, u_t,r or W, T in w_n,r, w_t,r, by ``controls``."""
+        """Set the controlled values: D, U in u_n,r, u_t,r or W, T in w_n,r, w_t,r, by
+        ``controls``."""
         self.load = np.array(load, dtype=float)
         self.row_scale = self.factor / np.maximum(1.0, np.abs(self.load))
 
     def pack(self, displacement, scalars):
-        """The unknown from displacements (components, nodes) and the means of the force-controlled components."""
+        """The unknown from displacements (components, nodes) and the means of the force-controlled
+        components."""
         return np.concatenate([displacement.reshape(-1) / self.root, scalars])
 
     def displacement(self, unknown):
@@ -86,7 +96,8 @@ class DisplacementForm:
         return self.work
 
     def residual(self, unknown, out):
-        """F: the imbalance of displacements over sqrt(M), then of prescribed forces over max(1, |force|)."""
+        """F: the imbalance of displacements over sqrt(M), then of prescribed forces over max(1,
+        |force|)."""
         self.evaluations += 1
         traction = self.contact.law.evaluate(self.gap(unknown), self.work)
         total = self.grid.sum(traction)
@@ -99,7 +110,8 @@ class DisplacementForm:
         np.multiply(traction, 1.0 / self.root, out=field)
         field += unknown[:self.count].reshape(self.shape)
         for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * total[i] - self.load[i] / max(1.0, abs(self.load[i]))
+            out[self.count + row] = (self.row_scale[i] * total[i]
+                                     - self.load[i] / max(1.0, abs(self.load[i])))
         return out
 
     def linearise(self, unknown):
@@ -113,7 +125,8 @@ class DisplacementForm:
         return np.einsum("ijn,jn->in", self.tangent, field, out=out)
 
     def apply_jacobian(self, vector, out):
-        """out = J vector at the last linearisation: two transforms of the padded window a component."""
+        """out = J vector at the last linearisation: two transforms of the padded window a
+        component."""
         self.products += 1
         field = vector[:self.count].reshape(self.shape)
         work = self.stiffen(field, self.work)
@@ -125,7 +138,8 @@ class DisplacementForm:
         np.subtract(work, mean[:, None], out=result)
         result += field
         for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * (total[i] * self.root + self.drag[i] * vector[self.count + row])
+            out[self.count + row] = self.row_scale[i] * (total[i] * self.root
+                                                         + self.drag[i] * vector[self.count + row])
         return out
 
     def apply_transpose(self, vector, out):
@@ -144,12 +158,14 @@ class DisplacementForm:
         return out
 
     def load_derivative(self, direction, out):
-        """out = dF/ds for controlled values that move by ``direction`` (one value a component) per unit of s.
+        """out = dF/ds for controlled values that move by ``direction`` (one value a component) per
+        unit of s.
 
         The scale of a force row is held: it does not move the solution.
         """
         field = out[:self.count].reshape(self.shape)
-        field[...] = -(self.contact.far_displacement(self.components, direction) / self.root)[:, None]
+        field[...] = -(self.contact.far_displacement(self.components, direction) / self.root)[:,
+                                                                                              None]
         for row, i in enumerate(self.forced):
             field[i] = 0.0
             out[self.count + row] = -direction[i] / max(1.0, abs(self.load[i]))
@@ -163,9 +179,10 @@ class DisplacementForm:
 class ForceForm:
     """K v + t(a + v) = 0 on the whole cell, the zero mode balanced by what is controlled.
 
-    The zero mode of F is t_0 + k_0 (v_0 - far displacement) under displacement control, v_0 - far displacement where the body
-    is rigid (k_0 infinite), and t_0 - prescribed mean traction under force control. Unknown and F are divided by
-    sqrt(components x nodes) as in the displacement form; no further unknown is needed.
+    The zero mode of F is t_0 + k_0 (v_0 - far displacement) under displacement control, v_0 - far
+    displacement where the body is rigid (k_0 infinite), and t_0 - prescribed mean traction under
+    force control. Unknown and F are divided by sqrt(components x nodes) as in the displacement
+    form; no further unknown is needed.
 
     Parameters
     ----------
@@ -189,8 +206,10 @@ class ForceForm:
         self.initial_gap = contact.initial_gap.reshape(-1)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.factor = contact.load_factor(self.components)
-        self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"), self.components)
-        self.compliance = Convolution(self.window, contact.operator(self.components), self.components)
+        self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"),
+                                       self.components)
+        self.compliance = Convolution(self.window, contact.operator(self.components),
+                                      self.components)
         self.load = np.zeros(self.components)
         self.tangent = np.zeros((self.components, *self.shape))
         self.work = np.empty(self.shape)
@@ -211,7 +230,8 @@ class ForceForm:
     forces = DisplacementForm.forces
 
     def pack(self, displacement, scalars=()):
-        """The unknown from displacements (components, nodes of the cell); the mean displacements are among them."""
+        """The unknown from displacements (components, nodes of the cell); the mean displacements
+        are among them."""
         return displacement.reshape(-1) / self.root
 
     def scalars(self, unknown):
@@ -231,11 +251,13 @@ class ForceForm:
         return self._balance(unknown, traction, self.target(), out)
 
     def _balance(self, unknown, traction, target, out):
-        """K v + t with the zero mode replaced, over sqrt(M); the unknown is v over sqrt(M), traction is overwritten."""
+        """K v + t with the zero mode replaced, over sqrt(M); the unknown is v over sqrt(M),
+        traction is overwritten."""
         field, result = unknown.reshape(self.shape), out.reshape(self.shape)
         traction /= self.root
         mean = self.grid.mean(traction)
-        zero = (self._kept - 1.0) * mean + self.mean_stiffness * self.grid.mean(field) - target / self.root
+        zero = (self._kept - 1.0) * mean + self.mean_stiffness * self.grid.mean(
+            field) - target / self.root
         self.convolution.apply(field, result)
         result += traction
         result += zero[:, None]
@@ -267,23 +289,28 @@ class ForceForm:
         return out
 
     def displacement_norm(self, unknown, imbalance):
-        """``residual_norm`` of the archive for a state and its F, to be sure rounded up: one transform a component.
+        """``residual_norm`` of the archive for a state and its F, to be sure rounded up: one
+        transform a component.
 
-        The displacements that F deforms the body by, root mean square over the nodes within the law's range, of the
-        whole cell's (Parseval's sum), and the force rows.
+        The displacements that F deforms the body by, root mean square over the nodes within the
+        law's range, of the whole cell's (Parseval's sum), and the force rows.
         """
         plan = self.compliance.transform
         plan.real.reshape(self.shape)[...] = imbalance.reshape(self.shape)
         plan.forward()
-        return self.spectral_norm(plan.spectrum, self.grid.count(self.gap(unknown)[0] < self.contact.law.range))
+        return self.spectral_norm(plan.spectrum,
+                                  self.grid.count(self.gap(unknown)[0] < self.contact.law.range))
 
     def spectral_norm(self, spectrum, within):
-        """The same from the transform of F (components, *half spectrum), which is overwritten; ``within``: nodes in range."""
-        zero = self.root * spectrum[(slice(None), *[0] * len(self.grid.shape))].real / self.grid.size
+        """The same from the transform of F (components, *half spectrum), which is overwritten;
+        ``within``: nodes in range."""
+        zero = self.root * spectrum[(slice(None),
+                                     *[0] * len(self.grid.shape))].real / self.grid.size
         self.compliance.multiply(spectrum)
         spectrum *= self.grid.size
         field = np.sqrt(self.grid.parseval(spectrum) * self.grid.size / max(within, 1))
         rigid = np.where(self._kept > 0.0, self.rigid_compliance, 1.0) * zero
         rows = self.factor * self.grid.size * zero / np.maximum(1.0, np.abs(self.load))
         rigid[self.forced] = 0.0
-        return float(np.hypot(field + np.sqrt(np.sum(rigid ** 2) / self.components), np.linalg.norm(rows[self.forced])))
+        return float(np.hypot(field + np.sqrt(np.sum(rigid ** 2) / self.components),
+                              np.linalg.norm(rows[self.forced])))

@@ -1,7 +1,9 @@
-"""An isolated contact: one body on an unbounded flat, on a box of nodes that the largest force of a load chooses.
+"""An isolated contact: one body on an unbounded flat, on a box of nodes that the largest force of a
+load chooses.
 
-Its cell is a circle of lags (`unbounded`): a window of up to half of it is convolved with the unbounded body's own kernel.
-Nothing is periodic, but what needs a cell, as damped motion does, finds a periodic contact on the same nodes in ``periodic``.
+Its cell is a circle of lags (`unbounded`): a window of up to half of it is convolved with the
+unbounded body's own kernel. Nothing is periodic, but what needs a cell, as damped motion does,
+finds a periodic contact on the same nodes in ``periodic``.
 """
 
 import math
@@ -22,7 +24,8 @@ from ..reference import jkr_line_half_width, jkr_sphere_radius
 from .problem import Contact
 
 ROOM = {1: 10.0, 2: 5.2}
-"""Extent of the circle of lags over the half-width of the largest window, at least 4, by dimension of the interface."""
+"""Extent of the circle of lags over the half-width of the largest window, at least 4, by dimension
+of the interface."""
 
 
 class OutOfBox(NotConverged):
@@ -30,17 +33,20 @@ class OutOfBox(NotConverged):
 
 
 def half_width(scene, force):
-    """Distance from the apex (beta) up to which a pressed cylinder or sphere is within the law's range, or a little more.
+    """Distance from the apex (beta) up to which a pressed cylinder or sphere is within the law's
+    range, or a little more.
 
-    Contact up to the radius a of Johnson, Kendall and Roberts; beyond it the gap of Hertz, with s = r/a, is
-    (a^2/2) (s sqrt(s^2 - 1) - arcosh s) on a line and (a^2/pi) (sqrt(s^2 - 1) + (s^2 - 2) arccos(1/s)) in the plane.
+    Contact up to the radius a of Johnson, Kendall and Roberts; beyond it the gap of Hertz, with s =
+    r/a, is (a^2/2) (s sqrt(s^2 - 1) - arcosh s) on a line and (a^2/pi) (sqrt(s^2 - 1) + (s^2 - 2)
+    arccos(1/s)) in the plane.
     """
     if scene.dimension == 1:
         radius = jkr_line_half_width(force)
         gap = lambda s: radius ** 2 / 2 * (s * math.sqrt(s * s - 1) - math.acosh(s))
     else:
         radius = jkr_sphere_radius(force)
-        gap = lambda s: radius ** 2 / math.pi * (math.sqrt(s * s - 1) + (s * s - 2) * math.acos(1 / s))
+        gap = lambda s: radius ** 2 / math.pi * (math.sqrt(s * s - 1)
+                                                 + (s * s - 2) * math.acos(1 / s))
     wanted = laws.of(scene).range / scene.normal_maugis
     return radius * brentq(lambda s: gap(s) - wanted, 1.0, 10.0 + 10.0 * math.sqrt(wanted) / radius)
 
@@ -48,7 +54,8 @@ def half_width(scene, force):
 def lay_out(scene, force):
     """The periodic scene on whose cell an isolated one is solved under forces up to a given one."""
     extent = ROOM[scene.dimension] * 1.1 * half_width(scene, force)
-    points = [16 * next_fast_len(math.ceil(max(extent / spacing, 128.0) / 16), real=True) for spacing in scene.spacings]
+    points = [16 * next_fast_len(math.ceil(max(extent / spacing, 128.0) / 16), real=True)
+              for spacing in scene.spacings]
     periods = [n * spacing for n, spacing in zip(points, scene.spacings)]
     if scene.dimension == 1:
         points, periods = points[0], periods[0]
@@ -61,8 +68,8 @@ class IsolatedContact(Contact):
     Parameters
     ----------
     cell : Scene of the periodic cell on its nodes (`lay_out`)
-    counter : the grid that counts transforms, if not this contact's: one transform is that of the window's nodes. A contact on a
-        coarser grid has it, whose states are guesses
+    counter : the grid that counts transforms, if not this contact's: one transform is that of the
+        window's nodes. A contact on a coarser grid has it, whose states are guesses
     gap, law : in place of the scene's, as of `Contact`
     """
 
@@ -75,7 +82,8 @@ class IsolatedContact(Contact):
 
     @property
     def datum(self):
-        """0 where the displacement of the body as a whole is defined; nan for a half-plane, which has none under a force."""
+        """0 where the displacement of the body as a whole is defined; nan for a half-plane, which
+        has none under a force."""
         return 0.0 if self.scene.dimension == 2 or np.isfinite(self.scene.height) else np.nan
 
     @cached_property
@@ -85,39 +93,51 @@ class IsolatedContact(Contact):
 
     @cached_property
     def widest(self):
-        """The largest window, on whose nodes fields are known: half of the circle of lags in each direction."""
-        return Window(self.grid, [n // 4 for n in self.grid.shape], [n // 2 for n in self.grid.shape])
+        """The largest window, on whose nodes fields are known: half of the circle of lags in each
+        direction."""
+        return Window(self.grid, [n // 4 for n in self.grid.shape],
+                      [n // 2 for n in self.grid.shape])
 
     def operator(self, components, kind="compliance"):
-        """Operator of the unbounded body's compliance among components; InputError for the stiffness."""
+        """Operator of the unbounded body's compliance among components; InputError for the
+        stiffness."""
         if kind != "compliance":
-            raise InputError("forms of the equations with a stiffness (-contact_form force, -contact_first relaxation) need a "
-                             "cell, which an isolated contact (-scene_period inf) has not; allowed are displacement and none")
+            raise InputError("forms of the equations with a stiffness "
+                             "(-contact_form force, -contact_first relaxation) need "
+                             "a cell, which an isolated contact (-scene_period "
+                             "inf) has not; allowed are displacement and none")
         if (components, kind) not in self._operators:
             symbols = free_space(self.body, self.grid, components)
             for i in range(components):
                 self._rigid[i], symbols[i, i].flat[0] = symbols[i, i].flat[0], 0.0
-            self._operators[components, kind] = Operator(self.grid, {
-                (i, j): symbol * (self.ranges[i] * self.ranges[j]) for (i, j), symbol in symbols.items()})
+            self._operators[components, kind] = Operator(self.grid,
+                                                         {(i,
+                                                           j): symbol
+                                                          * (self.ranges[i] * self.ranges[j])
+                                                          for (i, j), symbol in symbols.items()})
         return self._operators[components, kind]
 
     def rigid_compliance(self, components):
-        """Compliance of the cell's mean against the far surface for each component, dimensionless; 0 for the half-plane."""
+        """Compliance of the cell's mean against the far surface for each component, dimensionless;
+        0 for the half-plane."""
         self.operator(components)
         return self._rigid[:components] * self.ranges[:components] ** 2
 
     def mean_mass(self, components):
-        """As that of a cell: pi E* for a unit of length on a line, which is a cell's, too, and pi E* beta in the plane."""
+        """As that of a cell: pi E* for a unit of length on a line, which is a cell's, too, and pi
+        E* beta in the plane."""
         return np.pi / (self.ranges[:components] ** 2 * self.grid.area)
 
     def window(self, normal_gap):
-        """The window around the nodes within the law's range, the unit of the count from now on; OutOfBox beyond the box."""
+        """The window around the nodes within the law's range, the unit of the count from now on;
+        OutOfBox beyond the box."""
         window = super().window(normal_gap)
         if self._guesses:
             return window
         if any(extent > total // 2 for extent, total in zip(window.shape, self.grid.shape)):
             box = " x ".join(str(total // 2) for total in self.grid.shape)
-            raise OutOfBox(f"the contact spreads beyond the {box} nodes that its largest normal force was thought to need")
+            raise OutOfBox(f"the contact spreads beyond the {box} nodes that "
+                           "its largest normal force was thought to need")
         if window.size > 2 ** len(window.shape):
             self.grid.counter.size = window.size
         return window

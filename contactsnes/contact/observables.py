@@ -1,4 +1,5 @@
-"""Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function, label, unit."""
+"""Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function,
+label, unit."""
 
 from functools import cached_property
 from typing import Callable, NamedTuple
@@ -15,7 +16,8 @@ FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
 
 
 class Observable(NamedTuple):
-    """A number of a point: function of a `Measurement`, label, unit, NumPy type, and names if it is an enumeration."""
+    """A number of a point: function of a `Measurement`, label, unit, NumPy type, and names if it is
+    an enumeration."""
 
     function: Callable
     label: str
@@ -25,7 +27,8 @@ class Observable(NamedTuple):
 
 
 class Measurement:
-    """A point in its contact, with gap and traction on its window evaluated once (ranges of the law).
+    """A point in its contact, with gap and traction on its window evaluated once (ranges of the
+    law).
 
     Parameters
     ----------
@@ -34,7 +37,9 @@ class Measurement:
     """
 
     def __init__(self, contact, point):
-        self.contact, self.point, self.grid = contact, point, contact.grid
+        self.contact = contact
+        self.point = point
+        self.grid = contact.grid
         self.state, self.window = point.state, point.state.window
         self.components = len(point.controls)
 
@@ -60,13 +65,16 @@ class Measurement:
         return float(values[index]) if index < self.components else 0.0
 
     def mean(self, index):
-        """Mean displacement over the cell, u_n,r or u_t,r; around an isolated contact that is the displacement far away."""
+        """Mean displacement over the cell, u_n,r or u_t,r; around an isolated contact that is the
+        displacement far away."""
         if self.contact.isolated:
-            return self.component(self.contact.signs(self.components) * self.point.displacements, index)
+            return self.component(self.contact.signs(self.components) * self.point.displacements,
+                                  index)
         return self.component(self.state.means, index) / self.contact.ranges[index]
 
     def energy(self, name):
-        """An energy or work of the point; nan where it is that of a displacement which is not defined."""
+        """An energy or work of the point; nan where it is that of a displacement which is not
+        defined."""
         undefined = self.contact.datum if name in ("elastic_energy", "external_work") else 0.0
         return getattr(self.point, name) + undefined
 
@@ -78,7 +86,8 @@ class Measurement:
         """Smallest normal gap of the cell, u_n,r."""
         smallest = self.grid.minimum(self.gap[0])
         if smallest >= self.contact.law.range and not self.window.is_whole:
-            smallest = self.grid.minimum(self.contact.extended(self.state)[0] + self.contact.initial_gap)
+            smallest = self.grid.minimum(self.contact.extended(self.state)[0]
+                                         + self.contact.initial_gap)
         return float(smallest / self.contact.ranges[0])
 
     def maximum_tangential_gap(self):
@@ -87,7 +96,8 @@ class Measurement:
             return 0.0
         inside = np.linalg.norm(self.gap[1:, self.in_contact], axis=0)
         edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
-        largest = max(self.grid.maximum(slip, initial=0.0) for slip in (inside, np.linalg.norm(edge, axis=0)))
+        largest = max(self.grid.maximum(slip, initial=0.0)
+                      for slip in (inside, np.linalg.norm(edge, axis=0)))
         return float(largest / self.contact.ranges[1])
 
     def maximum_tangential_traction(self):
@@ -97,113 +107,158 @@ class Measurement:
         return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
 
     def fields(self):
-        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest window, (components of the scene, *box)."""
+        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest
+        window, (components of the scene, *box)."""
         scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
         displacement, traction = np.zeros((2, scene.components, *self.grid.shape))
         displacement[:self.components] = self.contact.extended(self.state)
         displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
         self.window.put(self.traction, traction[:self.components])
         traction *= np.reshape(_sizes(scene, "p"), each)
-        fields = (displacement, traction) if self._null_or_leading() is None else (displacement, traction, self._mode())
+        fields = ((displacement, traction) if self._null_or_leading() is None
+                  else (displacement, traction, self._mode()))
         return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
 
     def _null_or_leading(self):
-        """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode was looked for, or None."""
+        """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode
+        was looked for, or None."""
         point = self.point
         if point.mode is not None:
             return point.mode, point.leading_eigenvalue
         return (point.tangents[0].state, 0j) if len(point.tangents) == 1 else None
 
     def _mode(self):
-        """The leading mode (real part of a complex one), ranges of the law over its largest value, (components of the scene, *cell).
+        """The leading mode (real part of a complex one), ranges of the law over its largest value,
+        (components of the scene, *cell).
 
         Beyond the window no traction changes: there (s - 1) v = C D v, but for a constant.
         """
-        contact, grid, (mode, eigenvalue) = self.contact, self.grid, self._null_or_leading()
+        contact = self.contact
+        grid = self.grid
+        (mode, eigenvalue) = self._null_or_leading()
         rate = eigenvalue - 1.0
         field = np.zeros((contact.scene.components, *grid.shape))
         window, inside = mode.window, field[:self.components]
-        gap, tangent = states.onto(self.state, window).copy(), np.zeros((self.components, self.components, window.size))
+        gap = states.onto(self.state, window).copy()
+        tangent = np.zeros((self.components, self.components, window.size))
         gap[0] += window.take(contact.initial_gap)
         contact.law.evaluate(gap, np.empty_like(gap), tangent)
         if not window.is_whole and rate.imag == 0.0 and abs(rate) > 1e-6:
             window.put(np.einsum("ijn,jn->in", tangent, mode.displacement), inside)
             flat = inside.reshape(self.components, -1)
-            Convolution(grid.whole, contact.operator(self.components), self.components).apply(flat, flat)
+            Convolution(grid.whole, contact.operator(self.components),
+                        self.components).apply(flat, flat)
             inside /= rate.real
             rim = window.rim()
-            inside += np.mean((mode.displacement - window.take(inside))[:, rim], axis=1).reshape(-1, *[1] * len(grid.shape))
+            inside += np.mean((mode.displacement - window.take(inside))[:, rim],
+                              axis=1).reshape(-1, *[1] * len(grid.shape))
         window.put(mode.displacement, inside)
-        return field / np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
+        return field / np.copysign(np.max(np.abs(field)),
+                                   field.flat[first_largest(field.reshape(-1))])
 
 
 def _sizes(scene, symbol):
-    """Sizes of the units of displacement ('u') or traction ('p') of each component in what the scene is told in."""
-    return np.array([scene.scale(f"{symbol}_n,r")[0], *[scene.scale(f"{symbol}_t,r")[0]] * scene.dimension])
+    """Sizes of the units of displacement ('u') or traction ('p') of each component in what the
+    scene is told in."""
+    return np.array([scene.scale(f"{symbol}_n,r")[0],
+                     *[scene.scale(f"{symbol}_t,r")[0]] * scene.dimension])
 
 
 def frame(contact):
     """Coordinates, initial gap and units of the fields of a contact, as arguments of an archive."""
     scene, nodes = contact.scene, contact.widest
     length, gap = scene.scale("beta")[0], scene.scale("u_n,r")[0] / contact.ranges[0]
-    both = {name: "; ".join(scene.scale(f"{symbol}_{end},r")[1] for end in "nt") for name, symbol in (("displacement", "u"), ("traction", "p"))}
+    both = {name: "; ".join(scene.scale(f"{symbol}_{end},r")[1] for end in "nt")
+            for name, symbol in (("displacement", "u"), ("traction", "p"))}
     return {"coordinates": tuple(length * axis.ravel() for axis in nodes.coordinates()),
             "initial_gap": gap * nodes.box(nodes.take(contact.initial_gap)),
-            "units": {"coordinates": scene.scale("beta")[1], "initial_gap": scene.scale("u_n,r")[1], **both}}
+            "units": {"coordinates": scene.scale("beta")[1], "initial_gap": scene.scale("u_n,r")[1],
+                      **both}}
 
 
 def table(scene):
-    """Name -> Observable of everything that a point of a scene can tell, in the order of the archive and the scene's units."""
-    return {name: _in_units(row, *scene.scale(row.unit)) for name, row in _scaled_table(scene).items()}
+    """Name -> Observable of everything that a point of a scene can tell, in the order of the
+    archive and the scene's units."""
+    return {name: _in_units(row, *scene.scale(row.unit))
+            for name, row in _scaled_table(scene).items()}
 
 
 def _in_units(row, size, unit):
     """A row in a unit, its present one being of that size."""
-    return row if unit == row.unit else row._replace(function=lambda measurement: size * row.function(measurement), unit=unit)
+    return row if unit == row.unit else row._replace(function=lambda measurement: size
+                                                     * row.function(measurement), unit=unit)
 
 
 def _scaled_table(scene):
-    """Name -> Observable of everything that a point of a scene can tell, in the scene's own units."""
+    """Name -> Observable of everything that a point of a scene can tell, in the scene's own
+    units."""
     plane = scene.dimension == 2
-    ends, force_units = (("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)")) if plane else (("",), ("w_n,r", "w_t,r"))
+    ends, force_units = ((("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)")) if plane
+                         else (("",), ("w_n,r", "w_t,r")))
     rows = {"leg": Observable(lambda m: m.point.leg, "leg", "", "i8"),
-            "normal_displacement": Observable(lambda m: m.component(m.point.displacements, 0), "$D$", "u_n,r"),
-            "normal_force": Observable(lambda m: m.component(m.point.forces, 0), "$W_n$", force_units[0])}
+            "normal_displacement": Observable(lambda m: m.component(m.point.displacements, 0),
+                                              "$D$", "u_n,r"),
+            "normal_force": Observable(lambda m: m.component(m.point.forces, 0), "$W_n$",
+                                       force_units[0])}
     for i, end in enumerate(ends, start=1):
         rows[f"tangential_displacement{end}"] = Observable(
             lambda m, i=i: m.component(m.point.displacements, i), f"$U{end}$", "u_t,r")
-        rows[f"tangential_force{end}"] = Observable(lambda m, i=i: m.component(m.point.forces, i), f"$W_t{end}$", force_units[1])
+        rows[f"tangential_force{end}"] = Observable(lambda m, i=i: m.component(m.point.forces, i),
+                                                    f"$W_t{end}$", force_units[1])
     rows["approach"] = Observable(lambda m: -m.mean(0), "approach", "u_n,r")
     for i, end in enumerate(ends, start=1):
-        rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i), f"mean slip{end}", "u_t,r")
-    for name, label in (("elastic_energy", "elastic energy"), ("interfacial_energy", "energy of the interface"),
-                        ("external_work", "work of the loads"), ("interface_work", "work on the interface"),
-                        ("dissipated_work", "energy lost in jumps"), ("energy_imbalance", "error of the energy balance"),
-                        ("jump_work", "work on the interface in a jump"), ("viscous_work", "work against viscosity in a jump")):
+        rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i),
+                                                                f"mean slip{end}", "u_t,r")
+    for name, label in (("elastic_energy", "elastic energy"),
+                        ("interfacial_energy", "energy of the interface"),
+                        ("external_work", "work of the loads"),
+                        ("interface_work", "work on the interface"),
+                        ("dissipated_work", "energy lost in jumps"),
+                        ("energy_imbalance", "error of the energy balance"),
+                        ("jump_work", "work on the interface in a jump"),
+                        ("viscous_work", "work against viscosity in a jump")):
         rows[name] = Observable(lambda m, name=name: m.energy(name), label, energy_unit(scene))
-    rows.update({
-        "contact_area": Observable(Measurement.contact_area, "contact area", "beta^2" if plane else "beta"),
-        "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),
-        "maximum_pressure": Observable(lambda m: float(m.grid.maximum(-m.traction[0], initial=0.0)), "largest pressure", "p_n,r"),
-        "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap, "largest slip", "u_t,r"),
-        "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction, "largest shear traction", "p_t,r"),
-        "residual_norm": Observable(lambda m: m.point.residual_norm, "residual", "ranges of the law"),
-        "largest_residual": Observable(lambda m: m.point.largest_residual, "largest residual at a node where the law acts",
-                                       "ranges of the law")})
-    for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""), ("function_evaluations", ""),
-                       ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"), ("wall_time", "s")):
-        rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "), unit,
-                                "f8" if unit else "i8")
-    rows["resolved"] = Observable(lambda m: m.point.resolved, "resolved by the grid (0: folds may be its own)", "", "i8")
-    rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "", "i8")
-    rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes, "unstable modes (-1: not known)", "", "i8")
-    rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real, "leading eigenvalue", "")
-    rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag, "its imaginary part", "")
+    rows.update({"contact_area": Observable(Measurement.contact_area, "contact area", "beta^2"
+                                            if plane else "beta"),
+                 "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),
+                 "maximum_pressure": Observable(lambda m: float(m.grid.maximum(-m.traction[0],
+                                                                               initial=0.0)),
+                                                "largest pressure", "p_n,r"),
+                 "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap,
+                                                      "largest slip", "u_t,r"),
+                 "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction,
+                                                           "largest shear traction", "p_t,r"),
+                 "residual_norm": Observable(lambda m: m.point.residual_norm, "residual",
+                                             "ranges of the law"),
+                 "largest_residual": Observable(lambda m: m.point.largest_residual,
+                                                "largest residual at a node where the law acts",
+                                                "ranges of the law")})
+    for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""),
+                       ("function_evaluations", ""),
+                       ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"),
+                       ("wall_time", "s")):
+        rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
+                                unit, "f8" if unit else "i8")
+    rows["resolved"] = Observable(lambda m: m.point.resolved,
+                                  "resolved by the grid (0: folds may be its own)", "", "i8")
+    rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "",
+                                "i8")
+    rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes,
+                                        "unstable modes (-1: not known)", "", "i8")
+    rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real,
+                                            "leading eigenvalue", "")
+    rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag,
+                                                      "its imaginary part", "")
     rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
-    rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8", FOLD_KINDS)
-    rows["fold_tangents"] = Observable(lambda m: len(m.point.tangents), "tangents of a fold (2: in a corner of the branch)", "", "i8")
-    rows["fold_precision"] = Observable(lambda m: m.point.fold_precision, "relative width of the bracket of a fold's load", "")
-    rows["jump_balance"] = Observable(lambda m: m.point.jump_balance, "what tells the energy lost in a jump", "", "i8", BALANCES)
+    rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8",
+                                   FOLD_KINDS)
+    rows["fold_tangents"] = Observable(lambda m: len(m.point.tangents),
+                                       "tangents of a fold (2: in a corner of the branch)", "",
+                                       "i8")
+    rows["fold_precision"] = Observable(lambda m: m.point.fold_precision,
+                                        "relative width of the bracket of a fold's load", "")
+    rows["jump_balance"] = Observable(lambda m: m.point.jump_balance,
+                                      "what tells the energy lost in a jump", "", "i8", BALANCES)
     return rows
 
 

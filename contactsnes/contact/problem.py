@@ -1,7 +1,7 @@
 """A scene on its grid: the law, the gap and the body of a contact, in ranges of the law.
 
-Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i / delta_i, so that compliances carry
-lambda_i lambda_j.
+Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i /
+delta_i, so that compliances carry lambda_i lambda_j.
 """
 
 from dataclasses import replace
@@ -12,19 +12,21 @@ import numpy as np
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform, enclosing
 from ..grid.even import Cosines, asymmetry
+from ..interface import laws
 from ..interface.elasticity import Body
 from ..interface.gap import initial_gap, is_convex
-from ..interface import laws
 from ..options.fields import InputError
 from ..scene.traction import with_law
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
-"""Control of the mean surface itself, without the rigid compliance of the body: what a cold start holds."""
+"""Control of the mean surface itself, without the rigid compliance of the body: what a cold start
+holds."""
 
 
 class Contact:
-    """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much is made of each part.
+    """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much
+    is made of each part.
 
     Parameters
     ----------
@@ -59,8 +61,10 @@ class Contact:
         self.ranges = np.array(scene.ranges)
         self.law = laws.of(scene) if law is None else law
         if gap is None:
-            gap = self.ranges[0] * initial_gap(self.scene.geometry, self.grid.coordinates(), self.grid.periods, amplitude=scene.amplitude,
-                                               heights=heights, roughness=scene.roughness, offset=scene.gap_offset)
+            gap = self.ranges[0] * initial_gap(self.scene.geometry, self.grid.coordinates(),
+                                               self.grid.periods, amplitude=scene.amplitude,
+                                               heights=heights, roughness=scene.roughness,
+                                               offset=scene.gap_offset)
         self.initial_gap = np.array(gap, dtype=float, order="C")
         self.body = Body(scene.poisson, scene.height, scene.work_ratio)
         self._operators = {}
@@ -72,8 +76,10 @@ class Contact:
 
     def __setattr__(self, name, value):
         if "_sealed" in self.__dict__:
-            raise AttributeError(f"a contact is immutable, its {name} cannot be set: make another one, Contact(scene, ...), which "
-                                 "takes heights, a gap or a law in place of the scene's")
+            raise AttributeError(f"a contact is immutable, its {name} cannot be "
+                                 "set: make another one, Contact(scene, ...), "
+                                 "which takes heights, a gap or a law in "
+                                 "place of the scene's")
         super().__setattr__(name, value)
 
     def __delattr__(self, name):
@@ -86,7 +92,8 @@ class Contact:
 
     @cached_property
     def convex(self):
-        """Whether the initial gap is: it only grows away from a window around the contact, and a cold solve may be trusted."""
+        """Whether the initial gap is: it only grows away from a window around the contact, and a
+        cold solve may be trusted."""
         return is_convex(self.initial_gap)
 
     @cached_property
@@ -100,7 +107,8 @@ class Contact:
         return self
 
     def signs(self, components):
-        """-1 for the normal, +1 for tangential components: load = sign x displacement of the body."""
+        """-1 for the normal, +1 for tangential components: load = sign x displacement of the
+        body."""
         return np.array([-1.0] + [1.0] * (components - 1))
 
     def rigid_compliance(self, components):
@@ -109,41 +117,53 @@ class Contact:
         return np.array([normal] + [tangential] * (components - 1)) * self.ranges[:components] ** 2
 
     def mean_mass(self, components):
-        """Mean traction over the speed of the mean displacement in overdamped motion, for each component (dimensionless).
+        """Mean traction over the speed of the mean displacement in overdamped motion, for each
+        component (dimensionless).
 
         The stiffness of the cell's softest wave.
         """
         blocks = self.operator(components).blocks
-        return np.array([1.0 / (self.grid.size * np.max(blocks[i, i].real.reshape(-1)[1:])) for i in range(components)])
+        return np.array([1.0 / (self.grid.size * np.max(blocks[i, i].real.reshape(-1)[1:]))
+                         for i in range(components)])
 
     def operator(self, components, kind="compliance"):
-        """Operator of the mean-free compliance or stiffness among components, scaled to ranges of the law."""
+        """Operator of the mean-free compliance or stiffness among components, scaled to ranges of
+        the law."""
         key = (components, kind)
         if key not in self._operators:
             power = 1 if kind == "compliance" else -1
             blocks = getattr(self.body, kind)(self.grid.wavevectors(), components)
-            self._operators[key] = Operator(self.grid, {
-                (i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power for (i, j), symbol in blocks.items()})
+            self._operators[key] = Operator(self.grid,
+                                            {(i,
+                                              j): symbol
+                                             * (self.ranges[i] * self.ranges[j]) ** power
+                                             for (i, j), symbol in blocks.items()})
         return self._operators[key]
 
     def _circle(self, component, components, shape, even=False, count=1):
-        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to ranges, 0 at q = 0.
+        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to
+        ranges, 0 at q = 0.
 
-        For ``even`` fields the points of each direction are those from the axis outwards. Transforms are of ``count`` fields.
+        For ``even`` fields the points of each direction are those from the axis outwards.
+        Transforms are of ``count`` fields.
         """
         transform = (Cosines if even else Transform)(self.grid, shape, count)
-        vectors = transform.wavevectors(self.grid.spacings) if even else self.grid.wavevectors(shape)
-        block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component, component]
+        vectors = (transform.wavevectors(self.grid.spacings) if even
+                   else self.grid.wavevectors(shape))
+        block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component,
+                                                                                        component]
         return transform, block * self.ranges[component] ** 2
 
     def _coarse(self, resolution):
-        """The contact on every other node, its law softened to spacing x maugis^2 <= resolution; the grid counts for both."""
+        """The contact on every other node, its law softened to spacing x maugis^2 <= resolution;
+        the grid counts for both."""
         scene, kept = self.scene, (slice(None, None, 2),) * len(self.grid.shape)
         points = tuple(n // 2 for n in self.grid.shape)
         sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
         normal = min(scene.normal_maugis, sharpest)
-        softened = replace(scene, points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
-                           tangential_maugis=min(scene.tangential_maugis, sharpest),
+        softened = replace(scene, points=points if scene.dimension == 2 else points[0],
+                           normal_maugis=normal, tangential_maugis=min(scene.tangential_maugis,
+                                                                       sharpest),
                            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
                            range_normal=None, range_tangential=None)
         return self._coarser(softened, softened.ranges[0] / self.ranges[0] * self.initial_gap[kept])
@@ -153,19 +173,23 @@ class Contact:
         return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law)
 
     def couples(self):
-        """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin layer)."""
+        """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin
+        layer)."""
         return (0, 1) in self.operator(self.scene.components).blocks
 
     def load_factor(self, components):
-        """Force of a component over the sum of its traction over nodes: sign x lambda x area of a node."""
+        """Force of a component over the sum of its traction over nodes: sign x lambda x area of a
+        node."""
         return self.signs(components) * self.ranges[:components] * self.grid.node_area
 
     def far_displacement(self, components, values):
-        """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t U."""
+        """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t
+        U."""
         return self.signs(components) * self.ranges[:components] * values
 
     def extended(self, state):
-        """Displacement over the whole cell (components, *grid) of a state on a window, by one convolution.
+        """Displacement over the whole cell (components, *grid) of a state on a window, by one
+        convolution.
 
         Outside the window the law is zero, so the balance itself gives the displacement there.
         """
@@ -183,7 +207,8 @@ class Contact:
         return cell
 
     def gap_outside(self, state):
-        """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as `extended`, but one transform back only."""
+        """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as
+        `extended`, but one transform back only."""
         window, blocks = state.window, self.operator(len(state.displacement)).blocks
         gap = state.displacement.copy()
         gap[0] += window.take(self.initial_gap)
@@ -191,23 +216,30 @@ class Contact:
         there, back = (Transform(self.grid, self.grid.shape, count) for count in (len(sources), 1))
         window.put(self.law.traction(gap)[sources], there.real)
         there.forward()
-        back.spectrum[0] = sum(blocks[0, i] * spectrum for i, spectrum in zip(sources, there.spectrum))
+        back.spectrum[0] = sum(blocks[0, i] * spectrum
+                               for i, spectrum in zip(sources, there.spectrum))
         back.backward()
         outside = state.means[0] - back.real[0] + self.initial_gap
         window.put(np.full(window.size, np.inf), outside)
         return outside
 
     def window(self, normal_gap):
-        """The window around the nodes of the cell whose normal gap (delta_n) is within the law's range."""
+        """The window around the nodes of the cell whose normal gap (delta_n) is within the law's
+        range."""
         made = enclosing if self.convex else fitting
         return made(self.grid, normal_gap < self.law.range, margin=0.05)
 
 
 def _of_heights(scene, heights):
-    """The scene of heights given in place of its geometry, which is then that of a file; InputError where they do not fit."""
+    """The scene of heights given in place of its geometry, which is then that of a file; InputError
+    where they do not fit."""
     if heights.shape != scene.shape:
-        raise InputError(f"the heights have the shape {heights.shape}, the grid has {scene.shape}: give one height for each node, or "
-                         "-scene_points and -scene_dimension that fit the heights")
+        raise InputError(f"the heights have the shape {heights.shape}, the grid "
+                         f"has {scene.shape}: give one height for each node, "
+                         "or -scene_points and -scene_dimension that fit "
+                         "the heights")
     if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
-        raise InputError("the heights have to be real and finite numbers: fill the missing ones first")
-    return scene if scene.geometry == "file" else replace(scene, geometry="file", geometry_file="heights given as an array")
+        raise InputError(
+            "the heights have to be real and finite numbers: fill the missing ones first")
+    return scene if scene.geometry == "file" else replace(scene, geometry="file",
+                                                          geometry_file="heights given as an array")

@@ -1,6 +1,7 @@
 """States of a contact on windows: starting, resampling, extrapolating.
 
-A state is a displacement on a window with its means over the cell, in ranges of the law. Nothing here solves.
+A state is a displacement on a window with its means over the cell, in ranges of the law. Nothing
+here solves.
 """
 
 from dataclasses import dataclass
@@ -13,12 +14,14 @@ from ..grid.cell import Convolution
 from .problem import APPROACH, FORCE
 
 NEAR = 15.0
-"""Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is below 1e-5 of its peak."""
+"""Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
+below 1e-5 of its peak."""
 
 
 @dataclass(frozen=True)
 class State:
-    """Displacements on a window, array (components, nodes), and their means over the cell (components)."""
+    """Displacements on a window, array (components, nodes), and their means over the cell
+    (components)."""
 
     window: object
     displacement: np.ndarray
@@ -26,12 +29,16 @@ class State:
 
 
 def undeformed(contact, controls, load):
-    """The start without overlap: u_n = max(-g_0, -c), with c from what is controlled of the normal component.
+    """The start without overlap: u_n = max(-g_0, -c), with c from what is controlled of the normal
+    component.
 
-    Approach: the mean is as prescribed. Displacement: that of the top, with what the body as a whole gives way. Force: the flat
-    carries it, or c is the smallest gap if it pulls. Tangential displacements are zero.
+    Approach: the mean is as prescribed. Displacement: that of the top, with what the body as a
+    whole gives way. Force: the flat carries it, or c is the smallest gap if it pulls. Tangential
+    displacements are zero.
     """
-    gap, grid, components = contact.initial_gap, contact.grid, len(controls)
+    gap = contact.initial_gap
+    grid = contact.grid
+    components = len(controls)
     lowest, highest = grid.minimum(gap), grid.maximum(gap)
     compliance = 0.0 if controls[0] == APPROACH else contact.rigid_compliance(1)[0]
     control, target = controls[0], -contact.far_displacement(components, load)[0]
@@ -49,12 +56,15 @@ def undeformed(contact, controls, load):
     if load[0] <= 0.0 if control == FORCE else target <= max(lowest, approach(lowest)):
         depth = lowest if control == FORCE else target
     else:
-        # What the flat carries first rises with the depth and falls again towards full contact: the first root counts.
+        # What the flat carries first rises with the depth and falls again towards full contact: the
+        # first root counts.
         tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
         above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
-        # Each trial of what the flat carries is a transform of the cell; a start need not be exact in that.
+        # Each trial of what the flat carries is a transform of the cell; a start need not be exact
+        # in that.
         precision = 1e-12 if control != FORCE and not compliance else 1e-3
-        depth = highest if above is None else brentq(excess, tried[above - 1], tried[above], rtol=precision)
+        depth = highest if above is None else brentq(excess, tried[above - 1], tried[above],
+                                                     rtol=precision)
     displacement = np.zeros((components, grid.size))
     displacement[0] = np.maximum(-gap, -depth).reshape(-1)
     return State(grid.whole, displacement, grid.mean(displacement))
@@ -62,19 +72,23 @@ def undeformed(contact, controls, load):
 
 def apart(contact):
     """The undeformed body, far outside the law's range; the normal component."""
-    displacement = np.full((1, contact.grid.size), 2.0 * contact.law.range - contact.grid.minimum(contact.initial_gap))
+    displacement = np.full((1, contact.grid.size), 2.0 * contact.law.range
+                           - contact.grid.minimum(contact.initial_gap))
     return State(contact.grid.whole, displacement, displacement[:, 0].copy())
 
 
 def _carried(contact, depth):
-    """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth), ranges of the law."""
+    """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth),
+    ranges of the law."""
     displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
-    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"), 1).apply(displacement, displacement)
+    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"),
+                           1).apply(displacement, displacement)
     return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 
 def lowered(contact, state):
-    """The state of a body off the flat moved down as a whole until its lowest node is one range of the law away."""
+    """The state of a body off the flat moved down as a whole until its lowest node is one range of
+    the law away."""
     cell = contact.extended(state)
     cell[0] -= contact.grid.minimum(cell[0] + contact.initial_gap) - 1.0
     flat = cell.reshape(len(cell), -1)
@@ -95,8 +109,11 @@ def onto(state, window):
 
 
 def _nearest(state, box):
-    """Displacements (components, nodes) of a state at the nodes of a box, the nearest known ones."""
-    source, found, least = state.window, None, np.inf
+    """Displacements (components, nodes) of a state at the nodes of a box, the nearest known
+    ones."""
+    source = state.window
+    found = None
+    least = np.inf
     fields = state.displacement.reshape(len(state.displacement), len(source.parts), *source.shape)
     gaps = _gaps(source, box)
     for k in np.argsort(gaps, kind="stable"):
@@ -106,7 +123,8 @@ def _nearest(state, box):
         picked = fields[:, k]
         for axis, nodes in enumerate(axes, start=1):
             picked = picked[(slice(None),) * axis + (nodes,)]
-        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij", sparse=True)) if len(gaps) > 1 else 0.0
+        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij",
+                              sparse=True)) if len(gaps) > 1 else 0.0
         found = picked if found is None else np.where(far < least, picked, found)
         least = np.minimum(far, least)
     return np.ascontiguousarray(found).reshape(len(found), -1)
@@ -123,13 +141,17 @@ def _gaps(source, box):
 
 
 def _nodes_of(source, box):
-    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and their distances from those."""
+    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and
+    their distances from those."""
     axes, away = [], []
-    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape, box.grid.shape):
-        # Signed distance from the middle of what is known, so that nodes on either side find their own end of it.
+    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape,
+                                                  box.grid.shape):
+        # Signed distance from the middle of what is known, so that nodes on either side find their
+        # own end of it.
         offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
         inside = 0 <= offset and offset + extent <= known
-        wanted = (offset + np.arange(extent) - known // 2 + total // 2) % total - total // 2 + known // 2
+        wanted = (offset + np.arange(extent) - known // 2
+                  + total // 2) % total - total // 2 + known // 2
         nodes = np.clip(wanted, 0, known - 1)
         axes.append(slice(offset, offset + extent) if inside else nodes)
         away.append(wanted - nodes)
@@ -137,12 +159,14 @@ def _nodes_of(source, box):
 
 
 def fitted(contact, state, afresh=False):
-    """The state on the window that the law needs for it: the same state where its window will do, unless ``afresh``."""
+    """The state on the window that the law needs for it: the same state where its window will do,
+    unless ``afresh``."""
     window, reach = state.window, contact.law.range
     gap = normal_gap(contact, state)
     rim = window.rim()
     closest = contact.grid.minimum(gap, where=rim)
-    idle = len(window.parts) > 1 and gap.reshape(len(window.parts), -1).min(axis=1).max() > 1.2 * reach
+    idle = len(window.parts) > 1 and gap.reshape(len(window.parts),
+                                                 -1).min(axis=1).max() > 1.2 * reach
     if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
         return state
     cell = contact.extended(state)
@@ -182,12 +206,14 @@ def with_components(state, components):
 
 
 def combined(contact, states, weights):
-    """Weighted sum of states at fixed places, on the window of the last, without overlap much deeper than its."""
+    """Weighted sum of states at fixed places, on the window of the last, without overlap much
+    deeper than its."""
     window = states[-1].window
     displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     floor = contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0
     np.maximum(displacement[0], floor - window.take(contact.initial_gap), out=displacement[0])
-    return State(window, displacement, sum(weight * state.means for state, weight in zip(states, weights)))
+    return State(window, displacement, sum(weight * state.means
+                                           for state, weight in zip(states, weights)))
 
 
 def distance(contact, first, second):
@@ -197,19 +223,24 @@ def distance(contact, first, second):
 
 
 def missed(contact, guess, found, largest=False):
-    """Distance of a guess from what was found, over the nodes where the law acts on either (gap below 10).
+    """Distance of a guess from what was found, over the nodes where the law acts on either (gap
+    below 10).
 
     Root mean square, or the largest: the one that a spot makes which is small beside the rest.
     """
-    change, near = way(contact, guess, found, max(guess.window, found.window, key=lambda window: window.size))
+    change, near = way(contact, guess, found, max(guess.window, found.window,
+                                                  key=lambda window: window.size))
     np.multiply(change, near, out=change)
     if largest:
         return float(contact.grid.maximum(np.abs(change), initial=0.0))
-    return float(np.sqrt(contact.grid.inner(change, change) / max(len(change) * contact.grid.count(near), 1)))
+    return float(np.sqrt(contact.grid.inner(change,
+                                            change) / max(len(change) * contact.grid.count(near),
+                                                          1)))
 
 
 def way(contact, first, last, window):
-    """Displacements from one state to another on a window, and the nodes where the law acts on either (gap below 10)."""
+    """Displacements from one state to another on a window, and the nodes where the law acts on
+    either (gap below 10)."""
     begin, end = onto(first, window), onto(last, window)
     return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
 
@@ -217,8 +248,9 @@ def way(contact, first, last, window):
 def chord(contact, first, last, window):
     """The way from one state to another as a measure of others: row (components, nodes) and length.
 
-    The product of the row with displacements from ``first`` is how far they lead along the way, root mean square over the nodes
-    where the law acts on either end (over all, where it acts on none): a number that depends on neither grid nor window.
+    The product of the row with displacements from ``first`` is how far they lead along the way,
+    root mean square over the nodes where the law acts on either end (over all, where it acts on
+    none): a number that depends on neither grid nor window.
     """
     change, near = way(contact, first, last, window)
     if near.any():
@@ -229,7 +261,8 @@ def chord(contact, first, last, window):
 
 
 def progress(contact, origin, ahead, state):
-    """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the window of ``ahead``."""
+    """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the
+    window of ``ahead``."""
     start = onto(origin, ahead.window)
     way, gone = ahead.displacement - start, onto(state, ahead.window) - start
     return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)

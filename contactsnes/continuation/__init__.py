@@ -1,1 +1,2 @@
-"""Branches of equilibria of any system: points, steps along load and arc length, folds, events, bifurcations."""
+"""Branches of equilibria of any system: points, steps along load and arc length, folds, events,
+bifurcations."""

@@ -1,4 +1,5 @@
-"""Bifurcations of a branch: places of a leg where an eigenvalue crosses zero though the load has no limit there, and what follows."""
+"""Bifurcations of a branch: places of a leg where an eigenvalue crosses zero though the load has no
+limit there, and what follows."""
 
 from dataclasses import replace
 
@@ -8,24 +9,32 @@ from scipy.optimize import brentq
 from .points import NoEquilibrium, NotConverged, lagrange_weights
 
 NEUTRAL = 1e-5
-"""Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat may be anywhere."""
+"""Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat
+may be anywhere."""
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
 PARTED = 0.01
-"""Part of a step by which states are apart on either side of a place if they lie on two branches."""
-SOFT, LONG, PROBES = 0.05, 0.3, 2
-"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a step is asked in between, and how
-often: a mode that softens so fast may be unstable there."""
-SHORT, SOFTER, BACK = 0.05, 0.7, 0.5
-"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked, and what part of the way that has
-to lead back."""
+"""Part of a step by which states are apart on either side of a place if they lie on two
+branches."""
+SOFT = 0.05
+LONG = 0.3
+PROBES = 2
+"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a
+step is asked in between, and how often: a mode that softens so fast may be unstable there."""
+SHORT = 0.05
+SOFTER = 0.7
+BACK = 0.5
+"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked,
+and what part of the way that has to lead back."""
 KICKS = (1.0, -1.0, 5.0, -5.0)
-"""How far along the mode, in parts of the kick that is asked for, a motion away from the branch begins; the next if it leads back."""
+"""How far along the mode, in parts of the kick that is asked for, a motion away from the branch
+begins; the next if it leads back."""
 
 
 def examined(system, certify, leg, last, point):
-    """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of another branch.
+    """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of
+    another branch.
 
     Parameters
     ----------
@@ -44,10 +53,12 @@ def examined(system, certify, leg, last, point):
 
 
 def probe(system, leg, history, point):
-    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable part lies in between.
+    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable
+    part lies in between.
 
-    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and where it would not be at the
-    rate of the last step, solves in between tell whether it loses its stability and regains it.
+    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and
+    where it would not be at the rate of the last step, solves in between tell whether it loses its
+    stability and regains it.
 
     Parameters
     ----------
@@ -57,7 +68,8 @@ def probe(system, leg, history, point):
     if len(history) < 2 or system.examiner is None:
         return
     (before, first), (here, last) = history[-2:]
-    ahead = last.softest + (last.softest - first.softest) * (point.position - here) / (here - before)
+    ahead = last.softest + (last.softest - first.softest) * (point.position
+                                                             - here) / (here - before)
     softened = ahead < SOFT or point.softest < max(SOFT, SOFTER * last.softest)
     if not softened or min(last.softest, point.softest) < 0.0:
         return
@@ -65,18 +77,23 @@ def probe(system, leg, history, point):
     if far > SHORT:
         back = system.along_tangent(point, leg, point.position, here - point.position)
         if system.progress(point.state, last.state, back) < BACK:
-            raise NotConverged("a mode softened, and the branch where the step ended hardly leads back")
+            raise NotConverged(
+                "a mode softened, and the branch where the step ended hardly leads back")
     for _ in range(PROBES if far > LONG and ahead < SOFT else 0):
         places = sorted(known)
-        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest for place in pair))
+        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
+                                                                 for place in pair))
         position = 0.5 * sum(pair)
         known[position] = _solved(system, leg, known, position, far)
         if known[position].softest < 0.0:
-            raise NotConverged(f"a mode that is stable at both ends of the step is not at {system.told(leg.controls, leg.load(position))}")
+            raise NotConverged("a mode that is stable at both ends of the "
+                               "step is not at "
+                               f"{system.told(leg.controls, leg.load(position))}")
 
 
 def crossed(system, certify, first, last):
-    """Whether no odd number of modes loses its stability from one side of a fold to the other: the points are of two branches.
+    """Whether no odd number of modes loses its stability from one side of a fold to the other: the
+    points are of two branches.
 
     Parameters
     ----------
@@ -85,41 +102,51 @@ def crossed(system, certify, first, last):
     """
     if "fold" in (first.event, last.event):
         return False
-    counts = [(point if point.unstable_modes >= 0 else (system.examiner or certify)(point)).unstable_modes for point in (first, last)]
+    counts = [(point if point.unstable_modes >= 0
+               else (system.examiner or certify)(point)).unstable_modes for point in (first, last)]
     return min(counts) >= 0 and (counts[1] - counts[0]) % 2 == 0
 
 
 def _doubt(system, leg, last, point):
-    """Say where a branch loses its stability that is not certified; NotConverged where a point is another branch's."""
+    """Say where a branch loses its stability that is not certified; NotConverged where a point is
+    another branch's."""
     def place(position):
         return system.told(leg.controls, leg.load(position))
 
     before, after = system.examiner(last[1]), system.examiner(point)
     if min(before.unstable_modes, after.unstable_modes) > 0:
-        system.log(f"the branch is not stable at {place(last[0])}: a fold or a bifurcation was passed before; "
-                   "-continuation_stability certifies points")
+        system.log(f"the branch is not stable at {place(last[0])}: a fold "
+                   "or a bifurcation was passed before; -continuation_stability "
+                   "certifies points")
     change = after.unstable_modes - before.unstable_modes
     if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
-        system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} and {place(point.position)}: "
+        system.log(f"{abs(change)} modes of the branch change their sign "
+                   f"between {place(last[0])} and {place(point.position)}: "
                    "-continuation_stability certifies its points")
         return
-    for critical in between(system, system.examiner, leg, (last[0], before), (point.position, after)):
-        system.log(f"a bifurcation at {place(critical.position)} is passed, and points beyond are not stable: "
-                   "-continuation_stability certifies them, -continuation_at_bifurcation follow goes on beside")
+    for critical in between(system, system.examiner, leg, (last[0], before),
+                            (point.position, after)):
+        system.log(f"a bifurcation at {place(critical.position)} is passed, and "
+                   "points beyond are not stable: -continuation_stability "
+                   "certifies them, -continuation_at_bifurcation follow goes "
+                   "on beside")
 
 
 def between(system, stability, leg, before, after):
-    """Points with event ``bifurcation`` where the number of unstable modes changes between two neighbours of a leg, in order.
+    """Points with event ``bifurcation`` where the number of unstable modes changes between two
+    neighbours of a leg, in order.
 
-    None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a bracketed root of its eigenvalue
-    (Brent's method) along the branch, which is solved for in between. NotConverged where that fails and an odd number changes:
-    that happens at folds and bifurcations only (the index of a branch stays), so that the neighbours lie on two branches. Else what
-    is not located is told of.
+    None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a
+    bracketed root of its eigenvalue (Brent's method) along the branch, which is solved for in
+    between. NotConverged where that fails and an odd number changes: that happens at folds and
+    bifurcations only (the index of a branch stays), so that the neighbours lie on two branches.
+    Else what is not located is told of.
 
     Parameters
     ----------
     system : Corrector
-    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that eigenvalue, point marked at it)
+    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that
+        eigenvalue, point marked at it)
     leg : Leg
     before, after : (position, Point)
     """
@@ -128,12 +155,15 @@ def between(system, stability, leg, before, after):
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
     found = []
     if before[1].event == "bifurcation" and fewer < more:
-        # A path that goes on from an archive: one of the modes that change is that of its last point.
+        # A path that goes on from an archive: one of the modes that change is that of its last
+        # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
     for index in range(fewer, more):
-        sentence = (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} between "
-                    f"{system.told(leg.controls, leg.load(before[0]))} and {system.told(leg.controls, leg.load(after[0]))}, "
-                    "but no bifurcation was located there")
+        sentence = (f"unstable modes change from {before[1].unstable_modes} to "
+                    f"{after[1].unstable_modes} between "
+                    f"{system.told(leg.controls, leg.load(before[0]))} and "
+                    f"{system.told(leg.controls, leg.load(after[0]))}, but no bifurcation "
+                    "was located there")
         try:
             if any(_fades(stability, point, index) for _, point in (before, after)):
                 continue
@@ -147,17 +177,20 @@ def between(system, stability, leg, before, after):
             system.log(f"{sentence}: an eigenvalue jumps through zero")
             continue
         # Both of a complex pair cross at one place.
-        if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position) for other in found):
+        if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position)
+               for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
 
 
 def _fades(stability, point, index):
-    """Whether a mode is neutral since forces move a body that the law no longer holds: off the flat, or sliding.
+    """Whether a mode is neutral since forces move a body that the law no longer holds: off the
+    flat, or sliding.
 
     As the law fades its eigenvalue goes to zero, which it does not cross.
     """
-    free = not point.in_contact and point.controls[0] == "force" or point.sliding and "force" in point.controls[1:]
+    free = (not point.in_contact and point.controls[0] == "force" or point.sliding
+            and "force" in point.controls[1:])
     return free and abs(stability.critical(point, index)[0]) <= NEUTRAL
 
 
@@ -168,7 +201,8 @@ def _precision(leg, position):
 
 
 def _root(system, stability, leg, ends, index):
-    """The point where an eigenvalue vanishes, None where it jumps and the state does not; NotConverged where a solve leaves the branch."""
+    """The point where an eigenvalue vanishes, None where it jumps and the state does not;
+    NotConverged where a solve leaves the branch."""
     known, values = dict(ends), {}
     far = system.missed(ends[0][1].state, ends[1][1].state)
 
@@ -190,12 +224,14 @@ def _root(system, stability, leg, ends, index):
             raise NotConverged("an eigenvalue jumps through zero, and the state with it")
         return None
     # A bifurcation next to a fold, whose copy this may be, is none.
-    return replace(known[place], position=place, leg=leg.number, step=leg.initial, event="bifurcation",
-                   fold_kind="", fold_precision=0.0, tangents=(), stable=0, unstable_modes=index)
+    return replace(known[place], position=place, leg=leg.number, step=leg.initial,
+                   event="bifurcation", fold_kind="", fold_precision=0.0, tangents=(), stable=0,
+                   unstable_modes=index)
 
 
 def _apart(system, known, values):
-    """How far states are apart where an eigenvalue changes its sign, at the nearest places with either: little at a corner."""
+    """How far states are apart where an eigenvalue changes its sign, at the nearest places with
+    either: little at a corner."""
     places = sorted(values)
     changes = [pair for pair in zip(places, places[1:]) if values[pair[0]] * values[pair[1]] < 0.0]
     below, above = min(changes, key=lambda pair: pair[1] - pair[0])
@@ -204,7 +240,8 @@ def _apart(system, known, values):
 
 def _solved(system, leg, known, position, far):
     """The point at a position between two known ones."""
-    nodes = [max(place for place in known if place < position), min(place for place in known if place > position)]
+    nodes = [max(place for place in known if place < position),
+             min(place for place in known if place > position)]
     guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
     point = system.solve(guess, leg.controls, leg.load(position))
     if system.missed(guess, point.state) > 0.5 * far:
@@ -213,15 +250,19 @@ def _solved(system, leg, known, position, far):
 
 
 def followed(system, stability, leg, critical, beyond):
-    """The stable point to which a disturbance leads where a branch has lost its stability, and None if it leads nowhere else.
+    """The stable point to which a disturbance leads where a branch has lost its stability, and None
+    if it leads nowhere else.
 
-    Motion begins next to the point ``beyond``, which is not stable any more: at the bifurcation itself it would be infinitely
-    slow. Where it leads to a state that is another one at the bifurcation's load, too, that is a jump there (event ``jump``); else
-    it is the branch that begins there.
+    Motion begins next to the point ``beyond``, which is not stable any more: at the bifurcation
+    itself it would be infinitely slow. Where it leads to a state that is another one at the
+    bifurcation's load, too, that is a jump there (event ``jump``); else it is the branch that
+    begins there.
 
-    Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to another equilibrium.
+    Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to
+    another equilibrium.
     """
-    where = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch that has lost its stability"
+    where = (f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch "
+             "that has lost its stability")
     failure = None
     for kick in KICKS:
         start = system.kicked(beyond, stability.aside(replace(beyond, mode=critical.mode)), kick)
@@ -241,19 +282,23 @@ def followed(system, stability, leg, critical, beyond):
 
 
 def _branched(system, leg, critical, beyond, reached):
-    """What a motion beside a branch reached: a point of another branch that begins at the bifurcation, or a jump there."""
+    """What a motion beside a branch reached: a point of another branch that begins at the
+    bifurcation, or a jump there."""
     reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
     try:
         there = system.solve(reached.state, leg.controls, leg.load(critical.position))
     except NotConverged:
         return reached
-    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state, reached.state):
+    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state,
+                                                                        reached.state):
         return reached
-    return replace(there, leg=leg.number, position=critical.position, step=leg.initial, event="jump")
+    return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
+                   event="jump")
 
 
 def settled(system, stability, point, where):
-    """The end of a jump, gone on from along its least stable mode while it is marked as unstable; at most three times.
+    """The end of a jump, gone on from along its least stable mode while it is marked as unstable;
+    at most three times.
 
     The motion of an even state is even, but what is not even may grow: only the mark tells.
     """
@@ -264,5 +309,6 @@ def settled(system, stability, point, where):
         system.log(f"the jump {where} ended in an unstable state: going on along its mode")
         start = system.kicked(point, stability.aside(stability.critical(point, 0)[1]), 1.0)
         found = system.settle(start, point.controls, point.load, where, point.state)
-        point = replace(found, jump_work=point.jump_work + found.jump_work, viscous_work=point.viscous_work + found.viscous_work)
+        point = replace(found, jump_work=point.jump_work + found.jump_work,
+                        viscous_work=point.viscous_work + found.viscous_work)
     return point

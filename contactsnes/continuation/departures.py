@@ -1,9 +1,11 @@
-"""How a fold is left: motions from states beside it, in turn, until one leads to another equilibrium."""
+"""How a fold is left: motions from states beside it, in turn, until one leads to another
+equilibrium."""
 
 from .points import NoEquilibrium, NotConverged
 
 KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
-"""How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the next if it leads back.
+"""How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the
+next if it leads back.
 
 Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
 """
@@ -13,7 +15,8 @@ MISHAPS = 5
 
 
 def starts(system, fold, beyond):
-    """Functions that return states from which the motion of a jump begins, in the order in which to try them.
+    """Functions that return states from which the motion of a jump begins, in the order in which to
+    try them.
 
     Parameters
     ----------
@@ -27,7 +30,8 @@ def starts(system, fold, beyond):
 
 
 def jumped(system, leg, fold, starts, where, check_end):
-    """The equilibrium at a fold's load to which motion leads from the first start that does not lead back.
+    """The equilibrium at a fold's load to which motion leads from the first start that does not
+    lead back.
 
     A body that leaves, from one start, says nothing of others, nor of other loads.
 
@@ -38,7 +42,8 @@ def jumped(system, leg, fold, starts, where, check_end):
     fold : Point
     starts : functions () -> State
     where : str, what messages say of the place
-    check_end : function () that raises NoEquilibrium if motion under the load of the leg's end shows that there is none
+    check_end : function () that raises NoEquilibrium if motion under the load of the leg's end
+        shows that there is none
 
     Raises
     ------

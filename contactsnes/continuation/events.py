@@ -1,4 +1,5 @@
-"""Events between two points of a branch, and the points at which they happen, by bracketed roots of what tells of them."""
+"""Events between two points of a branch, and the points at which they happen, by bracketed roots of
+what tells of them."""
 
 from dataclasses import replace
 
@@ -12,8 +13,8 @@ MOST = 60
 def locate(system, leg, event, before, after):
     """The first point with an event between two points of a branch, one without and one with it.
 
-    The regula falsi, as Illinois has it, along the chord between the points; to FOLD_TOLERANCE of the load that moves, or of the
-    law's range.
+    The regula falsi, as Illinois has it, along the chord between the points; to FOLD_TOLERANCE of
+    the load that moves, or of the law's range.
 
     Parameters
     ----------
@@ -23,17 +24,20 @@ def locate(system, leg, event, before, after):
     before, after : points of the branch
     """
     chord = before.state, after.state
-    left, right = (0.0, before, system.margin(before, event)), (system.chord_length(*chord), after, system.margin(after, event))
+    left = (0.0, before, system.margin(before, event))
+    right = (system.chord_length(*chord), after, system.margin(after, event))
     scale, kept = abs(leg.direction[leg.moving]), None
     for _ in range(MOST):
         (begin, first, lack), (end, last, margin) = left, right
-        width = scale * abs(last.position - first.position) / max(abs(leg.load(last.position)[leg.moving]), 1e-3)
+        width = scale * abs(last.position - first.position) / max(
+            abs(leg.load(last.position)[leg.moving]), 1e-3)
         if width < FOLD_TOLERANCE or 0.0 <= margin < FOLD_TOLERANCE:
             break
         part = min(max(-lack / (margin - lack), 0.01), 0.99)
         place = begin + part * (end - begin)
         try:
-            point = system.solve_arc(chord, place, system.extrapolate([first, last], [1.0 - part, part]),
+            point = system.solve_arc(chord, place,
+                                     system.extrapolate([first, last], [1.0 - part, part]),
                                      first.position + part * (last.position - first.position), leg)
         except NotConverged as error:
             system.log(f"the event {event} is located to {width:.2g} of its load only: {error}")
@@ -50,7 +54,8 @@ def locate(system, leg, event, before, after):
 
 
 def events_between(previous, point):
-    """Names of the events that a point has besides its own: first gross sliding, first loss of contact."""
+    """Names of the events that a point has besides its own: first gross sliding, first loss of
+    contact."""
     if previous is None:
         return []
     found = []
@@ -62,7 +67,8 @@ def events_between(previous, point):
 
 
 def with_events(previous, point):
-    """The point, then a copy for every further event at the same load; a point without an event takes the first."""
+    """The point, then a copy for every further event at the same load; a point without an event
+    takes the first."""
     names = events_between(previous, point)
     if point.event == "none" and names:
         point = replace(point, event=names[0])

@@ -8,23 +8,29 @@ from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .points import NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
-"""Steps that had to be cut below this part of a leg, or below its initial one, look like a fold: arc length finds out."""
+"""Steps that had to be cut below this part of a leg, or below its initial one, look like a fold:
+arc length finds out."""
 
 AHEAD = 0.01
-"""Ranges of the law within which a load that still rises, by its slope, would tell it from a plateau."""
+"""Ranges of the law within which a load that still rises, by its slope, would tell it from a
+plateau."""
 
 
 class Turn:
-    """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown of the solve."""
+    """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
+    of the solve."""
 
     def __init__(self, system, leg, history, most=60):
-        self.system, self.leg, self.most = system, leg, most
+        self.system = system
+        self.leg = leg
+        self.most = most
         self.history = [(place, replace(point, position=place)) for place, point in history]
         # Whatever steps a user asks for: those that look for a fold must not pass it.
         self.initial, self.largest = min(leg.initial, SHORT), min(leg.largest, 2.0 * SHORT)
 
     def search(self, error, refused=np.inf):
-        """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past the trouble.
+        """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past
+        the trouble.
 
         Raises NoFold (``error`` again) where no solution can be followed any further.
         """
@@ -41,7 +47,9 @@ class Turn:
             except NotConverged as second:
                 length *= 0.25
                 if length < 1e-4 * first:
-                    raise NoFold(f"{error}; following the branch by arc length failed too, so that no fold was located: {second}") from None
+                    raise NoFold(f"{error}; following the branch by arc length "
+                                 "failed too, so that no fold was "
+                                 f"located: {second}") from None
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
@@ -70,12 +78,15 @@ class Turn:
         raise NoFold(f"{error}; arc length made no headway either")
 
     def _short_of(self, refused, trail):
-        """Length of the first arc step: of the last one, but no farther than to what the walk could not reach."""
+        """Length of the first arc step: of the last one, but no farther than to what the walk could
+        not reach."""
         (before, first), (here, last) = trail[-2:]
-        return self.system.chord_length(first.state, last.state) * min(1.0, refused / abs(here - before))
+        return self.system.chord_length(first.state, last.state) * min(1.0,
+                                                                       refused / abs(here - before))
 
     def _slopes(self, trail):
-        """Places on the arc of three points, and d(position)/d(arc length) there by the parabola through them."""
+        """Places on the arc of three points, and d(position)/d(arc length) there by the parabola
+        through them."""
         distance = self.system.chord_length
         arc = np.array([-distance(trail[0][1].state, trail[1][1].state), 0.0,
                         distance(trail[1][1].state, trail[2][1].state)])
@@ -98,7 +109,8 @@ class Turn:
         """Place and point of a step along the tangent from the only point."""
         guess = self.system.along_tangent(last, self.leg, here, step)
         place = here + step
-        return place, replace(self.system.solve(guess, self.leg.controls, self.leg.load(place)), position=place)
+        return place, replace(self.system.solve(guess, self.leg.controls, self.leg.load(place)),
+                              position=place)
 
     def _ahead(self, trail, length):
         """The point at a given arc length beyond the last two."""
@@ -106,56 +118,72 @@ class Turn:
         return self._at(last, here, first, before, length)
 
     def _at(self, last, here, first, before, length):
-        """The point at arc length ``length`` from ``last`` in the direction from ``first`` to it."""
+        """The point at arc length ``length`` from ``last`` in the direction from ``first`` to
+        it."""
         system, chord = self.system, (first.state, last.state)
         way = system.chord_length(*chord)
         ahead = length / way
         guess = system.extrapolate([first, last], [-ahead, 1.0 + ahead])
-        point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before), self.leg)
+        point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before),
+                                 self.leg)
         if point.softest < 0.0 <= last.softest:
-            raise NotConverged("a mode lost its stability in an arc-length step, perhaps on another branch")
+            raise NotConverged(
+                "a mode lost its stability in an arc-length step, perhaps on another branch")
         aside = system.missed(guess, point.state)
         if (aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state)) \
                 or system.strayed(guess, last.state, point.state) > 0.0:
-            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from its prediction, perhaps on another branch")
+            raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "
+                               "its prediction, perhaps on another branch")
         return point
 
     def _natural(self, trail, target):
-        """The point at a given place of the leg, between two of a trail that is refined until a solve succeeds.
+        """The point at a given place of the leg, between two of a trail that is refined until a
+        solve succeeds.
 
-        Where none does, the trail's own last point before that place; NoFold if that is no way ahead.
+        Where none does, the trail's own last point before that place; NoFold if that is no way
+        ahead.
         """
-        after = next((k for k, (place, _) in enumerate(trail) if place >= target and k), len(trail) - 1)
+        after = next((k for k, (place, _) in enumerate(trail) if place >= target and k),
+                     len(trail) - 1)
         pair = trail[after - 1:after + 1]
         for _ in range(12):
             (before, first), (behind, second) = pair
-            guess = self.system.extrapolate([first, second], lagrange_weights([before, behind], target))
+            guess = self.system.extrapolate([first, second],
+                                            lagrange_weights([before, behind], target))
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-                if self.system.missed(guess, point.state) <= max(0.1, self.system.missed(first.state, second.state)) \
-                        and self.system.strayed(guess, first.state, point.state) <= 0.0:
+                if (self.system.missed(guess, point.state) <= max(0.1,
+                                                                  self.system.missed(first.state,
+                                                                                     second.state))
+                    and self.system.strayed(guess, first.state, point.state) <= 0.0):
                     return self._passed(point, target)
             except NotConverged:
                 pass
             try:
-                half = self._at(first, before, second, behind, -0.5 * self.system.chord_length(first.state, second.state))
+                half = self._at(first, before, second, behind,
+                                -0.5 * self.system.chord_length(first.state, second.state))
             except NotConverged:
                 break
-            pair = [pair[0], (half.position, half)] if half.position >= target else [(half.position, half), pair[1]]
+            pair = ([pair[0], (half.position, half)] if half.position >= target
+                    else [(half.position, half), pair[1]])
         begin = self.history[-1][0]
-        ahead = [(place, point) for place, point in trail if begin + self.leg.smallest < place <= target]
+        ahead = [(place, point) for place, point in trail if begin + self.leg.smallest < place
+                 <= target]
         if not ahead:
-            raise NoFold(f"the branch goes on beyond {target:.6g} of the leg, but no solve there succeeded")
+            raise NoFold(
+                f"the branch goes on beyond {target:.6g} of the leg, but no solve there succeeded")
         place, point = max(ahead, key=lambda item: item[0])
         return self._passed(point, place)
 
     def _passed(self, point, place):
         """A point with which the walk goes on."""
         reached = min(self.initial, place - self.history[-1][0])
-        return replace(point, leg=self.leg.number, position=place, step=max(reached, self.leg.smallest))
+        return replace(point, leg=self.leg.number, position=place,
+                       step=max(reached, self.leg.smallest))
 
     def _locate(self, trail):
-        """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its end.
+        """Fold, state beyond it, and trail up to it, from a trail with the load's peak near its
+        end.
 
         The first two are None where the load goes on rising: a bend may look like a peak.
         """
@@ -170,22 +198,29 @@ class Turn:
             last = last or peak
             if peak.bracketed and peak.sign > 0.0:
                 fold = peak.locate()
-                return replace(fold, leg=self.leg.number, step=self.leg.initial), beyond.state, [*trail[:after], (fold.position, fold)]
-            # Next to the peak loads are as accurate as residuals: by its slope it may have been passed before, or lie ahead.
+                return replace(fold, leg=self.leg.number,
+                               step=self.leg.initial), beyond.state, [*trail[:after],
+                                                                      (fold.position, fold)]
+            # Next to the peak loads are as accurate as residuals: by its slope it may have been
+            # passed before, or lie ahead.
             if peak.left.slope > 0.0 and after < len(trail) - 1:
                 break
         place, fold = max(trail[-3:], key=lambda item: item[0])
         width = peak.relative(place - min(trail[-3][0], trail[-1][0]))
         if not width <= FOLD_TOLERANCE:
-            raise NotConverged("the load turned, but its slope did not: edges that stick between nodes give way one by one")
-        if min(last.left.slope, last.right.slope) > 0.0 and last.relative(last.right.slope * AHEAD) > FOLD_TOLERANCE:
+            raise NotConverged("the load turned, but its slope did not: edges "
+                               "that stick between nodes give way one by one")
+        if min(last.left.slope,
+               last.right.slope) > 0.0 and last.relative(last.right.slope * AHEAD) > FOLD_TOLERANCE:
             return None, None, trail[:-1]
         # A plateau: the load neither rises nor falls.
-        fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=max(width, np.finfo(float).eps))
+        fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
+                       fold_precision=max(width, np.finfo(float).eps))
         return fold, beyond.state, trail
 
     def _hidden(self, trail):
-        """The same from a trail whose load rises from point to point, though it turns back and on again where that hardly shows."""
+        """The same from a trail whose load rises from point to point, though it turns back and on
+        again where that hardly shows."""
         (places, points), distance = zip(*trail), self.system.chord_length
         rises = [(end - begin) / distance(first.state, last.state)
                  for begin, end, first, last in zip(places, places[1:], points, points[1:])]
@@ -194,7 +229,9 @@ class Turn:
             peak = LimitPoint(self.system, self.leg, points[after - 1], points[after])
             if peak.bracketed and peak.sign > 0.0:
                 fold = peak.locate()
-                return replace(fold, leg=self.leg.number, step=self.leg.initial), points[after].state, [*trail[:after], (fold.position, fold)]
+                return replace(fold, leg=self.leg.number,
+                               step=self.leg.initial), points[after].state, [*trail[:after],
+                                                                             (fold.position, fold)]
             if peak.left.slope > 0.0:
                 break
         if peak.turns_between(1.0):
@@ -202,9 +239,11 @@ class Turn:
         return None, None, trail
 
     def _returns(self, trail):
-        """Whether the last point lies on the way to the one before it: the arc turned, not the branch.
+        """Whether the last point lies on the way to the one before it: the arc turned, not the
+        branch.
 
-        Beyond a fold, the state at a load is as far from the one on the way there as twice the way from the fold.
+        Beyond a fold, the state at a load is as far from the one on the way there as twice the way
+        from the fold.
         """
         place, point = trail[-1]
         after = next(k for k, (ahead, _) in enumerate(trail) if ahead >= place)
@@ -212,7 +251,9 @@ class Turn:
             return False
         (before, first), (behind, second) = trail[after - 1:after + 1]
         passed = self.system.extrapolate([first, second], lagrange_weights([before, behind], place))
-        return self.system.missed(passed, point.state) < 0.5 * self.system.missed(trail[-2][1].state, point.state)
+        return self.system.missed(passed,
+                                  point.state) < 0.5 * self.system.missed(trail[-2][1].state,
+                                                                          point.state)
 
     def _bracketed(self, trail):
         """The trail, gone on along the arc until the load falls, or for eight steps."""

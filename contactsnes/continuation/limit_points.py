@@ -14,13 +14,15 @@ MOST = 50
 FAILURES = 6
 """Solves that may fail in a search; the later ones are tried nearer to what is known."""
 STEADY = 0.25
-"""Least bend of a branch at a fold, over its largest, while an edge passes a node of a grid that resolves it."""
+"""Least bend of a branch at a fold, over its largest, while an edge passes a node of a grid that
+resolves it."""
 CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
 NEARLY = 0.25
-"""Least slope of a cubic within a step, over its mean, with which it may turn where a longer polynomial would."""
+"""Least slope of a cubic within a step, over its mean, with which it may turn where a longer
+polynomial would."""
 LEVEL = 1e-4
 """Part of a leg below which the load levels off in a step whose end is flatter than all of it."""
 
@@ -41,19 +43,23 @@ class Station(NamedTuple):
 class LimitPoint:
     """The limit point of the load between two points of a branch, one on either side of it.
 
-    The branch is parametrised by its projection on the chord between the two, where d(load)/d(place) is known exactly. The law
-    has corners where nodes leave contact, where that slope jumps: such a corner may be the limit point itself.
+    The branch is parametrised by its projection on the chord between the two, where
+    d(load)/d(place) is known exactly. The law has corners where nodes leave contact, where that
+    slope jumps: such a corner may be the limit point itself.
 
     Parameters
     ----------
     system : what solves (``Tracer``)
     leg : Leg
     before, beyond : points of the branch
-    heading : 1 or -1, where the load goes from a fold before, whose own slope is rounding; else its slope there says it
+    heading : 1 or -1, where the load goes from a fold before, whose own slope is rounding; else its
+        slope there says it
     """
 
     def __init__(self, system, leg, before, beyond, heading=0.0):
-        self.system, self.leg, self.chord = system, leg, (before.state, beyond.state)
+        self.system = system
+        self.leg = leg
+        self.chord = (before.state, beyond.state)
         length = system.chord_length(*self.chord)
         self.left, self.right = (Station(place, point, system.direction(point, self.chord, leg))
                                  for place, point in ((0.0, before), (length, beyond)))
@@ -67,11 +73,16 @@ class LimitPoint:
     @property
     def rate(self):
         """Mean d(position)/d(place) in between."""
-        return (self.right.point.position - self.left.point.position) / (self.right.place - self.left.place)
+        return (self.right.point.position - self.left.point.position) / (self.right.place
+                                                                         - self.left.place)
 
     def locate(self):
-        """The fold, with its tangents; NotConverged where its load does not become known to FOLD_TOLERANCE."""
-        first, proposals, mode, failures = (self.left, self.right), (self._smooth, self._corner, self._middle), 0, 0
+        """The fold, with its tangents; NotConverged where its load does not become known to
+        FOLD_TOLERANCE."""
+        first = (self.left, self.right)
+        proposals = (self._smooth, self._corner, self._middle)
+        mode = 0
+        failures = 0
         before = self.uncertainty()
         for _ in range(MOST):
             if before <= 0.1 * FOLD_TOLERANCE or failures == FAILURES:
@@ -85,9 +96,11 @@ class LimitPoint:
             mode, before = mode if after < 0.5 * before else (mode + 1) % 3, after
         if not before <= FOLD_TOLERANCE:
             place = self.system.told(self.leg.controls, self.leg.load(self.left.point.position))
-            raise NotConverged(f"the load turns beyond {place}, but where is known to {before:.2g} of it only, no fold "
+            raise NotConverged(f"the load turns beyond {place}, but where is "
+                               f"known to {before:.2g} of it only, no fold "
                                f"(known to {FOLD_TOLERANCE:g})")
-        return replace(self._fold(self._is_corner(*first)), fold_precision=max(before, np.finfo(float).eps))
+        return replace(self._fold(self._is_corner(*first)),
+                       fold_precision=max(before, np.finfo(float).eps))
 
     def uncertainty(self):
         """What the load may lack to its limit, relative to itself."""
@@ -95,7 +108,8 @@ class LimitPoint:
         steep, steepest = min(abs(left), abs(right)), max(abs(left), abs(right), 1e-300)
         width = self.right.place - self.left.place
         rise = self.right.point.position - self.left.point.position
-        # Slopes that go with the rise are those of a parabola; else the limit may be a corner anywhere in between.
+        # Slopes that go with the rise are those of a parabola; else the limit may be a corner
+        # anywhere in between.
         smooth = abs(rise - 0.5 * (left + right) * width) < 0.1 * steepest * width
         by_slopes = steep * width * (2.0 * steep / (steep + steepest) if smooth else 1.0)
         # A flat end may be another limit, from which the branch goes on to this one.
@@ -103,9 +117,12 @@ class LimitPoint:
 
     def _beyond_ends(self, rise, width):
         """How far the cubic through both points with their slopes goes beyond them, in position."""
-        begin, end, rate = self.sign * self.left.slope * width, self.sign * self.right.slope * width, self.sign * rise
+        begin = self.sign * self.left.slope * width
+        end = self.sign * self.right.slope * width
+        rate = self.sign * rise
         part = np.linspace(0.0, 1.0, 33)
-        cubic = ((begin + end - 2.0 * rate) * part + (3.0 * rate - 2.0 * begin - end)) * part ** 2 + begin * part
+        cubic = ((begin + end - 2.0 * rate) * part + (3.0 * rate - 2.0 * begin
+                                                      - end)) * part ** 2 + begin * part
         return float(cubic.max() - max(0.0, rate))
 
     def relative(self, change):
@@ -120,26 +137,33 @@ class LimitPoint:
         width = right.place - left.place
         rise = self.rate
         # Slope of the cubic, a t^2 + b t + c for t from 0 to 1.
-        a, b, c = 3.0 * (left.slope + right.slope) - 6.0 * rise, 6.0 * rise - 4.0 * left.slope - 2.0 * right.slope, left.slope
+        a = 3.0 * (left.slope + right.slope) - 6.0 * rise
+        b = 6.0 * rise - 4.0 * left.slope - 2.0 * right.slope
+        c = left.slope
         roots = np.roots([a, b, c]) if abs(a) > 1e-9 * abs(b) else np.array([-c / b])
         inside = [root.real for root in roots if abs(root.imag) < 1e-9 and 0.0 <= root.real <= 1.0]
-        return left.place + width * (inside[0] if inside else left.slope / (left.slope - right.slope))
+        return left.place + width * (inside[0] if inside
+                                     else left.slope / (left.slope - right.slope))
 
     def turns_between(self, heading):
-        """Whether the cubic between two ends that both lead on goes back in between, or nearly so: two folds near each other hide there."""
+        """Whether the cubic between two ends that both lead on goes back in between, or nearly so:
+        two folds near each other hide there."""
         begin, end = heading * self.left.slope, heading * self.right.slope
         rise = heading * self.rate
         if min(begin, end) <= rise < LEVEL / (self.right.place - self.left.place):
             return False
         part = np.linspace(0.0, 1.0, 33)
-        slopes = begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part + 3.0 * (begin + end - 2.0 * rise) * part ** 2
+        slopes = (begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part
+                  + 3.0 * (begin + end - 2.0 * rise) * part ** 2)
         return bool(slopes.min() < (NEARLY * rise if slopes.min() < min(begin, end) else 0.0))
 
     def _corner(self):
-        """Place a little beyond where the tangents of both points meet, seen from the nearer one: that closes the bracket."""
+        """Place a little beyond where the tangents of both points meet, seen from the nearer one:
+        that closes the bracket."""
         left, right = self.left, self.right
         width = right.place - left.place
-        meet = (right.point.position - left.point.position - right.slope * width) / (left.slope - right.slope)
+        meet = (right.point.position - left.point.position - right.slope * width) / (
+            left.slope - right.slope)
         meet = min(max(meet, 0.0), width)
         return left.place + (1.1 * meet if 2.0 * meet < width else width - 1.1 * (width - meet))
 
@@ -147,14 +171,17 @@ class LimitPoint:
         return 0.5 * (self.left.place + self.right.place)
 
     def _pulled(self, place, part):
-        """A place nearer to the closer end of the bracket, where after failures a solve is likelier to succeed."""
+        """A place nearer to the closer end of the bracket, where after failures a solve is likelier
+        to succeed."""
         end = min(self.left.place, self.right.place, key=lambda known: abs(known - place))
         return end + part * (place - end)
 
     def _narrow(self, place, closest=1e-3, tight=False):
-        """Replace an end of the bracket by the station at a place in it, no closer to an end than a part of its width."""
+        """Replace an end of the bracket by the station at a place in it, no closer to an end than a
+        part of its width."""
         width = self.right.place - self.left.place
-        found = self._station(min(max(place, self.left.place + closest * width), self.right.place - closest * width), tight)
+        found = self._station(min(max(place, self.left.place + closest * width),
+                                  self.right.place - closest * width), tight)
         if found.slope * self.sign > 0.0:
             self.left = found
         else:
@@ -166,25 +193,32 @@ class LimitPoint:
         left, right = self.left, self.right
         width = right.place - left.place
         t = (place - left.place) / width
-        weights = np.array([(1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2 * width, t ** 2 * (t - 1) * width, t ** 2 * (3 - 2 * t)])
+        weights = np.array([(1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2 * width,
+                            t ** 2 * (t - 1) * width, t ** 2 * (3 - 2 * t)])
         ends = [left.point, left.direction, right.direction, right.point]
         guess = self.system.extrapolate(ends, weights)
-        position = float(weights @ [left.point.position, left.slope, right.slope, right.point.position])
+        position = float(weights @ [left.point.position, left.slope, right.slope,
+                                    right.point.position])
         point = self.system.solve_arc(self.chord, place, guess, position, self.leg, tight=tight)
-        if self.system.missed(guess, point.state) > max(0.1, 0.5 * self.system.missed(left.point.state, right.point.state)):
+        if self.system.missed(guess, point.state) > max(
+            0.1, 0.5 * self.system.missed(left.point.state, right.point.state)
+        ):
             raise NotConverged("the search for the fold strayed from the branch")
         if not tight and point.softest < 0.0 <= min(left.point.softest, right.point.softest):
-            raise NotConverged("the search for the fold came upon a branch with another mode that is unstable")
+            raise NotConverged(
+                "the search for the fold came upon a branch with another mode that is unstable")
         return Station(place, point, self.system.direction(point, self.chord, self.leg))
 
     def _is_corner(self, first, last):
-        """Whether the slope jumps where a smooth one would hardly change, given the bracket's first ends."""
+        """Whether the slope jumps where a smooth one would hardly change, given the bracket's first
+        ends."""
         part = (self.right.place - self.left.place) / (last.place - first.place)
         change = abs(self.left.slope - self.right.slope) / abs(first.slope - last.slope)
         return part < 0.01 and change > CORNER * part
 
     def _polished(self):
-        """The flattest station, two steps on: where the load is known to a tolerance, all else is known to its root only."""
+        """The flattest station, two steps on: where the load is known to a tolerance, all else is
+        known to its root only."""
         found = []
         try:
             while len(found) < 2 and self.right.place > self.left.place:
@@ -194,7 +228,8 @@ class LimitPoint:
         return min(found or (self.left, self.right), key=lambda station: abs(station.slope))
 
     def _fold(self, corner):
-        """The fold with the direction there or, at a corner, with both of its sides, of unit length."""
+        """The fold with the direction there or, at a corner, with both of its sides, of unit
+        length."""
         if corner:
             stations = self.left, self.right
             best = max(stations, key=lambda station: self.sign * station.point.position)
@@ -202,19 +237,24 @@ class LimitPoint:
             best = self._polished()
             stations = best,
         tangents = tuple(self.system.unit(station.point, station.direction) for station in stations)
-        return replace(best.point, event="fold", tangents=tangents, resolved=int(corner or not self._crowded(best)))
+        return replace(best.point, event="fold", tangents=tangents,
+                       resolved=int(corner or not self._crowded(best)))
 
     def _crowded(self, fold):
-        """Whether the branch's bend at a fold changes so much while an edge passes a node that the grid may turn it again there."""
+        """Whether the branch's bend at a fold changes so much while an edge passes a node that the
+        grid may turn it again there."""
         stride, found = self.system.stride(fold.point, fold.direction), {0: fold.point}
         if not stride:
             return False
         try:
             for thirds in (-1, 1, -2, 2):
-                offset, near = stride * thirds / 3.0, ([found[place] for place in (-1, 0, 1)] if len(found) > 2 else None)
-                guess = self.system.extrapolate(*((near, lagrange_weights((-1, 0, 1), thirds)) if near else
-                                                  ([fold.point, fold.direction], (1.0, offset))))
-                found[thirds] = self.system.solve_arc(self.chord, fold.place + offset, guess, fold.point.position, self.leg, tight=True)
+                offset = stride * thirds / 3.0
+                near = [found[place] for place in (-1, 0, 1)] if len(found) > 2 else None
+                guess = self.system.extrapolate(*((near, lagrange_weights((-1, 0, 1), thirds))
+                                                  if near else ([fold.point, fold.direction],
+                                                                (1.0, offset))))
+                found[thirds] = self.system.solve_arc(self.chord, fold.place + offset, guess,
+                                                      fold.point.position, self.leg, tight=True)
         except NotConverged:
             return False
         bends = -self.sign * np.diff([found[thirds].position for thirds in sorted(found)], 2)

@@ -1,7 +1,8 @@
 """Branches of equilibria: points, predictors, step control, folds, jumps and events.
 
-A branch is an iterator of converged points along the legs of a load path. What is solved, and how, is the business of the
-``system`` that ``branch`` is given (``contactsnes.branch.corrector.Corrector``); here a state is something that the system combines.
+A branch is an iterator of converged points along the legs of a load path. What is solved, and how,
+is the business of the ``system`` that ``branch`` is given
+(``contactsnes.branch.corrector.Corrector``); here a state is something that the system combines.
 """
 
 from dataclasses import replace
@@ -16,11 +17,13 @@ from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
 LITTLE = 0.02
-"""Part of a first step by which its tangent tells how fast edges of contact move: so short that they stay in place."""
+"""Part of a first step by which its tangent tells how fast edges of contact move: so short that
+they stay in place."""
 
 
 def predict(system, history, leg, position, kind):
-    """The state from which a solve at ``position`` starts, from the leg's last points [(position, point), ...]."""
+    """The state from which a solve at ``position`` starts, from the leg's last points [(position,
+    point), ...]."""
     here, last = history[-1]
     if kind == "none":
         return last.state
@@ -28,7 +31,8 @@ def predict(system, history, leg, position, kind):
         used = history[-3:] if kind == "edge" else history[-2:]
         points = [point for _, point in used]
         weights = lagrange_weights([place for place, _ in used], position)
-        followed = system.follow_edge(points, weights) if kind == "edge" else system.extrapolate(points, weights)
+        followed = (system.follow_edge(points, weights) if kind == "edge"
+                    else system.extrapolate(points, weights))
         if followed is not None:
             return followed
     if kind == "secant":
@@ -37,7 +41,8 @@ def predict(system, history, leg, position, kind):
 
 
 def grown(step, iterations, largest, target=8):
-    """The next step after a success: longer by up to twice the fewer iterations it took (as in BifurcationKit)."""
+    """The next step after a success: longer by up to twice the fewer iterations it took (as in
+    BifurcationKit)."""
     if iterations >= target:
         return min(largest, step * max(0.5, target / iterations))
     return min(largest, step * (1.0 + ((target - iterations) / target) ** 2))
@@ -50,19 +55,23 @@ class Walk:
     ----------
     system : what solves (``Corrector``)
     leg : Leg
-    history : [(position, point), ...] of this leg, oldest first; the last one is where the walk goes on
+    history : [(position, point), ...] of this leg, oldest first; the last one is where the walk
+        goes on
     predictor : 'none', 'secant', 'tangent' or 'edge'
     at_fold : 'jump' or 'stop'
-    certify : function (Point) -> Point that says of a point that is accepted whether it is stable (``Stability``)
+    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
+        (``Stability``)
     at_bifurcation : 'pass', 'stop' or 'follow'
     """
 
     past = staticmethod(lambda points, number: leg_history(points, number))
 
-    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point, at_bifurcation="pass"):
+    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point,
+                 at_bifurcation="pass"):
         self.system, self.leg = system, leg
         # What was stable under other controls may not be under these.
-        self.history = [(place, system.adapted(point if point.controls == leg.controls else replace(point, stable=-1), leg.controls,
+        self.history = [(place, system.adapted(point if point.controls == leg.controls
+                                               else replace(point, stable=-1), leg.controls,
                                                leg.load(place))) for place, point in history]
         self.predictor, self.at_fold = predictor, at_fold
         self.certify, self.at_bifurcation = certify, at_bifurcation
@@ -79,16 +88,20 @@ class Walk:
             position = self.history[-1][0]
             # The last two steps share what is left, so that none is tiny.
             left = 1.0 - position
-            step = left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left) if left < 2.0 * step else step
+            step = (left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left)
+                    if left < 2.0 * step else step)
             target = 1.0 if step == left else position + step
             try:
-                point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge" else self.predictor)
+                point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge"
+                                   else self.predictor)
                 point, critical = self._examined(point)
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
-                self.system.log(f"step to {self._place(target)} failed ({error}); the next one is {step:.3g} of the leg")
+                self.system.log(f"step to {self._place(target)} failed ({error}); the "
+                                f"next one is {step:.3g} of the leg")
                 short = min(self.leg.initial, SHORT)
-                if searched != position and (step < self.leg.smallest or step < 0.1 * short or failures > 1 and step < short):
+                if searched != position and (step < self.leg.smallest or step < 0.1 * short
+                                             or failures > 1 and step < short):
                     searched, before = position, self.history[-1][1]
                     try:
                         yield from self._fold(error, 4.0 * step)
@@ -99,7 +112,9 @@ class Walk:
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
-                        failures, step, searched = 0, self.history[-1][1].step, None
+                        failures = 0
+                        step = self.history[-1][1].step
+                        searched = None
                 elif step < self.leg.smallest:
                     self._give_up(error, f"at {self._place(1.0)}")
                 continue
@@ -115,14 +130,18 @@ class Walk:
         """What follows a fold that the path goes on from, whose way out is not known any more."""
         last = self.history[-1][1]
         if last.event == "fold" and last.leg == self.leg.number and self.at_fold == "jump":
-            yield from self._fold(NotConverged(f"no way was found out of the fold at {self._place(last.position)}"), self.leg.initial)
+            yield from self._fold(
+                NotConverged(f"no way was found out of the fold at {self._place(last.position)}"),
+                self.leg.initial)
 
     def _examined(self, point):
-        """A point with its certificate, and what bifurcates on the way to it; NotConverged for one of another branch."""
+        """A point with its certificate, and what bifurcates on the way to it; NotConverged for one
+        of another branch."""
         return bifurcations.examined(self.system, self.certify, self.leg, self.history[-1], point)
 
     def _arrive(self, point, found):
-        """Yield what bifurcates on the way to a point, then the point, or the stable one beside it that is to be followed."""
+        """Yield what bifurcates on the way to a point, then the point, or the stable one beside it
+        that is to be followed."""
         last = self.history[-1]
         for critical in found:
             if critical.position != last[0]:
@@ -145,7 +164,8 @@ class Walk:
             self._end(where)
         except NoEquilibrium as missing:
             reached = self._place(self.history[-1][0])
-            raise NoEquilibrium(f"{missing}; the branch was followed to {reached} ({error})") from None
+            raise NoEquilibrium(
+                f"{missing}; the branch was followed to {reached} ({error})") from None
         raise error
 
     def _end(self, where):
@@ -163,26 +183,31 @@ class Walk:
         return self.system.told(self.leg.controls, self.leg.load(position))
 
     def _step(self, target, predictor):
-        """Predict and correct; a correction as long as the step itself is another branch's, not a neighbour."""
+        """Predict and correct; a correction as long as the step itself is another branch's, not a
+        neighbour."""
         guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         here, last = self.history[-1]
-        missed, moved = self.system.missed(guess, point.state), self.system.missed(last.state, point.state)
+        missed = self.system.missed(guess, point.state)
+        moved = self.system.missed(last.state, point.state)
         wrong = 0.0 if guess is last.state else missed
         if len(self.history) == 1 and moved > 1.0:
-            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another branch: look back.
+            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
+            # branch: look back.
             back = self.system.along_tangent(point, self.leg, target, here - target)
             wrong = max(wrong, self.system.missed(back, last.state))
         far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
         if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
-            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, {moved:.3g} from the last "
+            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
+                               f"its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
         point = replace(point, leg=self.leg.number, position=target)
         bifurcations.probe(self.system, self.leg, self.history, point)
         return point
 
     def _strayed(self, guess, target, point):
-        """Whether some node ended where no prediction has it, however the solve began: part of the contact has jumped."""
+        """Whether some node ended where no prediction has it, however the solve began: part of the
+        contact has jumped."""
         here, last = self.history[-1]
         for foretold in self._foretold(guess, target):
             if self.system.strayed(foretold, last.state, point.state) <= 0.0:
@@ -193,7 +218,8 @@ class Walk:
         return True
 
     def _foretold(self, guess, target):
-        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and those by fewer or more points."""
+        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and
+        those by fewer or more points."""
         here, last = self.history[-1]
         if guess is not last.state:
             yield guess
@@ -204,17 +230,20 @@ class Walk:
             yield from self._foretold_by_tangent(guess, target)
 
     def _foretold_by_tangent(self, guess, target):
-        """Predictions of a first step by the tangent where it begins: in place, and with the edges of contact moved on."""
+        """Predictions of a first step by the tangent where it begins: in place, and with the edges
+        of contact moved on."""
         here, last = self.history[-1]
         if guess is last.state:
             yield self.system.along_tangent(last, self.leg, here, target - here)
-        near = replace(last, state=self.system.along_tangent(last, self.leg, here, LITTLE * (target - here)))
+        near = replace(last, state=self.system.along_tangent(last, self.leg, here,
+                                                             LITTLE * (target - here)))
         followed = self.system.follow_edge([last, near], [1.0 - 1.0 / LITTLE, 1.0 / LITTLE])
         if followed is not None:
             yield followed
 
     def _expected(self, target):
-        """How far a step to ``target`` would move at the rate of the last one; inf for a first step."""
+        """How far a step to ``target`` would move at the rate of the last one; inf for a first
+        step."""
         if len(self.history) < 2:
             return np.inf
         (before, first), (here, last) = self.history[-2:]
@@ -228,7 +257,8 @@ class Walk:
         return point
 
     def _fold(self, error, refused=np.inf):
-        """Find out what stops the walk before the end of a refused step; yield the fold and, by default, the point after the jump."""
+        """Find out what stops the walk before the end of a refused step; yield the fold and, by
+        default, the point after the jump."""
         place, last = self.history[-1]
         fold, passed = self.system.let_go(last, self.leg, place), None
         if fold is None:
@@ -236,13 +266,15 @@ class Walk:
             starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
             lowered = self.system.lowered(fold)
-            fold = replace(fold, leg=self.leg.number, step=self.leg.initial, fold_precision=np.finfo(float).eps)
+            fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
+                           fold_precision=np.finfo(float).eps)
             starts = [lambda: lowered]
         if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
             yield from self._leave(replace(last, tangents=fold.tangents), starts)
             return
         try:
-            found = self._examined(passed if fold is None else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
+            found = self._examined(passed if fold is None
+                                   else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
         except NotConverged as second:
             raise NoFold(f"{error}; arc length led to another branch: {second}") from None
         yield from self._arrive(*found)
@@ -257,10 +289,13 @@ class Walk:
             self.stopped = True
             return
         where = f"at {self._place(fold.position)}, beyond the fold ({fold.fold_kind})"
-        end = f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at {self._place(fold.position)}"
-        point = departures.jumped(self.system, self.leg, fold, starts, where, lambda: self._end(end))
+        end = (f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at "
+               f"{self._place(fold.position)}")
+        point = departures.jumped(self.system, self.leg, fold, starts, where,
+                                  lambda: self._end(end))
         point = bifurcations.settled(self.system, self.certify, point, where)
-        point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial, event="jump")
+        point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial,
+                        event="jump")
         self.history = []
         yield self._accept(point)
 
@@ -272,8 +307,8 @@ def fold_kind(leg, heading=1.0):
     return "jump_in" if heading * leg.direction[0] > 0.0 else "pull_off"
 
 
-def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(), certify=lambda point: point,
-           at_bifurcation="pass", walker=Walk):
+def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(),
+           certify=lambda point: point, at_bifurcation="pass", walker=Walk):
     """Iterate over the converged points of a load path.
 
     Parameters
@@ -284,7 +319,8 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     predictor, at_fold, at_bifurcation : options ``-continuation_*``
     stops : names of events that end the path
     history : the last points of an interrupted path, oldest first
-    certify : function (Point) -> Point that says of the points of legs whether they are stable (``Stability``)
+    certify : function (Point) -> Point that says of the points of legs whether they are stable
+        (``Stability``)
     walker : class of what walks along a leg
 
     Raises
@@ -292,7 +328,8 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
     NotConverged, NoEquilibrium : after the points before the failure have been handed out
     """
     emitted = list(history)
-    if emitted and (emitted[-1].event in stops or (at_fold == "stop" and emitted[-1].event == "fold")):
+    if emitted and (emitted[-1].event in stops or (at_fold == "stop"
+                                                   and emitted[-1].event == "fold")):
         return
     if emitted:
         # A point may have been archived without the further events at its load.
@@ -311,7 +348,8 @@ def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), h
         leg = make_leg(emitted)
         if leg is None:
             continue
-        walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify, at_bifurcation)
+        walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify,
+                      at_bifurcation)
         try:
             for arrived in walk:
                 previous = emitted[-1]
@@ -336,5 +374,6 @@ def leg_history(points, number):
             found.append((point.position if point.leg == number else 0.0, point))
         if point.leg != number or point.event == "jump":
             break
-    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:]) if later[0] < earlier[0]]
+    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:])
+                             if later[0] < earlier[0]]
     return distinct[::-1]

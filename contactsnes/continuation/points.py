@@ -1,4 +1,5 @@
-"""Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand to each other."""
+"""Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand
+to each other."""
 
 from dataclasses import dataclass, field
 
@@ -24,7 +25,9 @@ class TooCoarse(RuntimeError):
 
     def __init__(self, sentence, scene, load, error):
         super().__init__(sentence)
-        self.scene, self.load, self.error = scene, load, error
+        self.scene = scene
+        self.load = load
+        self.error = error
 
 
 class NoEquilibrium(RuntimeError):
@@ -33,7 +36,8 @@ class NoEquilibrium(RuntimeError):
 
 @dataclass(frozen=True)
 class Direction:
-    """Where a branch goes, per unit of its length: change of the state (a state itself) and of the position in the leg."""
+    """Where a branch goes, per unit of its length: change of the state (a state itself) and of the
+    position in the leg."""
 
     state: object
     rate: float
@@ -49,29 +53,38 @@ class Point:
     controls : 'displacement' or 'force' for each component
     load : controlled values (u_n,r, u_t,r or w_n,r, w_t,r by ``controls``)
     displacements, forces : D, U, ... and W, T, ... of each component, controlled or not
-    leg, position, step : leg of the path (0: start), place in it (0 to 1) and the step to try next (same unit)
-    arc : length of the step along the branch to try next, ranges of the law; 0 in natural continuation
+    leg, position, step : leg of the path (0: start), place in it (0 to 1) and the step to try next
+        (same unit)
+    arc : length of the step along the branch to try next, ranges of the law; 0 in natural
+        continuation
     origin : controlled values where the leg began
-    in_contact, sliding : whether a node is in contact; whether all of those have slipped past the law's peak
+    in_contact, sliding : whether a node is in contact; whether all of those have slipped past the
+        law's peak
     residual_norm, largest_residual : of the archive; the second nan where nobody looked at it
     spent : name -> count of iterations, evaluations, transforms and time since the point before
     event, fold_kind : as in the archive
-    elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law has no potential)
-    external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost in jumps since the path began
-    energy_imbalance : external work less all that it went into, by quadratures independent of each other where they can be
+    elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law
+        has no potential)
+    external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost
+        in jumps since the path began
+    energy_imbalance : external work less all that it went into, by quadratures independent of each
+        other where they can be
     smooth_steps : steps since the path's last corner, which a quadrature may join
-    jump_work, viscous_work : done on the interface and against the body's viscosity along the overdamped motion of a jump, phi_n
-        beta; nan elsewhere
+    jump_work, viscous_work : done on the interface and against the body's viscosity along the
+        overdamped motion of a jump, phi_n beta; nan elsewhere
     jump_balance : by what a jump's dissipation is known (``energies.BALANCES``)
-    tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner of the branch, which has none,
-        the directions on its two sides
-    fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that are no folds
-    resolved : 0 where edges of contact or slip stick between nodes, or the law has become steeper than they resolve, so that a fold
-        may be the grid's own, else 1
-    softest : smallest real part among the Ritz values of the solve's last linear systems, a by-product: below zero where a mode is
-        unstable; nan where they tell nothing
-    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second also where modes were not found
-    leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state (``contactsnes.dynamics.stability``)
+    tangents : at a fold, the branch's direction, whose state is the null vector; at one in a corner
+        of the branch, which has none, the directions on its two sides
+    fold_precision : relative width of the bracket that a fold's load is known to; 0 at points that
+        are no folds
+    resolved : 0 where edges of contact or slip stick between nodes, or the law has become steeper
+        than they resolve, so that a fold may be the grid's own, else 1
+    softest : smallest real part among the Ritz values of the solve's last linear systems, a
+        by-product: below zero where a mode is unstable; nan where they tell nothing
+    stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second
+        also where modes were not found
+    leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state
+        (``contactsnes.dynamics.stability``)
     """
 
     state: object
@@ -113,7 +126,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Leg:
-    """A straight leg between two sets of controlled values, and the sizes of its steps as parts of its length."""
+    """A straight leg between two sets of controlled values, and the sizes of its steps as parts of
+    its length."""
 
     number: int
     controls: tuple
@@ -142,7 +156,8 @@ def lagrange_weights(nodes, target):
 
 
 def unfinished_fold(history):
-    """How many of the last points (of a killed run) are a fold, with its further events, that no jump follows yet.
+    """How many of the last points (of a killed run) are a fold, with its further events, that no
+    jump follows yet.
 
     The state beyond a fold is not archived, so that it has to be found again.
     """
@@ -152,7 +167,8 @@ def unfinished_fold(history):
 
 
 def new_points(branch, waiting):
-    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the archive has already."""
+    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the
+    archive has already."""
     left = waiting
     for point in branch:
         if left == 0:
@@ -160,4 +176,5 @@ def new_points(branch, waiting):
         elif point.event == "fold" or left < waiting:
             left -= 1
     if left:
-        raise NotConverged("the fold at the end of the archive was not found again: resume with the options that found it")
+        raise NotConverged("the fold at the end of the archive was not "
+                           "found again: resume with the options that found it")

@@ -20,12 +20,15 @@ class Trace(ArcWalk):
 
 
 def refuse(steps, solver):
-    """InputError where the length of a branch is asked for and the type of SNES solves without a tangent."""
+    """InputError where the length of a branch is asked for and the type of SNES solves without a
+    tangent."""
     asked = ("-continuation_type is 'arclength'" if steps.type == "arclength" else
              "-continuation_at_fold is 'trace'" if steps.at_fold == "trace" else "")
     if asked and not solver.startswith("newton"):
-        raise InputError(f"{asked}, but -snes_type {solver} has no tangent to follow a branch by: allowed are Newton's methods "
-                         "(newtonls, newtontr), or natural continuation that jumps or stops at a fold")
+        raise InputError(f"{asked}, but -snes_type {solver} has no tangent to "
+                         "follow a branch by: allowed are Newton's methods "
+                         "(newtonls, newtontr), or natural continuation that "
+                         "jumps or stops at a fold")
 
 
 def walker(steps):

@@ -1,4 +1,5 @@
-"""Motion to rest at fixed loads, from a fold or from the undeformed body: where it settles, polished by Newton."""
+"""Motion to rest at fixed loads, from a fold or from the undeformed body: where it settles,
+polished by Newton."""
 
 from dataclasses import replace
 
@@ -13,7 +14,8 @@ from ..solvers.snes import COLD, create_snes, solver_type
 from .overdamped import Flow, Leaving, MotionOptions, Unsettled
 
 BESIDE = 5.0
-"""Distance from an equilibrium, ranges where the law acts, within which a motion that begins there begins in balance."""
+"""Distance from an equilibrium, ranges where the law acts, within which a motion that begins there
+begins in balance."""
 
 
 ENDLESS = "the body leaves or slides without end"
@@ -35,8 +37,8 @@ Ranges of the law.
 def kicked(contact, fold, beyond, part):
     """The state beside a fold from which the motion of a jump begins.
 
-    Along the null vector, the way the branch goes on; at a corner, which has none, along the branch behind it. A plateau of the
-    load has neither: towards a state beyond it.
+    Along the null vector, the way the branch goes on; at a corner, which has none, along the branch
+    behind it. A plateau of the load has neither: towards a state beyond it.
 
     Parameters
     ----------
@@ -48,7 +50,8 @@ def kicked(contact, fold, beyond, part):
     state = fold.state
     if fold.tangents:
         change = fold.tangents[-1].state
-        beyond = states.State(change.window, states.onto(state, change.window) + change.displacement, state.means + change.means)
+        beyond = states.State(change.window, states.onto(state, change.window)
+                              + change.displacement, state.means + change.means)
     part *= read(MotionOptions).kick / max(states.missed(contact, state, beyond), 1e-12)
     return states.combined(contact, [beyond, state], [part, 1.0 - part])
 
@@ -56,8 +59,8 @@ def kicked(contact, fold, beyond, part):
 def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
-    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's method is relaxation
-    itself, it is inertial (FIRE on the whole cell).
+    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's
+    method is relaxation itself, it is inertial (FIRE on the whole cell).
 
     Parameters
     ----------
@@ -65,7 +68,8 @@ def settle(system, state, controls, load, where, origin=None):
     state : State
     controls, load : of each component
     where : str, what a message says of the place
-    origin : State, the equilibrium at this load from which the motion begins, if it does: works are known where that is near
+    origin : State, the equilibrium at this load from which the motion begins, if it does: works are
+        known where that is near
 
     Raises
     ------
@@ -73,7 +77,8 @@ def settle(system, state, controls, load, where, origin=None):
     NotConverged : where the motion does not settle
     """
     if not np.isfinite(state.displacement).all():
-        raise NotConverged(f"the motion {where} cannot begin: its start holds NaN or infinite values")
+        raise NotConverged(
+            f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
     newton = system.settings.form == "displacement" or solver_type().startswith("newton")
     overdamped = options.type == "overdamped" and newton
@@ -85,33 +90,39 @@ def settle(system, state, controls, load, where, origin=None):
             raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
         except (Unsettled, NotConverged) as error:
             failure = str(error)
-            system.log(f"the overdamped motion {where} cannot be followed ({error}): following motion "
-                       "with inertia on the whole cell, which may lead to another equilibrium")
+            system.log(f"the overdamped motion {where} cannot be followed "
+                       f"({error}): following motion with inertia on the "
+                       "whole cell, which may lead to another equilibrium")
     try:
         return fallen(system, state, controls, load, where)
     except Leaving:
         # Inertia may carry a body past an equilibrium.
         if failure is None:
             return unhurried(system, state, controls, load, where, options)
-    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
-                       f"cannot be followed: {failure}")
+    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
+                       "the overdamped motion there cannot be followed: "
+                       f"{failure}")
 
 
 def unhurried(system, state, controls, load, where, options):
-    """What overdamped motion leads to where motion with inertia has no end; errors as of `settle`."""
+    """What overdamped motion leads to where motion with inertia has no end; errors as of
+    `settle`."""
     try:
         return flowed(system, state, controls, load, None, options)
     except Leaving:
         raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
     except Unsettled as error:
-        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped motion there "
-                           f"cannot be followed: {error}") from None
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
+                           "the overdamped motion there cannot be "
+                           f"followed: {error}") from None
 
 
 def flowed(system, state, controls, load, origin, options):
-    """The equilibrium that overdamped motion leads to, with the works done on interface and against viscosity since ``origin``.
+    """The equilibrium that overdamped motion leads to, with the works done on interface and against
+    viscosity since ``origin``.
 
-    Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not confirm its end.
+    Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not
+    confirm its end.
     """
     if not np.isfinite(state.displacement).all():
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
@@ -137,7 +148,8 @@ def handover(system, flow, controls, load):
 
 
 def polished(system, rest, controls, load):
-    """The converged point where a motion came to rest. NotConverged where Newton's method leads elsewhere."""
+    """The converged point where a motion came to rest. NotConverged where Newton's method leads
+    elsewhere."""
     point = system.solve(rest, controls, load, COLD)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
@@ -154,7 +166,8 @@ def fallen(system, state, controls, load, where):
     form = ForceForm(system.contact.periodic, controls)
     form.set_load(load)
     unknown = form.pack(system.contact.extended(states.with_components(state, form.components)))
-    first = min(1e-3, 0.03 * form.displacement_norm(unknown, form.residual(unknown, np.empty(form.size))))
+    first = min(1e-3, 0.03 * form.displacement_norm(unknown,
+                                                    form.residual(unknown, np.empty(form.size))))
     for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
         unknown = relaxed(system, form, unknown, tolerance, where)
         try:
@@ -170,7 +183,8 @@ def handed_over(system, guess, controls, load):
     form.set_load(load)
     unknown = form.pack(system.contact.extended(guess))
     try:
-        unknown = relaxed(system, form, unknown, system.settings.first_tolerance, "of the relaxation", "first_")
+        unknown = relaxed(system, form, unknown, system.settings.first_tolerance,
+                          "of the relaxation", "first_")
     except Leaving:
         raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None
     return system._state(form, unknown)

@@ -1,4 +1,5 @@
-"""Modes of smallest real part of an operator that has a good preconditioner: the identity plus a compact one, say."""
+"""Modes of smallest real part of an operator that has a good preconditioner: the identity plus a
+compact one, say."""
 
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -12,23 +13,31 @@ from ..continuation.points import NotConverged
 from ..grid.contours import first_largest
 
 ACCURATE = 3e-4
-"""Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4; its eigenvalue's error is smaller."""
+"""Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4;
+its eigenvalue's error is smaller."""
 DENSE, LARGEST_DENSE = 40, 1500
 """Unknowns up to which all eigenvalues are computed at once, and where the Krylov method fails."""
 FALSE = 0.02
-"""Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a projection of it may have negative
-eigenvalues that J itself has not, with residuals of a quarter of them."""
-BASIS, RUNS, NOISE, MOST = 3, 40, 0.003, 16
-"""Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise in their starts, and vectors
-of a symmetry beyond which the projection begins anew from its modes."""
+"""Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a
+projection of it may have negative eigenvalues that J itself has not, with residuals of a quarter of
+them."""
+BASIS = 3
+RUNS = 40
+NOISE = 0.003
+MOST = 16
+"""Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise
+in their starts, and vectors of a symmetry beyond which the projection begins anew from its
+modes."""
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Eigenvalues by their real parts (a complex pair once, with positive imaginary part), modes x of length 1 and J x - s x as rows.
+    """Eigenvalues by their real parts (a complex pair once, with positive imaginary part), modes x
+    of length 1 and J x - s x as rows.
 
-    The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the edges of contact have one each), all
-    of which are to be accurate, and a further one that only tells where to look.
+    The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the
+    edges of contact have one each), all of which are to be accurate, and a further one that only
+    tells where to look.
     """
 
     values: np.ndarray
@@ -57,7 +66,8 @@ class Modes:
 
 
 class Space:
-    """Vectors with their products with J, split by symmetry, and what the projection of J on them has for modes.
+    """Vectors with their products with J, split by symmetry, and what the projection of J on them
+    has for modes.
 
     Parameters
     ----------
@@ -69,7 +79,8 @@ class Space:
         self.operator, self.axes = operator, axes
 
     def begin(self, vectors):
-        """Hold these vectors, and no others: rounding of what is hardly new grows from each to the next."""
+        """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
+        next."""
         self._sectors = [([], []) for _ in range(2 ** len(self.axes))]
         for vector in vectors:
             self.product(vector)
@@ -82,7 +93,8 @@ class Space:
     def product(self, vector):
         """J vector, kept."""
         image = self.operator.apply(vector)
-        for (basis, images), part, its in zip(self._sectors, self._parts(vector), self._parts(image)):
+        for (basis, images), part, its in zip(self._sectors, self._parts(vector),
+                                              self._parts(image)):
             _append(basis, images, part, its, np.linalg.norm(vector))
         return image
 
@@ -97,7 +109,8 @@ class Space:
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
         certain = 1 if self.axes else 2
-        return [_projected(np.array(basis), np.array(images), certain) for basis, images in self._sectors if basis]
+        return [_projected(np.array(basis), np.array(images), certain)
+                for basis, images in self._sectors if basis]
 
 
 def _append(basis, images, vector, image, scale):
@@ -121,28 +134,35 @@ def _projected(basis, images, certain=1):
     kept = kept[:certain + 1]
     coefficients = coefficients[:, kept].T
     vectors = coefficients @ basis
-    return Modes(values[kept], vectors, coefficients @ images - values[kept, None] * vectors, np.arange(len(kept)) < certain)
+    return Modes(values[kept], vectors, coefficients @ images - values[kept, None] * vectors,
+                 np.arange(len(kept)) < certain)
 
 
 def joined(parts):
     """Modes of all symmetries together, in the order of their real parts."""
     order = np.argsort(np.concatenate([part.values.real for part in parts]), kind="stable")
-    return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in ("values", "vectors", "defects", "certain")))
+    return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order]
+                   for name in ("values", "vectors", "defects", "certain")))
 
 
 def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
-    """Unstable modes (real part negative) and the first stable ones of J with preconditioner P: `Modes` of each symmetry.
+    """Unstable modes (real part negative) and the first stable ones of J with preconditioner P:
+    `Modes` of each symmetry.
 
-    ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as far as it is known: that operator
-    has no large eigenvalues, and where s is an eigenvalue of J it has the same mode. J's own modes are those of its projection on
-    all vectors that ARPACK multiplied (the inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci. Comput. 24,
-    312), split by symmetry. Again, from these, until residuals say that the signs are certain and the leading one is accurate.
+    ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as
+    far as it is known: that operator has no large eigenvalues, and where s is an eigenvalue of J it
+    has the same mode. J's own modes are those of its projection on all vectors that ARPACK
+    multiplied (the inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci.
+    Comput. 24, 312), split by symmetry. Again, from these, until residuals say that the signs are
+    certain and the leading one is accurate.
 
     Parameters
     ----------
-    operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and ``mirror`` (vector, symmetry)
+    operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and ``mirror`` (vector,
+        symmetry)
     axes : symmetries, second arguments of ``mirror``, under which J does not change
-    start : list of vectors to begin with, each a sum of modes of a point nearby that differ in symmetry
+    start : list of vectors to begin with, each a sum of modes of a point nearby that differ in
+        symmetry
     accurate : residual of the leading mode; None where signs alone are asked for
     number : of the last mode that is to be accurate, 0 for the leading one
     neutral : residual that will do for a mode whatever its sign
@@ -155,7 +175,8 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
         return [_all_modes(operator)]
     space, random = Space(operator, axes), np.random.default_rng(1)
     space.begin(start)
-    # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one to a single run.
+    # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
+    # to a single run.
     cold = 0 if start else 2
     vectors, shift = _ahead(space, accurate, number) if start else ([], 0.0)
     for run in range(RUNS):
@@ -173,22 +194,27 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     if operator.size <= LARGEST_DENSE:
         return [_all_modes(operator)]
     modes = joined(space.modes())
-    raise NotConverged(f"the modes of the point were not found: eigenvalue {modes.leading:.3g}, residual {modes.residuals[0]:.1g} "
-                       f"after {RUNS} runs of ARPACK")
+    raise NotConverged("the modes of the point were not found: eigenvalue "
+                       f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
+                       f"{RUNS} runs of ARPACK")
 
 
 def oriented(vector):
-    """The real part of a mode, in the phase where it is largest, with the first value of about the largest size positive.
+    """The real part of a mode, in the phase where it is largest, with the first value of about the
+    largest size positive.
 
-    Phase and sign are left to rounding by what finds eigenvectors, and which way a branch is left hangs on them.
+    Phase and sign are left to rounding by what finds eigenvectors, and which way a branch is left
+    hangs on them.
     """
     real = (vector * np.exp(-0.5j * np.angle(np.sum(vector ** 2)))).real
     return np.copysign(1.0, real[first_largest(real)]) * real
 
 
 def summed(found):
-    """Sums of modes of different symmetries, which can be told apart again: so that one vector carries one of each."""
-    return [sum(vectors) for vectors in zip_longest(*(_real(part.vectors) for part in found), fillvalue=0.0)]
+    """Sums of modes of different symmetries, which can be told apart again: so that one vector
+    carries one of each."""
+    return [sum(vectors) for vectors in zip_longest(*(_real(part.vectors) for part in found),
+                                                    fillvalue=0.0)]
 
 
 def _real(vectors):
@@ -198,7 +224,8 @@ def _real(vectors):
 
 
 def _ahead(space, accurate, number):
-    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of the one that counts."""
+    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
+    the one that counts."""
     modes = joined(space.modes())
     loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
     steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose])]
@@ -207,7 +234,8 @@ def _ahead(space, accurate, number):
 
 
 def _krylov(space, shift, begin, basis):
-    """ARPACK's search for modes of P^-1 (J - shift), to a loose tolerance of its own: ``space`` keeps all products on the way."""
+    """ARPACK's search for modes of P^-1 (J - shift), to a loose tolerance of its own: ``space``
+    keeps all products on the way."""
     operator = space.operator
 
     def product(vector):
@@ -215,17 +243,21 @@ def _krylov(space, shift, begin, basis):
 
     size = operator.size
     try:
-        eigs(LinearOperator((size, size), matvec=product, dtype=float), k=1, which="LR", v0=begin, ncv=basis, tol=0.1, maxiter=1,
-             return_eigenvectors=False)
+        eigs(LinearOperator((size, size), matvec=product, dtype=float), k=1, which="LR", v0=begin,
+             ncv=basis, tol=0.1, maxiter=1, return_eigenvectors=False)
     except (ArpackNoConvergence, ArpackError):
         pass  # what it has tried serves as well
 
 
 def _settled(modes, accurate, number, neutral):
-    """Whether residuals are small enough for the signs of all eigenvalues, and for the one that counts."""
+    """Whether residuals are small enough for the signs of all eigenvalues, and for the one that
+    counts."""
     share = np.where(modes.values.real < 0.0, FALSE, 0.5)
-    signs = np.all((modes.residuals < np.maximum(share * np.abs(modes.values.real), neutral))[modes.certain])
-    return signs and (accurate is None or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2))[:number + 1]))
+    signs = np.all((modes.residuals < np.maximum(share * np.abs(modes.values.real),
+                                                 neutral))[modes.certain])
+    return signs and (accurate is None
+                      or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values),
+                                                                       1.0, 2.2))[:number + 1]))
 
 
 def _all_modes(operator):

@@ -1,10 +1,11 @@
 """Overdamped motion of a contact under fixed loads, followed in time to rest.
 
-Nothing but w = -C tau with tau' = t - tau (see `viscous`) has to be known off the window: tau is the part of the tractions that
-the body's elasticity carries, t - tau that of its viscosity.
+Nothing but w = -C tau with tau' = t - tau (see `viscous`) has to be known off the window: tau is
+the part of the tractions that the body's elasticity carries, t - tau that of its viscosity.
 
-Steps are those of the second backward differentiation formula, of variable length, with one Newton iteration from a quadratic
-predictor. How far that led, where the law acts, is the measure of the error that controls the next step.
+Steps are those of the second backward differentiation formula, of variable length, with one Newton
+iteration from a quadratic predictor. How far that led, where the law acts, is the measure of the
+error that controls the next step.
 """
 
 from dataclasses import dataclass
@@ -21,16 +22,19 @@ from .viscous import Equations
 RESTING = 1e-6
 """Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
 TURNING = 0.25
-"""Part of a step by which it may miss its prediction: next to an unstable state a long implicit step would lead back to it."""
+"""Part of a step by which it may miss its prediction: next to an unstable state a long implicit
+step would lead back to it."""
 STILL = 1e-4
 """Length of a step, ranges, below which it does not matter how it was predicted."""
 ENDLESS = 30.0
-"""Time for which nothing may hold back a body that slides before it is said to slide for ever, relaxation times.
+"""Time for which nothing may hold back a body that slides before it is said to slide for ever,
+relaxation times.
 
 Meanwhile the contact may still grow.
 """
 SHORTEST, LATEST = 1e-8, 1e12
-"""Time step below which a motion cannot be followed, and time after which none comes to rest any more, relaxation times."""
+"""Time step below which a motion cannot be followed, and time after which none comes to rest any
+more, relaxation times."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +43,15 @@ class MotionOptions(Options):
 
     prefix: ClassVar[str] = "jump_motion_"
     title: ClassVar[str] = "Motion of a jump"
-    type: str = option("overdamped", "overdamped (a body that creeps, on the window) or inertial (FIRE on the whole cell)",
+    type: str = option("overdamped", "overdamped (a body that creeps, on the "
+                       "window) or inertial (FIRE on the whole cell)",
                        choices=("overdamped", "inertial"))
-    kick: float = option(0.1, "how far beyond a fold the motion begins, root mean square where the law acts", "ranges of the law",
-                         above=0)
-    tolerance: float = option(0.005, "error of a step of the overdamped motion, where the law acts", "ranges of the law", above=0)
-    steps: int = option(3000, "steps of the overdamped motion after which it is given up", minimum=1)
+    kick: float = option(0.1, "how far beyond a fold the motion begins, root "
+                         "mean square where the law acts", "ranges of the law", above=0)
+    tolerance: float = option(0.005, "error of a step of the overdamped motion, where the law acts",
+                              "ranges of the law", above=0)
+    steps: int = option(3000, "steps of the overdamped motion after which it is given up",
+                        minimum=1)
 
 
 class Unsettled(RuntimeError):
@@ -72,25 +79,33 @@ class Flow:
     symmetry : mirrored.Symmetry
     controls, load : of each component
     state : State, on the window to begin with: in balance with the law outside of it
-    totals : dict of counts (``linear_iterations``, ``function_evaluations``, ``jacobian_products``), which are added to
+    totals : dict of counts (``linear_iterations``, ``function_evaluations``,
+        ``jacobian_products``), which are added to
     options : MotionOptions
 
     Attributes
     ----------
     steps : linear systems solved
-    works : array (2, components), done on the interface and against viscosity: sums over nodes, phi_i
+    works : array (2, components), done on the interface and against viscosity: sums over nodes,
+        phi_i
     """
 
     def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions()):
-        self.contact, self.symmetry, self.controls, self.load = contact, symmetry, controls, load
-        self.totals, self.options, self.steps = totals, options, 0
+        self.contact = contact
+        self.symmetry = symmetry
+        self.controls = controls
+        self.load = load
+        self.totals = totals
+        self.options = options
+        self.steps = 0
         self.works = np.zeros((2, len(controls)))
         self._begin(0.0, state)
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
         even = self.symmetry.holds(len(self.controls))
-        self.equations = equations = Equations(self.contact, state.window, even, self.controls, self.load)
+        self.equations = equations = Equations(self.contact, state.window, even, self.controls,
+                                               self.load)
         unknown = equations.pack(state.displacement, state.means)
         elastic = equations.traction(unknown) if elastic is None else equations.folded(elastic)
         unknown[equations.form.count:] += equations.response(elastic)
@@ -100,16 +115,22 @@ class Flow:
     def state(self):
         """Where the motion is now."""
         equations, now = self.equations, self.history[-1]
-        means = equations.far - self.contact.rigid_compliance(len(self.controls)) * equations.mean(now.elastic)
-        means[equations.moving] = now.unknown[equations.form.count:] - equations.response(now.elastic)
-        return states.State(equations.window, equations.unfolded(equations.displacement(now.unknown).copy()), means)
+        means = equations.far - self.contact.rigid_compliance(len(self.controls)) * equations.mean(
+            now.elastic)
+        means[equations.moving] = now.unknown[equations.form.count:] - equations.response(
+            now.elastic)
+        return states.State(equations.window,
+                            equations.unfolded(equations.displacement(now.unknown).copy()), means)
 
     def follow(self, rest=RESTING):
         """Follow the motion until it slows down below a speed ``rest`` where the law acts.
 
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
-        options, last, speed, step = self.options, np.inf, self._size(self.rate), self._next
+        options = self.options
+        last = np.inf
+        speed = self._size(self.rate)
+        step = self._next
         self._exactness, begun = min(1e-4 * options.tolerance, rest), self.history[-1].time
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
@@ -137,19 +158,27 @@ class Flow:
         raise Unsettled(f"it has not come to rest after {self.steps} steps")
 
     def _size(self, change, relative=False):
-        """How large a change of the unknown is where the law acts: in ranges, or parts of gap and slip where these are larger."""
+        """How large a change of the unknown is where the law acts: in ranges, or parts of gap and
+        slip where these are larger."""
         gap = self.equations.gap(self.history[-1].unknown)
         near, scale = gap[0] < states.NEAR, 1.0
         if relative:
-            scale = np.maximum(1.0, np.vstack([gap[:1], np.repeat(np.linalg.norm(gap[1:], axis=0)[None], len(gap) - 1, axis=0)]))
+            scale = np.maximum(1.0,
+                               np.vstack([gap[:1], np.repeat(np.linalg.norm(gap[1:], axis=0)[None],
+                                                             len(gap) - 1, axis=0)]))
         return self.equations.size(change, near, scale)
 
     def _tried(self, step):
-        """Error of a step over the tolerance (inf where it failed), and the moment to which it leads."""
-        equations, history, tolerance = self.equations, self.history, self.options.tolerance
+        """Error of a step over the tolerance (inf where it failed), and the moment to which it
+        leads."""
+        equations = self.equations
+        history = self.history
+        tolerance = self.options.tolerance
         now = history[-1]
         shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)
-        guess, known, elastic = self._predicted(step), 0.0, 0.0
+        guess = self._predicted(step)
+        known = 0.0
+        elastic = 0.0
         for weight, moment in zip(weights, history[-2:]):
             known, elastic = known + weight * moment.unknown, elastic + weight * moment.elastic
         before = equations.spent()
@@ -163,10 +192,12 @@ class Flow:
         turned = self._size(aside) / max(self._size(unknown - now.unknown), STILL)
         error = max(share * self._size(aside, relative=True) / tolerance, turned / TURNING)
         # The same formula for tau' = t - tau.
-        return error, Moment(now.time + step, unknown, (equations.traction(unknown) + elastic) / (1.0 + shift))
+        return error, Moment(now.time + step, unknown,
+                             (equations.traction(unknown) + elastic) / (1.0 + shift))
 
     def _predicted(self, step):
-        """The unknown after a step by the parabola through the last three, or less where the motion has only begun."""
+        """The unknown after a step by the parabola through the last three, or less where the motion
+        has only begun."""
         now = self.history[-1]
         if len(self.history) == 1:
             return now.unknown + step * self.rate
@@ -174,20 +205,26 @@ class Flow:
         return sum(weight * moment.unknown for weight, moment in zip(weights, self.history))
 
     def _account(self, moment, step):
-        """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the parabola through the last moments."""
+        """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the
+        parabola through the last moments."""
         equations, past = self.equations, [*self.history[-2:], moment]
         grid, count = equations.form.grid, equations.form.count
         places = [1.0 + (other.time - moment.time) / step for other in past]
         for place, weight in ((0.0, step / 6.0), (0.5, 4.0 * step / 6.0), (1.0, step / 6.0)):
             values, slopes = _interpolation(places, place)
-            unknown, speed, creep = (sum(w * other for w, other in zip(weights, others)) for weights, others in (
-                (values, [other.unknown for other in past]), (slopes / step, [other.unknown for other in past]),
-                (slopes / step, [other.elastic for other in past])))
+            unknown, speed, creep = (sum(w * other for w, other in zip(weights, others))
+                                     for weights, others in ((values,
+                                                              [other.unknown for other in past]),
+                                                             (slopes / step,
+                                                              [other.unknown for other in past]),
+                                                             (slopes / step,
+                                                              [other.elastic for other in past])))
             velocity, drift = equations.displacement(speed), np.zeros(len(self.controls))
             drift[equations.moving] = speed[count:]
             self.works[0] += weight * grid.sum(equations.traction(unknown) * velocity)
             self.works[1] -= weight * grid.sum(creep * (velocity - drift[:, None]))
-            self.works[1, equations.moving] += weight * self.contact.grid.size * equations.mass * speed[count:] ** 2
+            self.works[1, equations.moving] += (weight * self.contact.grid.size * equations.mass
+                                                * speed[count:] ** 2)
 
     def _covered(self):
         """Whether every node outside the window is certainly out of the law's range."""
@@ -216,25 +253,34 @@ class Flow:
 
     def _widen(self):
         """Go on on a window that reaches a fifth farther than the law."""
-        state, contact, cell = self.state(), self.contact, self._extended()
+        state = self.state()
+        contact = self.contact
+        cell = self._extended()
         window = contact.window(cell[0] + contact.initial_gap)
         fresh = states.wider(states.State(window, window.take(cell), state.means), window)
         window = self.symmetry.centred(fresh).window
         elastic = np.zeros_like(cell)
         state.window.put(self.equations.unfolded(self.history[-1].elastic), elastic)
-        self._begin(self.history[-1].time, states.State(window, window.take(cell), state.means), window.take(elastic))
+        self._begin(self.history[-1].time, states.State(window, window.take(cell), state.means),
+                    window.take(elastic))
 
 
 def _formula(times, step):
-    """c and weights of the last moments, at times before now, with which c x - sum of weights x = x' after a step."""
+    """c and weights of the last moments, at times before now, with which c x - sum of weights x =
+    x' after a step."""
     if len(times) < 2:
         return 1.0 / step, [1.0 / step]
     ratio = -step / times[0]
-    return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step, (1.0 + ratio) / step]
+    return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step,
+                                                        (1.0 + ratio) / step]
 
 
 def _interpolation(places, place):
-    """Weights of values at places for the polynomial through them, and for its slope, at another place."""
+    """Weights of values at places for the polynomial through them, and for its slope, at another
+    place."""
     powers = np.arange(len(places))
     transposed = np.vander(places, increasing=True).T
-    return np.linalg.solve(transposed, place ** powers), np.linalg.solve(transposed, powers * place ** np.maximum(powers - 1, 0))
+    return np.linalg.solve(transposed, place ** powers), np.linalg.solve(transposed,
+                                                                         powers
+                                                                         * place ** np.maximum(
+        powers - 1, 0))

@@ -1,12 +1,14 @@
-"""Equations of overdamped motion of a contact under fixed loads, on the window where the law acts, and their implicit steps.
+"""Equations of overdamped motion of a contact under fixed loads, on the window where the law acts,
+and their implicit steps.
 
-M u' = -(K u + t): the body is one whose material creeps with the relaxation time 1 (Kelvin and Voigt), M = K for every wave,
-and a mean that can move has the mass of `contact.Contact.mean_mass`. So u = w + m, with the means m of the components, and
+M u' = -(K u + t): the body is one whose material creeps with the relaxation time 1 (Kelvin and
+Voigt), M = K for every wave, and a mean that can move has the mass of `contact.Contact.mean_mass`.
+So u = w + m, with the means m of the components, and
 
     w' = -(w + C t),    m' = -(k_0 (m - far displacement) + mean t - prescribed mean) / m_0.
 
-Linear systems (c + J) of implicit steps are those of Newton's method with the tangent D/(1 + c): form, operator and
-preconditioner serve as they are.
+Linear systems (c + J) of implicit steps are those of Newton's method with the tangent D/(1 + c):
+form, operator and preconditioner serve as they are.
 """
 
 import numpy as np
@@ -36,19 +38,24 @@ class Equations:
     """
 
     def __init__(self, contact, window, even, controls, load):
-        self.contact, self.window, count = contact, window, len(controls)
+        self.contact = contact
+        self.window = window
+        count = len(controls)
         compliance = contact.rigid_compliance(count)
         pulled = np.array([control == FORCE for control in controls])
-        # Around an isolated contact the rigid compliance is a part of the body's response like any other wave.
+        # Around an isolated contact the rigid compliance is a part of the body's response like any
+        # other wave.
         sprung = (compliance > 0.0) & ~pulled & (not contact.isolated)
         self.moving = np.flatnonzero(pulled | sprung)
         self.pulled = pulled[self.moving]
         self.inner = np.where(self.pulled & contact.isolated, compliance[self.moving], 0.0)
         self.mass = contact.mean_mass(count)[self.moving]
-        self.stiffness = np.where(self.pulled, 0.0, 1.0 / np.where(sprung, compliance, 1.0)[self.moving])
+        self.stiffness = np.where(self.pulled, 0.0,
+                                  1.0 / np.where(sprung, compliance, 1.0)[self.moving])
         self.half = EvenWindow(window) if even else None
         controls = [FORCE if i in self.moving else control for i, control in enumerate(controls)]
-        self.form = HalfForm(contact, self.half, controls) if even else DisplacementForm(contact, window, controls)
+        self.form = (HalfForm(contact, self.half, controls) if even
+                     else DisplacementForm(contact, window, controls))
         self.far, load = contact.far_displacement(count, load), np.array(load, dtype=float)
         load[sprung] = 0.0
         self.form.set_load(load)
@@ -58,7 +65,8 @@ class Equations:
         # Else the SNES would set the tolerance of these solves by how its own last one went.
         self.snes.setUseEW(False)
         self.snes.getKSP().setOperators(self.matrix)
-        self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size) for _ in range(3))
+        self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size)
+                                                for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
         self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", EXACTNESS)
@@ -66,7 +74,8 @@ class Equations:
 
     def spent(self):
         """What the solves on this window cost: name -> count."""
-        return {"linear_iterations": self._iterations, "function_evaluations": self.form.evaluations,
+        return {"linear_iterations": self._iterations,
+                "function_evaluations": self.form.evaluations,
                 "jacobian_products": self.form.products}
 
     def folded(self, field):
@@ -74,7 +83,8 @@ class Equations:
         return self.half.fold(field) if self.half else field
 
     def unfolded(self, field):
-        """A field (components, nodes of the window) from its values at the nodes of the equations."""
+        """A field (components, nodes of the window) from its values at the nodes of the
+        equations."""
         return self.half.unfold(field) if self.half else field
 
     def pack(self, displacement, means):
@@ -115,8 +125,10 @@ class Equations:
     def imbalance(self, unknown):
         """w + C t as the first part of an unknown, and m'."""
         form, count = self.form, self.form.count
-        residual, mean = form.residual(unknown, np.empty(form.size)), self.mean(self.traction(unknown))
-        return residual[:count] + self._spread(self.inner * mean[self.moving]), self._pull(unknown[count:], mean)
+        residual = form.residual(unknown, np.empty(form.size))
+        mean = self.mean(self.traction(unknown))
+        return residual[:count] + self._spread(self.inner * mean[self.moving]), self._pull(
+            unknown[count:], mean)
 
     def rate(self, unknown):
         """x': one residual."""
@@ -124,8 +136,11 @@ class Equations:
         return np.append(self._spread(means) - field, means)
 
     def newton(self, guess, shift, known, tolerance):
-        """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its linear system was solved."""
-        form, count, scale = self.form, self.form.count, 1.0 + shift
+        """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its
+        linear system was solved."""
+        form = self.form
+        count = self.form.count
+        scale = 1.0 + shift
         field, pull = self.imbalance(guess)
         form.linearise(guess)
         form.tangent /= scale
@@ -151,7 +166,8 @@ class Equations:
         return guess - step, ksp.getConvergedReason() > 0
 
     def size(self, change, near, scale=1.0):
-        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square, or a third of the largest.
+        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square,
+        or a third of the largest.
 
         At all nodes where the law acts at none.
         """
@@ -171,10 +187,12 @@ class Equations:
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
-            if component == 0 and target > 0.0 and grid.minimum(gap[0]) > self.form.contact.law.range:
+            if (component == 0 and target > 0.0
+                and grid.minimum(gap[0]) > self.form.contact.law.range):
                 return 0
             if component > 0 and abs(unknown[self.form.count + place]) > LEVELLED:
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
-                if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size, pressed):
+                if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size,
+                          pressed):
                     return component
         return None

@@ -1,1 +1,2 @@
-"""The periodic cell: windows and boxes of its nodes, even fields, transforms, reductions, transfer between grids, contours."""
+"""The periodic cell: windows and boxes of its nodes, even fields, transforms, reductions, transfer
+between grids, contours."""

@@ -1,8 +1,9 @@
-"""Windows of several boxes, one around each spot of contact where spots are far apart: which nodes, and their convolution.
+"""Windows of several boxes, one around each spot of contact where spots are far apart: which nodes,
+and their convolution.
 
-Beyond the boxes there is no traction. So m boxes respond to each other by the cell's own kernel at their offsets: each is
-transformed on a circle of twice the largest extent, and the spectra are coupled in pairs. That is exact, and as cheap as the
-boxes are small beside the cell and few.
+Beyond the boxes there is no traction. So m boxes respond to each other by the cell's own kernel at
+their offsets: each is transformed on a circle of twice the largest extent, and the spectra are
+coupled in pairs. That is exact, and as cheap as the boxes are small beside the cell and few.
 """
 
 import math
@@ -14,18 +15,24 @@ from scipy import ndimage
 from .cell import Convolution, Transform, Window, clear_padding, enclosing
 
 MOST = 24
-"""Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their neighbours."""
+"""Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their
+neighbours."""
 
-MULTIPLICATION, POINTWISE, CALL = 5.0, 40.0, 1e4
-"""Cost of a complex multiplication for each point of a circle, of the work besides convolutions for each node of a window, and of
-handling a box, where a transform of m points costs m ln m (measured)."""
+MULTIPLICATION = 5.0
+POINTWISE = 40.0
+CALL = 1e4
+"""Cost of a complex multiplication for each point of a circle, of the work besides convolutions for
+each node of a window, and of handling a box, where a transform of m points costs m ln m
+(measured)."""
 
 WORTH = 0.8
-"""Part of the cost of the one window below which boxes are worth the check that nothing else comes within the law's range."""
+"""Part of the cost of the one window below which boxes are worth the check that nothing else comes
+within the law's range."""
 
 
 class Spots:
-    """Nodes of several disjoint boxes of the cell, all of one shape, with the interface of `cell.Window`.
+    """Nodes of several disjoint boxes of the cell, all of one shape, with the interface of
+    `cell.Window`.
 
     Parameters
     ----------
@@ -41,8 +48,11 @@ class Spots:
     even, is_whole = False, False
 
     def __init__(self, grid, start, shape):
-        self.grid, self.limits, self.shape = grid, grid.shape, tuple(int(n) for n in shape)
-        self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start), key=lambda part: part.start))
+        self.grid = grid
+        self.limits = grid.shape
+        self.shape = tuple(int(n) for n in shape)
+        self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start),
+                                  key=lambda part: part.start))
         self.start = tuple(part.start for part in self.parts)
         self.size = len(self.parts) * self.parts[0].size
         self._which = self.start, self.shape, grid.shape, grid.periods
@@ -73,13 +83,17 @@ class Spots:
         return np.tile(self.parts[0].rim(), len(self.parts))
 
     def area_below(self, values, level):
-        """Length or area where values (nodes) lie below a level, as that of a window in each box."""
-        return sum(part.area_below(own.reshape(-1), level) for part, own in zip(self.parts, self.box(values)))
+        """Length or area where values (nodes) lie below a level, as that of a window in each
+        box."""
+        return sum(part.area_below(own.reshape(-1), level)
+                   for part, own in zip(self.parts, self.box(values)))
 
     def at_level(self, values, level, fields):
-        """Fields (components, nodes) where values (nodes) cross a level, as those of a window in each box."""
+        """Fields (components, nodes) where values (nodes) cross a level, as those of a window in
+        each box."""
         both = self.box(np.concatenate([values[None], fields]))
-        return np.concatenate([part.at_level(own[0].reshape(-1), level, own[1:].reshape(len(fields), -1))
+        return np.concatenate([part.at_level(own[0].reshape(-1), level,
+                                             own[1:].reshape(len(fields), -1))
                                for part, own in zip(self.parts, np.moveaxis(both, 1, 0))], axis=1)
 
     def circle(self):
@@ -88,12 +102,14 @@ class Spots:
 
 
 def of_boxes(grid, start, shape):
-    """The window of a shape at a first node, or that of several boxes at some (boxes, directions)."""
+    """The window of a shape at a first node, or that of several boxes at some (boxes,
+    directions)."""
     return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
 
 
 def reaching(window):
-    """The window a fifth further on either side of its boxes; itself where there is no room for that."""
+    """The window a fifth further on either side of its boxes; itself where there is no room for
+    that."""
     shape, extra = window.grid.shape, [max(2, extent // 5) for extent in window.shape]
     wide = [extent + 2 * more for extent, more in zip(window.shape, extra)]
     if any(extent >= total for extent, total in zip(wide, shape)):
@@ -101,7 +117,8 @@ def reaching(window):
     if len(window.parts) == 1:
         return Window(window.grid, [start - more for start, more in zip(window.start, extra)], wide)
     first = (np.array(window.start) - extra) % shape
-    return window if np.triu(_overlap(first, np.broadcast_to(wide, first.shape), shape), 1).any() else Spots(window.grid, first, wide)
+    return window if np.triu(_overlap(first, np.broadcast_to(wide, first.shape), shape),
+                             1).any() else Spots(window.grid, first, wide)
 
 
 def in_words(window):
@@ -113,7 +130,8 @@ def in_words(window):
 
 
 class SpotsConvolution:
-    """Product of a circulant operator of the cell with fields on several boxes: as `cell.Convolution`.
+    """Product of a circulant operator of the cell with fields on several boxes: as
+    `cell.Convolution`.
 
     Parameters
     ----------
@@ -126,7 +144,8 @@ class SpotsConvolution:
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
         self.transform = plan = Transform(window.grid, circle, count * boxes)
-        self._real, self._spectrum = plan.real.reshape(count, boxes, *circle), plan.spectrum.reshape(count, boxes, -1)
+        self._real = plan.real.reshape(count, boxes, *circle)
+        self._spectrum = plan.spectrum.reshape(count, boxes, -1)
         self._product = np.empty_like(self._spectrum[0])
         self._sums = np.empty_like(self._spectrum)
         self._inside = (slice(None), slice(None), *(slice(0, n) for n in window.shape))
@@ -136,17 +155,20 @@ class SpotsConvolution:
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
         parts, extents = self.window.parts, self.window.shape
         found = np.empty((len(parts), *self._spectrum.shape[1:]), dtype=complex)
-        # The kernel of a real block is even, that of an imaginary one odd: the way back is the conjugate of the way there.
+        # The kernel of a real block is even, that of an imaginary one odd: the way back is the
+        # conjugate of the way there.
         sign = 1.0 if np.isrealobj(operator.blocks[key]) else -1.0
         for i, part in enumerate(parts):
             for j, other in enumerate(parts[:i + 1]):
-                found[i, j] = operator.between(key, extents, circle, np.subtract(part.start, other.start)).reshape(-1)
+                found[i, j] = operator.between(key, extents, circle,
+                                               np.subtract(part.start, other.start)).reshape(-1)
                 if i != j:
                     np.multiply(sign, found[i, j].conj(), out=found[j, i])
         return found
 
     def apply(self, values, out, transposed=False):
-        """out (components, nodes) = operator, or its transpose, times values (components, nodes), perhaps the same array."""
+        """out (components, nodes) = operator, or its transpose, times values (components, nodes),
+        perhaps the same array."""
         self._real[self._inside] = self.window.box(values)
         self.transform.forward()
         self._sums[...] = 0.0
@@ -155,7 +177,8 @@ class SpotsConvolution:
                 np.einsum("abk,ak->bk", block, self._spectrum[i].conj(), out=self._product)
                 self._sums[j] += np.conj(self._product, out=self._product)
             else:
-                self._sums[i] += np.einsum("abk,bk->ak", block, self._spectrum[j], out=self._product)
+                self._sums[i] += np.einsum("abk,bk->ak", block, self._spectrum[j],
+                                           out=self._product)
         self._spectrum[...] = self._sums
         self.transform.backward()
         self.window.box(out)[...] = self._real[self._inside]
@@ -169,22 +192,28 @@ def convolution(window, operator, count):
 
 
 def cost(window):
-    """Predicted time of a product with the Jacobian, for each component, where a transform of m points takes m ln m."""
+    """Predicted time of a product with the Jacobian, for each component, where a transform of m
+    points takes m ln m."""
     boxes, points = len(window.parts), math.prod(window.circle())
     handling = CALL * boxes if boxes > 1 else 0.0
-    return 2.0 * boxes * points * math.log(points) + MULTIPLICATION * boxes ** 2 * points + POINTWISE * window.size + handling
+    return 2.0 * boxes * points * math.log(
+        points) + MULTIPLICATION * boxes ** 2 * points + POINTWISE * window.size + handling
 
 
 def fitting(grid, mask, margin):
-    """The cheapest window around the nodes where ``mask`` (over the cell) holds: one box as `cell.enclosing`, or several.
+    """The cheapest window around the nodes where ``mask`` (over the cell) holds: one box as
+    `cell.enclosing`, or several.
 
-    Boxes are made around connected nodes and joined, the pair with the smallest common box first, until one is left; of all these
-    windows the one whose products with the Jacobian are predicted to be cheapest is taken, by `cost`.
+    Boxes are made around connected nodes and joined, the pair with the smallest common box first,
+    until one is left; of all these windows the one whose products with the Jacobian are predicted
+    to be cheapest is taken, by `cost`.
     """
     one = enclosing(grid, mask, margin)
     if np.count_nonzero(mask) > 0.5 * one.size:
         return one
-    boxes, best, least = _clusters(mask), one, WORTH * cost(one)
+    boxes = _clusters(mask)
+    best = one
+    least = WORTH * cost(one)
     while len(boxes[0]) > 1:
         first, extent = _widened(*boxes, margin, grid.shape)
         touching = np.triu(_overlap(first, extent, grid.shape), 1)
@@ -197,7 +226,8 @@ def fitting(grid, mask, margin):
 
 
 def _clusters(mask):
-    """First nodes and extents, arrays (boxes, directions), of the boxes around connected nodes of a mask."""
+    """First nodes and extents, arrays (boxes, directions), of the boxes around connected nodes of a
+    mask."""
     stride, blocks = 1, mask
     labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
     while count > MOST:
@@ -205,14 +235,15 @@ def _clusters(mask):
             blocks = np.logical_or.reduceat(blocks, np.arange(0, points, 2), axis=axis)
         stride *= 2
         labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
-    boxes = [[(stride * line.start, min(stride * line.stop, total)) for line, total in zip(box, mask.shape)]
-             for box in ndimage.find_objects(labels)]
+    boxes = [[(stride * line.start, min(stride * line.stop, total))
+              for line, total in zip(box, mask.shape)] for box in ndimage.find_objects(labels)]
     first, after = np.moveaxis(np.array(boxes).reshape(-1, mask.ndim, 2), -1, 0)
     return first, after - first
 
 
 def _widened(first, extent, margin, shape):
-    """Boxes widened to one extent, the largest and on each side two nodes and a part of it; all of a direction if not half as long."""
+    """Boxes widened to one extent, the largest and on each side two nodes and a part of it; all of
+    a direction if not half as long."""
     largest = np.max(extent, axis=0)
     wide = largest + 2 * (2 + (margin * largest).astype(int))
     wide = np.where(2 * wide - 1 >= shape, shape, wide)
@@ -227,13 +258,15 @@ def _overlap(first, extent, shape):
 
 
 def _joined(first, extent, touching, shape):
-    """The boxes with one less: of the pairs that touch, or of all, that with the smallest common box is one from now on."""
+    """The boxes with one less: of the pairs that touch, or of all, that with the smallest common
+    box is one from now on."""
     ahead = (first[None] - first[:, None]) % shape
     forth = np.maximum(extent[:, None], ahead + extent[None])
     back = np.swapaxes(forth, 0, 1)
     common = np.minimum(np.minimum(forth, back), shape)
     allowed = touching if touching.any() else np.triu(np.ones_like(touching), 1)
-    i, j = np.unravel_index(np.argmin(np.where(allowed, np.prod(common, axis=-1), np.inf)), allowed.shape)
+    i, j = np.unravel_index(np.argmin(np.where(allowed, np.prod(common, axis=-1), np.inf)),
+                            allowed.shape)
     first, extent = first.copy(), extent.copy()
     first[i] = np.where(forth[i, j] <= back[i, j], first[i], first[j])
     extent[i] = common[i, j]

@@ -1,17 +1,20 @@
-"""Where interpolated values on a grid cross a level: places on a line, areas on a plane; and are largest."""
+"""Where interpolated values on a grid cross a level: places on a line, areas on a plane; and are
+largest."""
 
 import numpy as np
 from scipy.optimize import brentq
 
 
 def first_largest(values):
-    """Index of the first of the values of about the largest size: of equals, rounding would choose."""
+    """Index of the first of the values of about the largest size: of equals, rounding would
+    choose."""
     sizes = np.abs(values)
     return int(np.argmax(sizes >= 0.999 * np.max(sizes)))
 
 
 def crossings(values, level):
-    """Where a line of values crosses a level: places in nodes (cubic interpolation), and +1 (upward) or -1 there.
+    """Where a line of values crosses a level: places in nodes (cubic interpolation), and +1
+    (upward) or -1 there.
 
     Between nodes i and i + 1 the cubic through nodes i - 1 to i + 2 is used (a line at the ends).
     """
@@ -23,16 +26,18 @@ def crossings(values, level):
             places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
             continue
         before, left, right, after = values[i - 1:i + 3] - level
-        # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its sign.
+        # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its
+        # sign.
         rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
         twist = (fall - rise) / 3
-        places[k] = i + brentq(lambda t: (1 - t) * left + t * right + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
-                               xtol=1e-14)
+        places[k] = i + brentq(lambda t: (1 - t) * left + t * right
+                               + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0, xtol=1e-14)
     return places, np.where(above[first + 1], 1, -1)
 
 
 def ringed(box, closed):
-    """A box (..., *box) with what follows around the cell in closed directions, else its outermost nodes again."""
+    """A box (..., *box) with what follows around the cell in closed directions, else its outermost
+    nodes again."""
     for axis, around in enumerate(closed, start=box.ndim - len(closed)):
         before, after = ([-1], [0, 1]) if around else ([0], [-1])
         box = np.concatenate([box.take(before, axis), box, box.take(after, axis)], axis)
@@ -40,7 +45,8 @@ def ringed(box, closed):
 
 
 def at_level(values, level, fields):
-    """Fields (components, *box) where values (*box) cross a level along the lines of nodes, (components, crossings).
+    """Fields (components, *box) where values (*box) cross a level along the lines of nodes,
+    (components, crossings).
 
     Cubic between two nodes that have neighbours in the box.
     """
@@ -56,14 +62,18 @@ def at_level(values, level, fields):
 
 
 def _at_places(place):
-    """Weights of four nodes at places between the two in the middle, 0 to 1 from one to the other."""
-    before, after, rest = place + 1.0, 2.0 - place, 1.0 - place
+    """Weights of four nodes at places between the two in the middle, 0 to 1 from one to the
+    other."""
+    before = place + 1.0
+    after = 2.0 - place
+    rest = 1.0 - place
     return (-place * rest * after / 6.0, before * rest * after / 2.0, before * place * after / 2.0,
             -before * place * rest / 6.0)
 
 
 def _roots(*nodes):
-    """Places where the cubics through four values vanish between the middle two, of unequal signs."""
+    """Places where the cubics through four values vanish between the middle two, of unequal
+    signs."""
     low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
     for _ in range(48):
         middle = 0.5 * (low + high)
@@ -74,38 +84,45 @@ def _roots(*nodes):
 
 
 def area_below(box, level):
-    """Area below a level of the surface through a box of nodes without its outermost ring, in squares of the grid.
+    """Area below a level of the surface through a box of nodes without its outermost ring, in
+    squares of the grid.
 
-    Squares that the level cuts are divided by bicubic interpolation, and the parts by triangles; what is left of these falls with
-    the square of the division, which two divisions tell. Fourth order.
+    Squares that the level cuts are divided by bicubic interpolation, and the parts by triangles;
+    what is left of these falls with the square of the division, which two divisions tell. Fourth
+    order.
     """
     corners = _corners(box[1:-1, 1:-1])
     lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
     cut = np.nonzero((lowest < level) & (highest >= level))
     patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
-    coarse, fine = (_triangles_below(weights @ patches @ weights.T) / (len(weights) - 1) ** 2 for weights in map(_cubic, (4, 8)))
+    coarse, fine = (_triangles_below(weights @ patches @ weights.T) / (len(weights) - 1) ** 2
+                    for weights in map(_cubic, (4, 8)))
     return np.count_nonzero(highest < level) + (4.0 * fine - coarse) / 3.0
 
 
 def _cubic(parts):
-    """Weights of four nodes at the ends of equal parts of the middle one of the steps between them."""
+    """Weights of four nodes at the ends of equal parts of the middle one of the steps between
+    them."""
     places, nodes = np.arange(parts + 1) / parts, np.arange(-1, 3)
-    return np.array([[np.prod((place - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
-                     for place in places])
+    return np.array([[np.prod((place - np.delete(nodes, k)) / (node - np.delete(nodes, k)))
+                      for k, node in enumerate(nodes)] for place in places])
 
 
 def _corners(values):
-    """Values at the corners of the squares between nodes (last two axes), in their order around them."""
+    """Values at the corners of the squares between nodes (last two axes), in their order around
+    them."""
     return values[..., :-1, :-1], values[..., 1:, :-1], values[..., 1:, 1:], values[..., :-1, 1:]
 
 
 def _triangles_below(values):
-    """Area where values are negative, by the triangles of either diagonal, in squares between nodes (last two axes)."""
+    """Area where values are negative, by the triangles of either diagonal, in squares between nodes
+    (last two axes)."""
     corners = _corners(values)
     lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
     a, b, c, d = (corner[(lowest < 0.0) & (highest >= 0.0)] for corner in corners)
     triangles = ((a, b, c), (a, c, d), (b, c, d), (b, d, a))
-    return np.count_nonzero(highest < 0.0) + 0.25 * sum(_part_below(triangle).sum() for triangle in triangles)
+    return np.count_nonzero(highest < 0.0) + 0.25 * sum(_part_below(triangle).sum()
+                                                        for triangle in triangles)
 
 
 def _part_below(corners):

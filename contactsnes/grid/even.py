@@ -1,7 +1,8 @@
-"""Fields that are even about the apex: half a line or a quarter of a plane of their nodes, weights, transforms, convolutions.
+"""Fields that are even about the apex: half a line or a quarter of a plane of their nodes, weights,
+transforms, convolutions.
 
-A node at distance d from the apex in a direction stands for those at -d and d: it counts twice, but once on the axis (d = 0)
-and where the cell closes on itself (d = N/2).
+A node at distance d from the apex in a direction stands for those at -d and d: it counts twice, but
+once on the axis (d = 0) and where the cell closes on itself (d = N/2).
 """
 
 import math
@@ -13,18 +14,23 @@ from scipy import fft
 from .cell import Grid, Window, clear_padding, transform_cost
 
 UNEVEN = 1e-10
-"""Largest difference of mirror images in an initial gap that counts as even, delta_n: what rounding makes of one."""
+"""Largest difference of mirror images in an initial gap that counts as even, delta_n: what rounding
+makes of one."""
 
 
 def obstacle(contact, components):
-    """Why displacements of a contact with so many components need not be even in every direction, in words; None if they are.
+    """Why displacements of a contact with so many components need not be even in every direction,
+    in words; None if they are.
 
-    What is asked is its initial gap on the grid, node by node, and which components of traction its body moves which others by.
+    What is asked is its initial gap on the grid, node by node, and which components of traction its
+    body moves which others by.
     """
     if not contact.unevenness <= UNEVEN:
-        return (f"the initial gap is not even about the apex: its mirror images differ by up to {contact.unevenness:.3g} delta_n, "
-                f"of which {UNEVEN:g} is allowed")
-    coupled = [(i, j) for i, j in contact.operator(components).blocks if i != j] if components > 1 else []
+        return ("the initial gap is not even about the apex: its mirror "
+                f"images differ by up to {contact.unevenness:.3g} delta_n, of "
+                f"which {UNEVEN:g} is allowed")
+    coupled = [(i, j) for i, j in contact.operator(components).blocks
+               if i != j] if components > 1 else []
     if any(0 in pair for pair in coupled):
         return "the body couples tangential displacements, which are odd, to normal ones"
     if coupled:
@@ -36,7 +42,9 @@ def centred(window):
     """The smallest window about the apex, one box, that holds a window."""
     start, shape = [], []
     for axis, (extent, total) in enumerate(zip(window.shape, window.grid.shape)):
-        ends = [end for part in window.parts for end in (total // 2 - part.start[axis], part.start[axis] - total // 2 + extent - 1)]
+        ends = [end for part in window.parts for end in (total // 2 - part.start[axis],
+                                                         part.start[axis] - total // 2 + extent
+                                                         - 1)]
         reach = max(1, *ends)
         whole = extent == total or 2 * reach + 1 >= total
         start.append(0 if whole else total // 2 - reach)
@@ -50,22 +58,27 @@ def mirrored(field, axis):
 
 
 def lone(window):
-    """Mask of the nodes of a window (nodes) whose mirror image in some direction lies outside of it."""
+    """Mask of the nodes of a window (nodes) whose mirror image in some direction lies outside of
+    it."""
     known = np.zeros((1, *window.grid.shape), dtype=bool)
     window.put(np.ones((1, window.size), dtype=bool), known)
-    return window.take(np.any([known & ~mirrored(known, axis) for axis in range(1, known.ndim)], axis=0))[0]
+    return window.take(np.any([known & ~mirrored(known, axis) for axis in range(1, known.ndim)],
+                              axis=0))[0]
 
 
 def asymmetry(window, values):
-    """Largest difference of values (arrays, nodes) between mirror images in a window; inf if it does not hold the apex."""
+    """Largest difference of values (arrays, nodes) between mirror images in a window; inf if it
+    does not hold the apex."""
     if len(window.parts) > 1:
         cell = np.full((len(values), *window.grid.shape), math.inf)
         window.put(values, cell)
         differences = (np.abs(cell - mirrored(cell, axis)) for axis in range(1, cell.ndim))
         with np.errstate(invalid="ignore"):
-            return float(max(np.max(difference, where=np.isfinite(difference), initial=0.0) for difference in differences))
+            return float(max(np.max(difference, where=np.isfinite(difference), initial=0.0)
+                             for difference in differences))
     box, largest = window.box(values), 0.0
-    for axis, (first, extent, total) in enumerate(zip(window.start, window.shape, window.grid.shape), start=1):
+    for axis, (first, extent, total) in enumerate(zip(window.start, window.shape,
+                                                      window.grid.shape), start=1):
         middle = (total // 2 - first) % total
         reach = min(middle, extent - 1 - middle)
         if reach < 0:
@@ -77,7 +90,8 @@ def asymmetry(window, values):
 
 
 class EvenGrid(Grid):
-    """A grid whose reductions run over half of the nodes of even fields (a quarter in the plane), each with its weight."""
+    """A grid whose reductions run over half of the nodes of even fields (a quarter in the plane),
+    each with its weight."""
 
     def __init__(self, grid, weights):
         vars(self).update(vars(grid))
@@ -148,31 +162,37 @@ class EvenWindow:
 
 
 class Cosines:
-    """A pair of cosine transforms of ``count`` even arrays, with the interface of `cell.Transform`, in place.
+    """A pair of cosine transforms of ``count`` even arrays, with the interface of `cell.Transform`,
+    in place.
 
-    In each direction m points from the axis outwards. If they reach to the middle of the cell, the waves are those of the cell
-    (type I, circle of 2 m - 2 points). Otherwise the fields go on oddly beyond the last point (types III and II, circle of 4 m
-    points, on which waves of odd number only): the same as zeros there for a convolution that is padded, and faster.
+    In each direction m points from the axis outwards. If they reach to the middle of the cell, the
+    waves are those of the cell (type I, circle of 2 m - 2 points). Otherwise the fields go on oddly
+    beyond the last point (types III and II, circle of 4 m points, on which waves of odd number
+    only): the same as zeros there for a convolution that is padded, and faster.
     """
 
     def __init__(self, grid, shape, count):
         self.shape = shape
         self.real = self.spectrum = pyfftw.zeros_aligned((count, *shape))
         self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
-        self.gain = math.prod(2 * (m - 1) if closed else 2 * m for m, closed in zip(shape, self.closed))
+        self.gain = math.prod(2 * (m - 1) if closed else 2 * m
+                              for m, closed in zip(shape, self.closed))
         self._counter = grid.counter
         self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
         self._plans = self._plan(3), self._plan(2)
 
     def _plan(self, open_type):
-        """{type: axes}, or on a line a plan, of the transforms with a given type in directions that are not closed."""
+        """{type: axes}, or on a line a plan, of the transforms with a given type in directions that
+        are not closed."""
         kinds = [1 if closed else open_type for closed in self.closed]
         if len(kinds) == 1:
-            # SciPy's transforms are the faster ones in the plane, but on a line its calls take longer than they.
+            # SciPy's transforms are the faster ones in the plane, but on a line its calls take
+            # longer than they.
             name = {1: "FFTW_REDFT00", 2: "FFTW_REDFT10", 3: "FFTW_REDFT01"}[kinds[0]]
             return pyfftw.FFTW(self.real, self.real, axes=(1,), direction=name, threads=1,
                                flags=("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"))
-        return {kind: [axis for axis, own in enumerate(kinds, start=1) if own == kind] for kind in kinds}
+        return {kind: [axis for axis, own in enumerate(kinds, start=1) if own == kind]
+                for kind in kinds}
 
     def _execute(self, plan):
         self._counter.transforms += self._cost
@@ -200,7 +220,8 @@ class Cosines:
 
 
 class EvenConvolution:
-    """Product of an even circulant operator of the cell with even fields on an even window: as `cell.Convolution`."""
+    """Product of an even circulant operator of the cell with even fields on an even window: as
+    `cell.Convolution`."""
 
     def __init__(self, window, operator, count):
         self.window = window
@@ -215,15 +236,18 @@ class EvenConvolution:
         """The block on the waves of the circle."""
         plan, window = self.transform, self.window
         if all(window.closed):
-            return np.ascontiguousarray(operator.blocks[key][tuple(slice(0, m) for m in plan.shape)])
-        lags = tuple(slice(0, m if closed else 2 * n - 1) for n, m, closed in zip(window.shape, plan.shape, window.closed))
+            return np.ascontiguousarray(operator.blocks[key][tuple(slice(0, m)
+                                                                   for m in plan.shape)])
+        lags = tuple(slice(0, m if closed else 2 * n - 1)
+                     for n, m, closed in zip(window.shape, plan.shape, window.closed))
         plan.real[0] = 0.0
         plan.real[(0, *lags)] = operator.kernel(key)[lags]
         plan.forward()
         return plan.spectrum[0] / plan.gain
 
     def apply(self, values, out, transposed=False):
-        """out (components, nodes) = operator times values (components, nodes), perhaps the same array; it is its transpose."""
+        """out (components, nodes) = operator times values (components, nodes), perhaps the same
+        array; it is its transpose."""
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
         plan.forward()

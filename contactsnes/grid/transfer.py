@@ -9,21 +9,26 @@ from .cell import Transform
 
 
 def interpolation(window):
-    """Cubic interpolation from the nodes of even number in a window to all of them, a sparse matrix."""
+    """Cubic interpolation from the nodes of even number in a window to all of them, a sparse
+    matrix."""
     lines = [_line(*sizes) for sizes in zip(window.start, window.shape, window.grid.shape)]
     return lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
 
 
 def _line(start, extent, total):
-    """Cubic interpolation along a direction, from the nodes of even number in a window to all of them, sparse."""
+    """Cubic interpolation along a direction, from the nodes of even number in a window to all of
+    them, sparse."""
     first, after = (start + 1) // 2, (start + extent + 1) // 2
     nodes = np.arange(extent)
     below, odd = np.divmod(start + nodes, 2)
-    rows, columns, weights = [], [], []
+    rows = []
+    columns = []
+    weights = []
     for shift, weight in zip(range(-1, 3), (-0.0625, 0.5625, 0.5625, -0.0625)):
         place = below + shift
         rows.append(nodes)
-        columns.append(place % (total // 2) if extent == total else np.clip(place, first, after - 1) - first)
+        columns.append(place % (total // 2) if extent == total else np.clip(place, first, after - 1)
+                       - first)
         weights.append(np.where(odd, weight, float(shift == 0)))
     entries = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
     matrix = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, after - first)))
@@ -32,7 +37,8 @@ def _line(start, extent, total):
 
 
 def resampled(grid, finer, fields):
-    """Fields (components, *grid) on the finer grid, with the same waves except the coarse one's shortest."""
+    """Fields (components, *grid) on the finer grid, with the same waves except the coarse one's
+    shortest."""
     count, half = len(fields), grid.shape[-1] // 2
     source, target = Transform(grid, grid.shape, count), Transform(finer, finer.shape, count)
     source.real[...] = fields
@@ -45,11 +51,12 @@ def resampled(grid, finer, fields):
 
 
 def smooth(window, values, width):
-    """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width`` (beta).
+    """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width``
+    (beta).
 
-    Three running means: no transform, and a cost that does not depend on the width. Periodic in directions that the
-    window fills; in others the values on its border continue outwards, in an even window as their mirror images. Each box of
-    several for itself.
+    Three running means: no transform, and a cost that does not depend on the width. Periodic in
+    directions that the window fills; in others the values on its border continue outwards, in an
+    even window as their mirror images. Each box of several for itself.
     """
     box = window.box(values)
     first = box.ndim - len(window.shape)
@@ -57,7 +64,8 @@ def smooth(window, values, width):
     reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
                for points, spacing in zip(window.shape, window.grid.spacings)]
     # Zeros far from all other values stay zeros.
-    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach) for axis, reach in enumerate(reaches, first))
+    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach)
+                                          for axis, reach in enumerate(reaches, first))
     blurred, out = box[part].astype(float), np.zeros(box.shape)
     negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)
     for axis, (total, reach) in enumerate(zip(window.grid.shape, reaches), first):
@@ -71,7 +79,9 @@ def smooth(window, values, width):
 
 
 def extent(mask, axis, margin=0):
-    """Slice along an axis that holds every True of a mask and a margin of nodes; all of the axis if that does not fit."""
+    """Slice along an axis that holds every True of a mask and a margin of nodes; all of the axis if
+    that does not fit."""
     line = np.flatnonzero(mask.any(axis=tuple(i for i in range(mask.ndim) if i != axis)))
     first, after = (line[0] - margin, line[-1] + 1 + margin) if line.size else (0, 0)
-    return slice(int(first), int(after)) if 0 <= first and after <= mask.shape[axis] else slice(0, mask.shape[axis])
+    return (slice(int(first), int(after)) if 0 <= first and after <= mask.shape[axis]
+            else slice(0, mask.shape[axis]))

@@ -127,7 +127,8 @@ def layer_compliance(wavenumber, poisson, height):
 
 
 def rigid_stiffness(poisson, height):
-    """Stiffness of the mean surface against the top, k_0n = (1-nu)^2/((1-2nu)H), k_0t = (1-nu)/(2H).
+    """Stiffness of the mean surface against the top, k_0n = (1-nu)^2/((1-2nu)H), k_0t =
+    (1-nu)/(2H).
 
     Per area of interface, units E*/beta. ``inf`` where the mean displacement
     cannot differ from that of the top: normal for nu = 1/2, and both, by
@@ -157,7 +158,8 @@ class _Waves(NamedTuple):
     def at(self, select):
         """The selected waves only."""
         return _Waves(self.wavenumber[select], tuple(e[select] for e in self.unit),
-                      tuple(e[select] for e in self.odd_unit), self.zero[select], self.nyquist[select])
+                      tuple(e[select] for e in self.odd_unit), self.zero[select],
+                      self.nyquist[select])
 
 
 def _nyquist_index(axis, directions, points, last_even):
@@ -217,12 +219,14 @@ class Body:
 
     @property
     def rigid_compliance(self):
-        """Normal and tangential compliance 1/k_0 of the zero mode; 0 where `rigid_stiffness` is infinite."""
+        """Normal and tangential compliance 1/k_0 of the zero mode; 0 where `rigid_stiffness` is
+        infinite."""
         normal, tangential = rigid_stiffness(self.poisson, self.height)
         return 1 / normal, 1 / tangential
 
     def couples(self, smallest_wavenumber):
-        """Whether normal and tangential directions couple above rounding at q >= `smallest_wavenumber`.
+        """Whether normal and tangential directions couple above rounding at q >=
+        `smallest_wavenumber`.
 
         The coupling relative to sqrt(C_nn C_LL) tends to Dundurs' constant for
         large qH; the rest, k^2 exp(-2k), is largest at the smallest q.
@@ -276,7 +280,8 @@ class Body:
         else:
             surface = layer_stiffness(waves.wavenumber, self.poisson, self.height)
             coupled, sheared = self._nonzero(waves)
-            # What is coupled to the normal direction is stiffer: where compliances of x and y are equal, stiffnesses are not.
+            # What is coupled to the normal direction is stiffer: where compliances of x and y are
+            # equal, stiffnesses are not.
             blocks = self._blocks(surface, -1.0, waves, components, (coupled, coupled or sheared))
             self._invert_nyquist(blocks, waves, components)
         return self._without_zero_mode(blocks, waves)
@@ -285,8 +290,9 @@ class Body:
     def _check(wavevectors, components, last_even):
         """The waves, if components and directions fit."""
         if components not in (1, len(wavevectors) + 1):
-            raise ValueError(f"{components} components on an interface of {len(wavevectors)} dimension(s): "
-                             f"use 1 (normal) or {len(wavevectors) + 1} (normal and tangential).")
+            raise ValueError(f"{components} components on an interface of "
+                             f"{len(wavevectors)} dimension(s): use 1 (normal) or "
+                             f"{len(wavevectors) + 1} (normal and tangential).")
         return _create_waves(wavevectors, last_even)
 
     @staticmethod
@@ -311,10 +317,12 @@ class Body:
 
     def _compliance_blocks(self, waves, components):
         """Blocks of the compliance, arbitrary at q = 0."""
-        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components, self._nonzero(waves))
+        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components,
+                            self._nonzero(waves))
 
     def _blocks(self, surface, sign, waves, components, nonzero):
-        """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign s e_a."""
+        """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign
+        s e_a."""
         blocks = {(0, 0): surface.normal}
         ratio = np.sqrt(self.work_ratio)
         for a in range(1, components):
@@ -336,7 +344,8 @@ class Body:
             return
         surface = layer_compliance(lines.wavenumber, self.poisson, self.height)
         matrix = np.zeros((lines.wavenumber.size, components, components), dtype=complex)
-        for (i, j), block in self._blocks(surface, 1.0, lines, components, self._nonzero(waves)).items():
+        for (i, j), block in self._blocks(surface, 1.0, lines, components,
+                                          self._nonzero(waves)).items():
             matrix[:, i, j] = block
         inverse = np.linalg.inv(matrix)
         for (i, j), block in blocks.items():

@@ -13,7 +13,8 @@ from ..system.devices import failure
 from .roughness import surface
 
 JUMP = 4.0
-"""Step at the seam of a cell over those between neighbours from which on heights are told to be not periodic."""
+"""Step at the seam of a cell over those between neighbours from which on heights are told to be not
+periodic."""
 
 
 def _cylinder(coordinates, **_):
@@ -43,7 +44,8 @@ def _file(coordinates, *, heights, **_):
 
 
 def _rough(coordinates, *, period, roughness, **_):
-    """|x|^2/2 - h, a self-affine h (`roughness.surface`), less its smallest value between nodes, too: the same on every grid."""
+    """|x|^2/2 - h, a self-affine h (`roughness.surface`), less its smallest value between nodes,
+    too: the same on every grid."""
     found, lowest = surface(tuple(map(float, period)), *roughness)
     return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
 
@@ -58,15 +60,16 @@ SHAPES = {
 }
 
 
-def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roughness=None, offset=0.0):
+def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roughness=None,
+                offset=0.0):
     """Initial gap g_0 of a named shape, in units of u_n,r = beta^2/R.
 
     Parameters
     ----------
     name : str
         A row of `SHAPES`: ``cylinder`` (x^2/2, along y), ``sphere`` (r^2/2), ``sinusoid``
-        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`), ``rough`` (a parabola with
-        `roughness`).
+        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`),
+        ``rough`` (a parabola with `roughness`).
     coordinates : tuple of ndarray
         One array a direction in units of beta, broadcastable; the apex is at the origin.
     period : float or sequence of float
@@ -76,7 +79,8 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roug
     heights : ndarray, optional
         Heights of a ``file`` on the grid (`read_heights`); shifted so that the smallest gap is 0.
     roughness : tuple, optional
-        Hurst exponent, rms slope, longest and shortest wave and seed of a ``rough`` shape (`roughness.surface`).
+        Hurst exponent, rms slope, longest and shortest wave and seed of a ``rough`` shape
+        (`roughness.surface`).
     offset : float
         Constant added to the gap, units of u_n,r.
 
@@ -88,24 +92,30 @@ def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roug
     Raises
     ------
     ValueError
-        If the name is no row of `SHAPES`, or a ``file`` comes without heights, a ``rough`` shape without roughness.
+        If the name is no row of `SHAPES`, or a ``file`` comes without heights, a ``rough`` shape
+        without roughness.
     """
     if name not in SHAPES:
         raise ValueError(f"-scene_geometry {name} is not a shape: use one of {', '.join(SHAPES)}.")
     if name == "file" and heights is None:
-        raise ValueError("-scene_geometry file needs heights: name their file with -scene_geometry_file.")
+        raise ValueError(
+            "-scene_geometry file needs heights: name their file with -scene_geometry_file.")
     if name == "rough" and roughness is None:
-        raise ValueError("-scene_geometry rough needs its roughness: give -scene_rough_slope and -scene_rough_shortest.")
+        raise ValueError("-scene_geometry rough needs its roughness: give "
+                         "-scene_rough_slope and -scene_rough_shortest.")
     period = np.broadcast_to(period, (len(coordinates),))
-    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights, roughness=roughness)
+    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights,
+                       roughness=roughness)
     return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
 
 
 def is_convex(gap):
-    """Whether a gap on a grid is convex within the cell, to rounding, and not the same everywhere: a body with one summit.
+    """Whether a gap on a grid is convex within the cell, to rounding, and not the same everywhere:
+    a body with one summit.
 
-    Its second differences are those of a convex function: along each direction not negative, with a Hessian's determinant that
-    is not, either. Half a cell away from the summit, where a body meets its neighbour, nothing is asked.
+    Its second differences are those of a convex function: along each direction not negative, with a
+    Hessian's determinant that is not, either. Half a cell away from the summit, where a body meets
+    its neighbour, nothing is asked.
     """
     rounding = 8.0 * np.finfo(float).eps * np.max(np.abs(gap))
     axes, summit = tuple(range(gap.ndim)), np.unravel_index(np.argmin(gap), gap.shape)
@@ -119,7 +129,8 @@ def is_convex(gap):
         return True
     along, across = bends[0][:, 1:-1], bends[1][1:-1]
     twist = (gap[2:, 2:] - gap[2:, :-2] - gap[:-2, 2:] + gap[:-2, :-2]) / 4
-    return bool(np.min(along * across - twist ** 2) >= -rounding * max(bend.max() for bend in bends))
+    return bool(np.min(along * across - twist ** 2) >= -rounding * max(bend.max()
+                                                                       for bend in bends))
 
 
 def read_heights(specification, shape=None):
@@ -148,9 +159,11 @@ def read_heights(specification, shape=None):
     option = f"-scene_geometry_file {specification}"
     filename, suffix, dataset = _split(str(specification))
     if suffix not in _READERS:
-        raise ValueError(f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
+        raise ValueError(
+            f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
     if not Path(filename).is_file():
-        raise FileNotFoundError(f"{option}: there is no file {filename}; check the name and the directory.")
+        raise FileNotFoundError(
+            f"{option}: there is no file {filename}; check the name and the directory.")
     read = _READERS[suffix]
     why = failure(lambda: read(filename, dataset)) if suffix == ".h5" else ""
     try:
@@ -164,30 +177,37 @@ def read_heights(specification, shape=None):
     if heights.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
     if shape is not None and heights.shape != tuple(shape):
-        raise ValueError(f"{option}: the heights have shape {heights.shape}, the grid has {tuple(shape)}; "
-                         "set -scene_points and -scene_dimension to those of the file.")
+        raise ValueError(f"{option}: the heights have shape {heights.shape}, the "
+                         f"grid has {tuple(shape)}; set -scene_points and "
+                         "-scene_dimension to those of the file.")
     if heights.size == 0 or heights.ndim not in (1, 2):
-        raise ValueError(f"{option}: holds an array of shape {heights.shape} instead of heights on a line or a plane.")
+        raise ValueError(f"{option}: holds an array of shape {heights.shape} "
+                         "instead of heights on a line or a plane.")
     if not np.all(np.isfinite(heights)):
-        raise ValueError(f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
+        raise ValueError(
+            f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
     heights = heights.astype(float)
     if not np.abs(heights).max() <= LARGEST:
-        raise ValueError(f"{option}: a height of {np.abs(heights).max():.3g} is too large to compute with; allowed are sizes up to "
-                         f"{LARGEST:g}.")
+        raise ValueError(f"{option}: a height of {np.abs(heights).max():.3g} is "
+                         "too large to compute with; allowed are sizes up "
+                         f"to {LARGEST:g}.")
     return heights
 
 
 def seams(heights):
-    """Where heights jump at the seam of their cell: direction, step at the seam and typical step between neighbours, a list.
+    """Where heights jump at the seam of their cell: direction, step at the seam and typical step
+    between neighbours, a list.
 
-    Steps are root mean squares: of all neighbours for the typical one, and of those across the seam. A jump is a seam that steps
-    `JUMP` times as far as neighbours do, those next to it, too, which are steep where a steep place of the surface lies at the seam.
+    Steps are root mean squares: of all neighbours for the typical one, and of those across the
+    seam. A jump is a seam that steps `JUMP` times as far as neighbours do, those next to it, too,
+    which are steep where a steep place of the surface lies at the seam.
     """
     found = []
     for axis in range(heights.ndim):
         steps = np.moveaxis(np.diff(heights, axis=axis), axis, 0)
         seam = np.take(heights, 0, axis) - np.take(heights, -1, axis)
-        size, typical, beside = (float(np.sqrt(np.mean(part ** 2))) for part in (seam, steps, np.array([*steps[:2], *steps[-2:]])))
+        size, typical, beside = (float(np.sqrt(np.mean(part ** 2)))
+                                 for part in (seam, steps, np.array([*steps[:2], *steps[-2:]])))
         if size > JUMP * max(typical, beside) and size > 1e-9 * np.ptp(heights):
             found.append((axis, size, typical))
     return found

@@ -1,8 +1,9 @@
 """Self-affine roughness as waves of a periodic cell: the same surface on every grid.
 
-h(x) = sum_q a(q) cos(q.(x + L/2) + phase(q)) over the wave vectors of the cell with 2 pi/longest <= |q| < 2 pi/shortest, each
-once, a(q) ~ |q|^-(H + d/2) in d dimensions: a power spectrum that falls as |q|^-(2H + d). Phases are random, and belong to the
-wave vector whatever the other waves are. The mean of |grad h|^2 is the sum of (a |q|)^2/2, which sets the rms slope.
+h(x) = sum_q a(q) cos(q.(x + L/2) + phase(q)) over the wave vectors of the cell with 2 pi/longest <=
+|q| < 2 pi/shortest, each once, a(q) ~ |q|^-(H + d/2) in d dimensions: a power spectrum that falls
+as |q|^-(2H + d). Phases are random, and belong to the wave vector whatever the other waves are. The
+mean of |grad h|^2 is the sum of (a |q|)^2/2, which sets the rms slope.
 """
 
 import math
@@ -17,7 +18,8 @@ from ..grid.cell import Grid, Transform
 from ..options.fields import InputError, as_text
 
 FINE = {1: 8, 2: 4}
-"""Nodes within the shortest wave of the grid on which the lowest point of a gap is looked for, by dimension."""
+"""Nodes within the shortest wave of the grid on which the lowest point of a gap is looked for, by
+dimension."""
 
 MOST_WAVES = 10 ** 8
 """Waves of a surface, at most: they take a hundred bytes each."""
@@ -27,7 +29,8 @@ CANDIDATES = 32
 
 
 class Surface(NamedTuple):
-    """Waves of a rough surface on a cylinder (one dimension) or a sphere: whole numbers (directions, waves), amplitudes, phases."""
+    """Waves of a rough surface on a cylinder (one dimension) or a sphere: whole numbers
+    (directions, waves), amplitudes, phases."""
 
     periods: tuple
     numbers: np.ndarray
@@ -40,12 +43,15 @@ class Surface(NamedTuple):
         return 2 * np.pi * self.numbers / np.array(self.periods)[:, None]
 
     def rms(self, order, axis=None):
-        """Root mean square of h (order 0), its slope (1) or curvature (2), in u_n,r and beta; in one direction or of the vector."""
-        size = np.sqrt(np.sum(self.wavevectors ** 2, axis=0)) if axis is None else np.abs(self.wavevectors[axis])
+        """Root mean square of h (order 0), its slope (1) or curvature (2), in u_n,r and beta; in
+        one direction or of the vector."""
+        size = (np.sqrt(np.sum(self.wavevectors ** 2, axis=0)) if axis is None
+                else np.abs(self.wavevectors[axis]))
         return math.sqrt(0.5 * np.sum((self.amplitudes * size ** order) ** 2))
 
     def heights(self, points):
-        """h on a grid of points in each direction, an array; waves shorter than two spacings are there as the nodes see them."""
+        """h on a grid of points in each direction, an array; waves shorter than two spacings are
+        there as the nodes see them."""
         transform = Transform(Grid(points, self.periods), points, 1)
         waves = 0.5 * self.amplitudes * np.exp(1j * self.phases)
         for sign, values in ((1, waves), (-1, waves.conj())):
@@ -57,11 +63,14 @@ class Surface(NamedTuple):
 
     def gap(self, points):
         """|x|^2/2 - h on a grid, node i at (i - N/2) L/N, u_n,r."""
-        return sum(x ** 2 for x in Grid(points, self.periods).coordinates()) / 2 - self.heights(points)
+        return sum(x ** 2 for x in Grid(points, self.periods).coordinates()) / 2 - self.heights(
+            points)
 
     def lowest(self):
-        """The smallest |x|^2/2 - h of the cell, between nodes, too: minima of a fine grid, followed by Newton's method."""
-        points = tuple(2 * next_fast_len(math.ceil(0.5 * FINE[len(self.periods)] * (np.max(np.abs(number)) + 1)), real=True)
+        """The smallest |x|^2/2 - h of the cell, between nodes, too: minima of a fine grid, followed
+        by Newton's method."""
+        points = tuple(2 * next_fast_len(math.ceil(0.5 * FINE[len(self.periods)]
+                                                   * (np.max(np.abs(number)) + 1)), real=True)
                        for number in self.numbers)
         gap = self.gap(points)
         step = np.array(self.periods) / points
@@ -87,15 +96,18 @@ class Surface(NamedTuple):
 
 @lru_cache(maxsize=4)
 def surface(periods, hurst, slope, longest, shortest, seed):
-    """The Surface of a Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta) and a seed; and its lowest gap."""
+    """The Surface of a Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta) and
+    a seed; and its lowest gap."""
     numbers = _numbers(periods, shortest)
-    # A stream of numbers that no version of NumPy changes, in an order that does not depend on the shortest wave.
+    # A stream of numbers that no version of NumPy changes, in an order that does not depend on the
+    # shortest wave.
     phases = 2 * np.pi * np.random.RandomState(seed).random_sample(numbers.shape[1])
     wavenumber = np.sqrt(np.sum((2 * np.pi * numbers / np.array(periods)[:, None]) ** 2, axis=0))
     ends = 2 * np.pi / longest * (1 - 1e-9), 2 * np.pi / shortest * (1 - 1e-9)
     kept = (wavenumber >= ends[0]) & (wavenumber < ends[1])
     if not kept.any():
-        raise InputError("-scene_rough_longest and -scene_rough_shortest leave no wave that fits into the cell: take a smaller "
+        raise InputError("-scene_rough_longest and -scene_rough_shortest leave no "
+                         "wave that fits into the cell: take a smaller "
                          "-scene_rough_shortest")
     amplitudes = wavenumber[kept] ** -(hurst + 0.5 * len(periods))
     amplitudes *= slope / math.sqrt(0.5 * np.sum((amplitudes * wavenumber[kept]) ** 2))
@@ -104,11 +116,15 @@ def surface(periods, hurst, slope, longest, shortest, seed):
 
 
 def _numbers(periods, shortest):
-    """Whole numbers of half of all waves longer than the shortest, and some more: (directions, waves), by their largest number."""
+    """Whole numbers of half of all waves longer than the shortest, and some more: (directions,
+    waves), by their largest number."""
     most = math.ceil(max(periods) / shortest)
     if (2 * most) ** len(periods) > 2 * MOST_WAVES:
-        raise InputError(f"-scene_rough_shortest leaves about {0.5 * (2.0 * most) ** len(periods):.2g} waves, and {MOST_WAVES:.0e} are the "
-                         "most that can be computed with: take a longer one, or a smaller -scene_period")
+        raise InputError("-scene_rough_shortest leaves about "
+                         f"{0.5 * (2.0 * most) ** len(periods):.2g} waves, and "
+                         f"{MOST_WAVES:.0e} are the most that can be computed "
+                         "with: take a longer one, or a smaller "
+                         "-scene_period")
     if len(periods) == 1:
         return np.arange(1, most + 1)[None]
     x, y = np.meshgrid(np.arange(most + 1), np.arange(-most, most + 1), indexing="ij")
@@ -118,9 +134,12 @@ def _numbers(periods, shortest):
 
 
 def check_edge(contact):
-    """InputError for a rough body that is in contact at the edge of its cell, where its neighbours meet it."""
+    """InputError for a rough body that is in contact at the edge of its cell, where its neighbours
+    meet it."""
     scene, gap = contact.scene, contact.initial_gap
     smallest = min(np.take(gap, 0, axis).min() for axis in range(gap.ndim))
     if scene.geometry == "rough" and smallest < scene.contact_threshold:
-        raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': the rough body would be in contact up to the edge of "
-                         "the cell; take a longer period, or a smaller -scene_rough_slope")
+        raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': the "
+                         "rough body would be in contact up to the edge "
+                         "of the cell; take a longer period, or a "
+                         "smaller -scene_rough_slope")

@@ -1,16 +1,20 @@
-"""Compliance of a body that is loaded in one place only: kernels of the unbounded line and plane, with spectral accuracy.
+"""Compliance of a body that is loaded in one place only: kernels of the unbounded line and plane,
+with spectral accuracy.
 
-Tractions on nodes at distance h stand for the function that their band (waves up to pi/h in each direction) holds. What they
-deform an unbounded surface by is, on the nodes, exactly the sum over nodes of h^d G(x_i - x_j) t_j with
+Tractions on nodes at distance h stand for the function that their band (waves up to pi/h in each
+direction) holds. What they deform an unbounded surface by is, on the nodes, exactly the sum over
+nodes of h^d G(x_i - x_j) t_j with
 
     G(x) = integral of C(q) exp(iqx) over the band, over (2 pi)^d
 
-A `Grid` stands for lags here: its cell is a circle on which lags up to half of it are told apart, so that the circulant product
-on it is the unbounded one for nodes that lie within half a cell of each other.
+A `Grid` stands for lags here: its cell is a circle on which lags up to half of it are told apart,
+so that the circulant product on it is the unbounded one for nodes that lie within half a cell of
+each other.
 
-The line's integrals are sine and cosine integrals beside Gauss-Legendre sums over what a layer changes. In the plane the kernel
-is cut off beyond the largest distance of two nodes, which makes its transform smooth (Vico, Greengard and Ferrando, J. Comput.
-Phys. 323, 191, 2016), so that a sum over waves is as good as the integral.
+The line's integrals are sine and cosine integrals beside Gauss-Legendre sums over what a layer
+changes. In the plane the kernel is cut off beyond the largest distance of two nodes, which makes
+its transform smooth (Vico, Greengard and Ferrando, J. Comput. Phys. 323, 191, 2016), so that a sum
+over waves is as good as the integral.
 """
 
 import math
@@ -31,10 +35,12 @@ FORGOTTEN = 22.0
 
 
 def free_space(body, grid, components):
-    """Symbols of the unbounded body's compliance on the circle of lags: {(i, j): array over the half spectrum}.
+    """Symbols of the unbounded body's compliance on the circle of lags: {(i, j): array over the
+    half spectrum}.
 
-    As `Body.compliance`, but with their zero mode, and exact for nodes within half a cell of each other. Displacements are those
-    against the far surface; where that has none, for the half-plane, against the mean over the cell.
+    As `Body.compliance`, but with their zero mode, and exact for nodes within half a cell of each
+    other. Displacements are those against the far surface; where that has none, for the half-plane,
+    against the mean over the cell.
 
     Parameters
     ----------
@@ -70,7 +76,8 @@ def _dundurs(poisson):
 
 
 def _panels(limit, reach):
-    """Nodes and weights of Gauss-Legendre panels over wave numbers 0 to limit, for waves over a distance ``reach``."""
+    """Nodes and weights of Gauss-Legendre panels over wave numbers 0 to limit, for waves over a
+    distance ``reach``."""
     count = 24 + math.ceil(limit * reach / 8.0)
     nodes, weights = np.polynomial.legendre.leggauss(16)
     width = limit / count
@@ -88,13 +95,15 @@ def _line(body, grid, components):
     if components == 2:
         kernels[1, 1] = longitudinal[fold]
         if np.any(np.abs(sine) > 1e-15 * np.max(np.abs(normal))):
-            signed, ratio = np.where(np.arange(points) < points // 2, 1.0, -1.0) * sine[fold], math.sqrt(body.work_ratio)
+            signed = np.where(np.arange(points) < points // 2, 1.0, -1.0) * sine[fold]
+            ratio = math.sqrt(body.work_ratio)
             kernels[1, 0], kernels[0, 1] = -signed / ratio, signed * ratio
     return kernels
 
 
 def _line_integrals(body, x, band):
-    """1/pi times the integrals over 0 to ``band`` of C_nn cos qx, C_LL cos qx and c sin qx, at distances x (the first 0)."""
+    """1/pi times the integrals over 0 to ``band`` of C_nn cos qx, C_LL cos qx and c sin qx, at
+    distances x (the first 0)."""
     dundurs = _dundurs(body.poisson)
     if np.isinf(body.height):
         sine, cosine = sici(band * x[1:])
@@ -117,10 +126,12 @@ def _line_integrals(body, x, band):
 
 
 def _integral_of_j0(x):
-    """Integral of J_0 from 0 to x, to rounding: SciPy's own is that beyond 50 only, Struve functions are below."""
+    """Integral of J_0 from 0 to x, to rounding: SciPy's own is that beyond 50 only, Struve
+    functions are below."""
     result, close = itj0y0(x)[0], x < 50.0
     near = x[close]
-    result[close] = near * j0(near) + np.pi * near / 2 * (j1(near) * struve(0, near) - j0(near) * struve(1, near))
+    result[close] = near * j0(near) + np.pi * near / 2 * (j1(near) * struve(0, near)
+                                                          - j0(near) * struve(1, near))
     return result
 
 
@@ -132,19 +143,22 @@ class _CutHalfspace(Body):
         object.__setattr__(self, "distance", distance)
 
     def surface(self, wavenumber):
-        """Transforms of 1/(pi r), -cos 2 theta/(pi r) and beta_D cos theta/(pi r), cut off, with the half-space's factors."""
+        """Transforms of 1/(pi r), -cos 2 theta/(pi r) and beta_D cos theta/(pi r), cut off, with
+        the half-space's factors."""
         shear, phase = 1 / (1 - self.poisson), wavenumber * self.distance
         even = 2 / wavenumber * _integral_of_j0(phase)
         bent = even - 4 / wavenumber * j1(phase)
         mean, deviation = (1 + shear) / 2 * even, (1 - shear) / 2 * bent
-        return Surface(even, mean + deviation, mean - deviation, 2 * _dundurs(self.poisson) / wavenumber * (1 - j0(phase)))
+        return Surface(even, mean + deviation, mean - deviation,
+                       2 * _dundurs(self.poisson) / wavenumber * (1 - j0(phase)))
 
 
 def _plane(body, grid, components):
     """Kernels G_ij at the lags of a plane."""
     sides = [period / 2 for period in grid.periods]
     distance = math.hypot(*sides)
-    shape = [2 * next_fast_len(math.ceil((distance + side) / spacing / 2) + 1) for side, spacing in zip(sides, grid.spacings)]
+    shape = [2 * next_fast_len(math.ceil((distance + side) / spacing / 2) + 1)
+             for side, spacing in zip(sides, grid.spacings)]
     padded = Grid(shape, [n * spacing for n, spacing in zip(shape, grid.spacings)], grid.counter)
     symbols = _CutHalfspace(body, distance).compliance(padded.wavevectors(), components)
     for i in range(components):
@@ -153,20 +167,25 @@ def _plane(body, grid, components):
     operator = Operator(padded, symbols)
     kernels = {key: operator.kernel(key)[np.ix_(*lags)] / grid.node_area for key in symbols}
     if np.isfinite(body.height):
-        _add_layer(body, [lag * spacing for lag, spacing in zip(lags, grid.spacings)], distance, kernels, components)
+        _add_layer(body, [lag * spacing for lag, spacing in zip(lags, grid.spacings)], distance,
+                   kernels, components)
     return kernels
 
 
 def _add_layer(body, axes, distance, kernels, components):
-    """Add to kernels of the half-space in the plane what a layer of finite height changes, which is smooth."""
+    """Add to kernels of the half-space in the plane what a layer of finite height changes, which is
+    smooth."""
     x, y = np.meshgrid(*axes, indexing="ij")
     r = np.hypot(x, y)
-    normal, mean, bent, slope = (spline(r.ravel()).reshape(r.shape) for spline in _layer_splines(body, distance))
+    normal, mean, bent, slope = (spline(r.ravel()).reshape(r.shape)
+                                 for spline in _layer_splines(body, distance))
     kernels[0, 0] += normal
     if components == 1:
         return
     r[0, 0] = 1.0
-    cosine, sine, ratio = x / r, y / r, math.sqrt(body.work_ratio)
+    cosine = x / r
+    sine = y / r
+    ratio = math.sqrt(body.work_ratio)
     kernels[1, 1] += mean - bent * (cosine ** 2 - sine ** 2)
     kernels[2, 2] += mean + bent * (cosine ** 2 - sine ** 2)
     for a, direction in ((1, cosine), (2, sine)):
@@ -176,7 +195,8 @@ def _add_layer(body, axes, distance, kernels, components):
 
 
 def _layer_splines(body, distance, places=3001):
-    """Splines over r of 1/(2 pi) times the integrals of C_nn, tangential mean, half difference and c: layer less half-space."""
+    """Splines over r of 1/(2 pi) times the integrals of C_nn, tangential mean, half difference and
+    c: layer less half-space."""
     q, weights = _panels(THICK / body.height, distance)
     layer, half = (layer_compliance(q, body.poisson, height) for height in (body.height, math.inf))
     change = Surface(*(first - second for first, second in zip(layer, half)))

@@ -1,7 +1,7 @@
 """Between the command line, files of options, PETSc's options database and dataclasses of options.
 
-PETSc is imported inside functions only: its database is filled when `petsc4py.init` gets the arguments that
-`petsc_arguments` makes, so this module has to work before that.
+PETSc is imported inside functions only: its database is filled when `petsc4py.init` gets the
+arguments that `petsc_arguments` makes, so this module has to work before that.
 """
 
 import ctypes
@@ -15,10 +15,12 @@ from pathlib import Path
 from .fields import COMMON, InputError, allowed, nearest, number
 from .files import is_option, read_file, with_files
 
-BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True), **dict.fromkeys(("false", "no", "off", "0"), False)}
+BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True),
+            **dict.fromkeys(("false", "no", "off", "0"), False)}
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
-"""Prefixes of solvers inside others, PETSc's and ours: of the first relaxation, of jumps, of steps along the arc, of finer grids."""
+"""Prefixes of solvers inside others, PETSc's and ours: of the first relaxation, of jumps, of steps
+along the arc, of finer grids."""
 
 NESTED = ("npc", "sub_0", "fas_coarse", "fas_levels", "first", "jump", "arc", "error")
 """Examples of these prefixes."""
@@ -27,18 +29,23 @@ SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
 
 def known_options(classes=()):
-    """Name (without dash) -> field of every option of the dataclasses that all commands know and of more `classes` of that kind."""
-    return {cls.prefix + field.name: field for cls in (*COMMON, *classes) for field in dataclasses.fields(cls)}
+    """Name (without dash) -> field of every option of the dataclasses that all commands know and of
+    more `classes` of that kind."""
+    return {cls.prefix + field.name: field for cls in (*COMMON, *classes)
+            for field in dataclasses.fields(cls)}
 
 
 def split_arguments(arguments):
     """Files and options of a command line, two lists, each in its order.
 
-    An argument after an option is its value, unless it is itself an option, or ends in .opts, or follows a flag of ours
-    without being true or false.
+    An argument after an option is its value, unless it is itself an option, or ends in .opts, or
+    follows a flag of ours without being true or false.
     """
-    flags = {"-" + name for name, field in known_options().items() if field.metadata["kind"] == "flag"}
-    files, options, name = [], [], ""
+    flags = {"-" + name for name, field in known_options().items()
+             if field.metadata["kind"] == "flag"}
+    files = []
+    options = []
+    name = ""
     for argument in arguments:
         if is_option(argument):
             if argument.startswith("--"):
@@ -57,33 +64,39 @@ def split_arguments(arguments):
 
 
 def petsc_arguments(arguments):
-    """The argument vector for `petsc4py.init`: the files' options from left to right, then those of the command line.
+    """The argument vector for `petsc4py.init`: the files' options from left to right, then those of
+    the command line.
 
-    PETSc lets the later of two values win. InputError, too, for what its database, which has lines, cannot hold.
+    PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
+    cannot hold.
     """
     files, options = split_arguments(arguments)
-    found = ["contactsnes", *(argument for path in files for argument in read_file(path)), *with_files(options)]
+    found = ["contactsnes", *(argument for path in files for argument in read_file(path)),
+             *with_files(options)]
     depth = 0
     for name, value in zip(found, found[1:]):
         depth += (value.lower() == "-prefix_push") - (value.lower() == "-prefix_pop")
         if depth < 0:
             raise InputError("-prefix_pop has no -prefix_push before it: leave it out")
         if not value.isprintable() and re.search(r"[\x00-\x08\n-\x1f\x7f]", value):
-            raise InputError(f"{name} is '{value}': a line break or another control character cannot stand in a value; write it in one "
-                             "line")
+            raise InputError(f"{name} is '{value}': a line break or another "
+                             "control character cannot stand in a value; "
+                             "write it in one line")
         try:
             value.encode("utf-8")
         except UnicodeEncodeError:
-            raise InputError(f"{name} is '{value}': that is no text in this environment's encoding; take other letters, or set "
+            raise InputError(f"{name} is '{value}': that is no text in this "
+                             "environment's encoding; take other letters, or set "
                              "LC_ALL=C.UTF-8") from None
     return found
 
 
 def database():
-    """Name (lower case, without dash) -> whole value of everything in PETSc's database; no value is an empty text.
+    """Name (lower case, without dash) -> whole value of everything in PETSc's database; no value is
+    an empty text.
 
-    Read from PetscOptionsView: `getAll` cuts values at their first blank, `getString` at 1023 characters, and both
-    `getString` and `hasName` mark the option as used.
+    Read from PetscOptionsView: `getAll` cuts values at their first blank, `getString` at 1023
+    characters, and both `getString` and `hasName` mark the option as used.
     """
     from petsc4py import PETSc
 
@@ -104,7 +117,8 @@ def database():
 
 
 def install(wanted):
-    """Make PETSc's database hold these options (name without dash -> value; a flag's is an empty text) and no others."""
+    """Make PETSc's database hold these options (name without dash -> value; a flag's is an empty
+    text) and no others."""
     from petsc4py import PETSc
 
     options, present = PETSc.Options(), database()
@@ -132,7 +146,8 @@ def read(cls, prefix=""):
     cls : a subclass of `fields.Options`
     prefix : str, put before the class's own prefix
 
-    InputError for a value of the wrong type or out of its range. The options read count as used for PETSc.
+    InputError for a value of the wrong type or out of its range. The options read count as used for
+    PETSc.
     """
     from petsc4py import PETSc
 
@@ -144,12 +159,14 @@ def read(cls, prefix=""):
 
 
 def _instance(cls, entries, prefix=""):
-    """An instance of a dataclass of options from entries of the database; nothing counts as used."""
+    """An instance of a dataclass of options from entries of the database; nothing counts as
+    used."""
     values = {}
     for field in dataclasses.fields(cls):
         text = entries.get((prefix + cls.prefix + field.name).lower())
         if text == "" and field.metadata["kind"] != "flag":
-            raise InputError(f"-{prefix}{cls.prefix}{field.name} has no value: allowed is {allowed(field.metadata)}")
+            raise InputError(f"-{prefix}{cls.prefix}{field.name} has no value: allowed "
+                             f"is {allowed(field.metadata)}")
         if text is not None:
             values[field.name] = _parsed(text, field.metadata)
     try:
@@ -159,9 +176,10 @@ def _instance(cls, entries, prefix=""):
 
 
 def _parsed(text, rule):
-    """The value that a text stands for; a text that is of the wrong kind stays one, for the dataclass to refuse."""
-    convert = {"flag": lambda word: BOOLEANS.get(word.lower(), word), "integer": _number(int), "number": _number(float),
-               "text": str}[rule["kind"]]
+    """The value that a text stands for; a text that is of the wrong kind stays one, for the
+    dataclass to refuse."""
+    convert = {"flag": lambda word: BOOLEANS.get(word.lower(), word), "integer": _number(int),
+               "number": _number(float), "text": str}[rule["kind"]]
     if rule["many"] in ("directions", "legs") and "," in text:
         return tuple(convert(part.strip()) for part in text.split(","))
     return convert(text.strip())
@@ -178,12 +196,13 @@ def _number(convert):
 
 
 def check_names(classes=()):
-    """InputError for names in the database under a prefix of ours, or one much like it, that no one knows; each with the nearest.
+    """InputError for names in the database under a prefix of ours, or one much like it, that no one
+    knows; each with the nearest.
 
     Parameters
     ----------
-    classes : dataclasses of options, with a `prefix`, of our own PC and SNES types; they may stand under the prefixes of solvers
-        inside others, too
+    classes : dataclasses of options, with a `prefix`, of our own PC and SNES types; they may stand
+        under the prefixes of solvers inside others, too
     """
     for cls in COMMON:
         cls.prepare(database)
@@ -196,9 +215,11 @@ def check_names(classes=()):
         if inner.startswith(prefixes) and inner not in names:
             prefix = next(prefix for prefix in prefixes if inner.startswith(prefix))
             guess = nearest(inner, [known for known in names if known.startswith(prefix)])
-            sentences.append(f"-{name} is no option" + (f": did you mean -{head}{guess}?" if guess else ""))
+            sentences.append(f"-{name} is no option" + (f": did you mean -{head}{guess}?" if guess
+                                                        else ""))
         elif head and not re.fullmatch(NESTS + "*", head):
-            # Others may use our solvers under prefixes of their own, but hardly under one that is so much like ours.
+            # Others may use our solvers under prefixes of their own, but hardly under one that is
+            # so much like ours.
             guess = nearest(head[:-1], NESTED, cutoff=0.7)
             sentences += [f"-{name} is no option: did you mean -{guess}_{inner}?"] * bool(guess)
         elif not head and not inner.startswith(prefixes) and not SOLVER.match(name):
@@ -209,13 +230,16 @@ def check_names(classes=()):
 
 
 def _head(name, prefixes):
-    """What stands before the first of some prefixes in a name; an empty text where none is in it."""
-    places = [match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}", name)]
+    """What stands before the first of some prefixes in a name; an empty text where none is in
+    it."""
+    places = [match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}",
+                                                                            name)]
     return name[:min(places, default=0)]
 
 
 def check_values(classes):
-    """InputError for a value in the database that a dataclass of options refuses; none of them counts as used."""
+    """InputError for a value in the database that a dataclass of options refuses; none of them
+    counts as used."""
     entries, own = database(), tuple(cls.prefix for cls in classes)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
@@ -223,7 +247,8 @@ def check_values(classes):
 
 
 def unused_options(classes=()):
-    """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those of our own solvers.
+    """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those of our own
+    solvers.
 
     Solvers inside others have their own: -npc_snes_ and so on (`NESTS`).
 
@@ -248,7 +273,8 @@ def _used(name):
 
 
 def help_text(classes=(), width=None, notes=(), units=None):
-    """Every option with meaning, unit, default and range, grouped by prefix, and what else there is to know.
+    """Every option with meaning, unit, default and range, grouped by prefix, and what else there is
+    to know.
 
     Parameters
     ----------
@@ -260,11 +286,15 @@ def help_text(classes=(), width=None, notes=(), units=None):
     width = width or shutil.get_terminal_size().columns
     parts = []
     for cls in (*COMMON, *classes):
-        entries = [_entry(cls.prefix + field.name, field.metadata, width, units or {}) for field in dataclasses.fields(cls)]
+        entries = [_entry(cls.prefix + field.name, field.metadata, width, units or {})
+                   for field in dataclasses.fields(cls)]
         parts += [f"{cls.title} (-{cls.prefix})", *entries, ""]
     for title, text in notes:
-        parts += [title, textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  "), ""]
-    parts += [textwrap.fill("All options of PETSc (-snes_*, -ksp_*, -pc_*, -log_view, ...) work as its manual says.", width)]
+        parts += [title, textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  "),
+                  ""]
+    parts += [textwrap.fill(
+        "All options of PETSc (-snes_*, -ksp_*, -pc_*, -log_view, ...) work as its manual says.",
+        width)]
     return "\n".join(parts)
 
 
@@ -274,4 +304,5 @@ def _entry(name, rule, width, units):
     unit = f" [{rule['unit']}{in_si}]" if rule["unit"] else ""
     default = f"default {rule['default_text']}" if rule["default_text"] else "no default"
     text = f"{rule['meaning']}{unit} ({default}; {allowed(rule)})"
-    return f"  -{name}\n" + textwrap.fill(text, width, initial_indent="      ", subsequent_indent="      ")
+    return f"  -{name}\n" + textwrap.fill(text, width, initial_indent="      ",
+                                          subsequent_indent="      ")

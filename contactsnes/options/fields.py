@@ -1,4 +1,5 @@
-"""Options as fields of frozen dataclasses: meaning, unit, default and range in one place, and their checks."""
+"""Options as fields of frozen dataclasses: meaning, unit, default and range in one place, and their
+checks."""
 
 from __future__ import annotations
 
@@ -13,8 +14,9 @@ class InputError(ValueError):
     """Bad input: one sentence with the option, its value, what is allowed and what to try."""
 
 
-def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None, below=None, choices=None,
-           many=None, infinite=False, even=False, word=None, also=None, default_text=None):
+def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, above=None,
+           below=None, choices=None, many=None, infinite=False, even=False, word=None, also=None,
+           default_text=None):
     """A dataclass field that is an option of the database.
 
     Parameters
@@ -27,18 +29,21 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
     infinite : whether inf is allowed
     even : whether an integer has to be even
-    word : a text that is allowed besides; also : function (text), whether it is, where ``word`` stands for many
+    word : a text that is allowed besides; also : function (text), whether it is, where ``word``
+        stands for many
     """
     if kind is None:
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
-    rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum, above=above, below=below,
-                choices=choices, many=many, infinite=infinite, even=even, word=word, also=also,
-                default_text=as_text(default) if default_text is None else default_text)
+    rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum,
+                above=above, below=below, choices=choices, many=many, infinite=infinite, even=even,
+                word=word, also=also, default_text=as_text(default) if default_text is None
+                else default_text)
     return dataclasses.field(default=default, metadata=rule)
 
 
 LARGEST = 1e30
-"""Size up to which numbers are computed with, and the inverse of the least: powers and products of some of them do not overflow."""
+"""Size up to which numbers are computed with, and the inverse of the least: powers and products of
+some of them do not overflow."""
 
 
 def computable(value):
@@ -60,29 +65,35 @@ def as_text(value):
 def allowed(rule):
     """What the metadata `rule` of a field allow, in words."""
     if rule["choices"]:
-        text = ("one of " if len(rule["choices"]) > 1 else "only ") + ", ".join(map(as_text, rule["choices"]))
+        text = ("one of " if len(rule["choices"]) > 1
+                else "only ") + ", ".join(map(as_text, rule["choices"]))
     else:
         text = {"flag": "true or false", "text": "text", "number": "a number",
                 "integer": "an even number" if rule["even"] else "a whole number"}[rule["kind"]]
-        words = (("above", "above"), ("minimum", "at least"), ("below", "below"), ("maximum", "at most"))
+        words = (("above", "above"), ("minimum", "at least"), ("below", "below"),
+                 ("maximum", "at most"))
         # Computed bounds differ in their last bit from machine to machine.
-        rounded = {key: float(f"{rule[key]:.9g}") if isinstance(rule[key], float) else rule[key] for key, _ in words}
+        rounded = {key: float(f"{rule[key]:.9g}") if isinstance(rule[key], float) else rule[key]
+                   for key, _ in words}
         bounds = [f"{word} {as_text(rounded[key])}" for key, word in words if rule[key] is not None]
-        text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"] else "")
+        text = " ".join([text, " and ".join(bounds)]).strip() + (", or inf" if rule["infinite"]
+                                                                 else "")
     several = {None: "", "directions": "; one, or one per direction with a comma",
                "legs": "; one, or one per leg with commas", "list": "; several with a comma"}
     return text + several[rule["many"]] + (f"; or {rule['word']}" if rule["word"] else "")
 
 
 def number(text, convert=float):
-    """The number that a text stands for; ValueError, too, for other digits than 0 to 9 and for underscores, which Python reads."""
+    """The number that a text stands for; ValueError, too, for other digits than 0 to 9 and for
+    underscores, which Python reads."""
     if not text.isascii() or "_" in text:
         raise ValueError(f"{text!r} is no number")
     return convert(text)
 
 
 def nearest(name, names, cutoff=0.4):
-    """The one of `names` that looks most like `name`, or an empty text where none is as alike as `cutoff` (0 to 1)."""
+    """The one of `names` that looks most like `name`, or an empty text where none is as alike as
+    `cutoff` (0 to 1)."""
     return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
 
 
@@ -93,8 +104,8 @@ def _single(value, rule):
     if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
         raise TypeError
     value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
-    outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt), ("maximum", operator.gt),
-               ("above", operator.le), ("below", operator.ge))
+    outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt),
+               ("maximum", operator.gt), ("above", operator.le), ("below", operator.ge))
     if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
         raise ValueError
     if kind in ("number", "integer") and not computable(value):
@@ -119,7 +130,8 @@ def checked(name, value, rule):
             raise ValueError
     except (ValueError, TypeError):
         known = map(as_text, rule["choices"] or ())
-        guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:") else rule["default_text"])
+        guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:")
+                                                   else rule["default_text"])
         items = value if isinstance(value, (tuple, list)) else (value,)
         beyond = any(isinstance(item, (int, float)) and not computable(item) for item in items)
         raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
@@ -131,11 +143,13 @@ def checked(name, value, rule):
 
 
 COMMON = []
-"""Dataclasses of options that every command knows, in the order of the help; whoever owns them declares them."""
+"""Dataclasses of options that every command knows, in the order of the help; whoever owns them
+declares them."""
 
 
 def extend(cls, added):
-    """Give a dataclass of options more of them, after its own: fields by name. Instances made before have the defaults.
+    """Give a dataclass of options more of them, after its own: fields by name. Instances made
+    before have the defaults.
 
     What a law declares becomes so an option of the scene.
     """
@@ -143,9 +157,11 @@ def extend(cls, added):
     for name in known.keys() & added.keys():
         if known[name].metadata != added[name].metadata:
             raise TypeError(f"{cls.option_name(name)} is declared twice, differently")
-    added = [(name, type(field.default), _fresh(field)) for name, field in added.items() if name not in known]
+    added = [(name, type(field.default), _fresh(field)) for name, field in added.items()
+             if name not in known]
     wider = dataclasses.make_dataclass(cls.__name__, added, bases=(cls,), frozen=True)
-    for name in ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__", "__dataclass_fields__"):
+    for name in ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__",
+                 "__dataclass_fields__"):
         setattr(cls, name, getattr(wider, name))
     for name, _, field in added:
         setattr(cls, name, field.default)
@@ -165,7 +181,8 @@ def declare(*classes):
 class Options:
     """Base of the frozen dataclasses of options: checks every field by its metadata (InputError).
 
-    A subclass has a `prefix`, with which all its options begin, and a `title` for the help; its fields are made by `option`.
+    A subclass has a `prefix`, with which all its options begin, and a `title` for the help; its
+    fields are made by `option`.
     """
 
     prefix: ClassVar[str]
@@ -175,7 +192,8 @@ class Options:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, checked(self.option_name(field.name), value, field.metadata))
+                object.__setattr__(self, field.name, checked(self.option_name(field.name), value,
+                                                             field.metadata))
 
     @classmethod
     def typed(cls, **values):
@@ -184,7 +202,8 @@ class Options:
 
     @classmethod
     def prepare(cls, entries):
-        """Called before values are read: ``entries()`` are the options that are given, which may bring others with them."""
+        """Called before values are read: ``entries()`` are the options that are given, which may
+        bring others with them."""
 
     @classmethod
     def rule(cls, field):

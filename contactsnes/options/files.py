@@ -6,11 +6,14 @@ from pathlib import Path
 
 from .fields import InputError
 
-LINE = re.compile(r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*""")
+LINE = re.compile(
+    r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*"""
+)
 
 
 def is_option(argument):
-    """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5 and -inf are values."""
+    """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5
+    and -inf are values."""
     try:
         float(argument)
     except ValueError:
@@ -19,11 +22,13 @@ def is_option(argument):
 
 
 def read_file(path, above=()):
-    """The arguments that a file of options stands for: a list of names, each with its value if it has one.
+    """The arguments that a file of options stands for: a list of names, each with its value if it
+    has one.
 
-    PETSc's syntax: an option and its value a line, # comments, values with blanks in quotes, -prefix_push and
-    -prefix_pop; the lines of another file that is named by -options_file stand in its place. InputError names file and line.
-    The prefix has to be popped by the end, so that it does not leak.
+    PETSc's syntax: an option and its value a line, # comments, values with blanks in quotes,
+    -prefix_push and -prefix_pop; the lines of another file that is named by -options_file stand in
+    its place. InputError names file and line. The prefix has to be popped by the end, so that it
+    does not leak.
 
     Parameters
     ----------
@@ -37,28 +42,36 @@ def read_file(path, above=()):
         key = os.path.realpath(path)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
-        raise InputError(f"the options file '{path}' cannot be read ({reason}): give a file of lines '-option value'") from None
+        raise InputError(f"the options file '{path}' cannot be read ({reason}): "
+                         "give a file of lines '-option value'") from None
     if key in map(os.path.realpath, above):
-        raise InputError(f"the options file '{path}' includes itself by -options_file ({' -> '.join(map(str, (*above, path)))}): "
-                         "take out one of these lines")
+        raise InputError(f"the options file '{path}' includes itself by "
+                         f"-options_file ({' -> '.join(map(str, (*above, path)))}): take "
+                         "out one of these lines")
     arguments = [argument for number, line in enumerate(text.splitlines(), start=1)
                  for argument in _read_line(line, f"{path}, line {number}")]
     if arguments.count("-prefix_push") != arguments.count("-prefix_pop"):
-        raise InputError(f"the options file '{path}' has unequal numbers of -prefix_push and -prefix_pop: close each push")
+        raise InputError(f"the options file '{path}' has unequal numbers of "
+                         "-prefix_push and -prefix_pop: close each push")
     return with_files(arguments, (*above, path))
 
 
 def refuse_circles(text):
-    """InputError where options in a text, or the files that PETSc reads by itself, name files that include themselves."""
+    """InputError where options in a text, or the files that PETSc reads by itself, name files that
+    include themselves."""
     words = text.split()
     paths = [value for name, value in zip(words, words[1:]) if name.lower() == "-options_file"]
     for path in (*paths, Path.home() / ".petscrc", ".petscrc", "petscrc"):
-        if Path(path).is_file() and "-options_file" in Path(path).read_text(encoding="utf-8", errors="replace").lower():
+        if (
+            Path(path).is_file()
+            and "-options_file" in Path(path).read_text(encoding="utf-8", errors="replace").lower()
+        ):
             read_file(path)
 
 
 def with_files(arguments, above=()):
-    """Arguments with those of the files that -options_file names in their place; YAML is PETSc's to read."""
+    """Arguments with those of the files that -options_file names in their place; YAML is PETSc's to
+    read."""
     found, words = [], iter(arguments)
     for word in words:
         if word.lower() != "-options_file":
@@ -69,7 +82,8 @@ def with_files(arguments, above=()):
             raise InputError("-options_file has no value: name a file of lines '-option value'")
         yaml = path.endswith((".yml", ".yaml", ":yaml"))
         if yaml and not Path(path.removesuffix(":yaml")).is_file():
-            raise InputError(f"the options file '{path}' cannot be read (there is no such file): check its name")
+            raise InputError(
+                f"the options file '{path}' cannot be read (there is no such file): check its name")
         found += [word, path] if yaml else read_file(path, above)
     return found
 
@@ -80,8 +94,11 @@ def _read_line(line, where):
     if not text.strip():
         return []
     match = LINE.fullmatch(text)
-    values = [value for value in match.group("quoted", "single", "plain") if value is not None] if match else []
-    if not match or not is_option(match["name"]) or match["name"].startswith("--") or any(map(is_option, values)):
-        raise InputError(f"{where} is not an option and its value: '{line.strip()}'; write one option a line with one dash, "
-                         "and a value with blanks in double quotes")
+    values = [value for value in match.group("quoted", "single", "plain")
+              if value is not None] if match else []
+    if (not match or not is_option(match["name"]) or match["name"].startswith("--")
+        or any(map(is_option, values))):
+        raise InputError(f"{where} is not an option and its value: "
+                         f"'{line.strip()}'; write one option a line with one "
+                         "dash, and a value with blanks in double quotes")
     return [match["name"], *values]

@@ -1,4 +1,5 @@
-"""Archives in SI for readers of figures: values in units with prefixes, mm and kPa, chosen once for all figures of an archive."""
+"""Archives in SI for readers of figures: values in units with prefixes, mm and kPa, chosen once for
+all figures of an archive."""
 
 from collections.abc import Mapping
 
@@ -7,7 +8,9 @@ import numpy as np
 from ..scene.units import prefix, sizes
 from . import archive
 
-SHARED = (("normal_displacement", "approach"), ("tangential_displacement", "mean_tangential_displacement"), ("tangential_force",))
+SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
+                                                "mean_tangential_displacement"),
+          ("tangential_force",))
 """Columns that share a prefix, since they share an axis; without _x and _y."""
 
 RANGES_SHOWN = 10.0
@@ -20,7 +23,8 @@ def read(path):
 
 
 class Readable(Mapping):
-    """A ``Record`` whose columns, coordinates and fields are in units with prefixes where they are in SI; else the record itself.
+    """A ``Record`` whose columns, coordinates and fields are in units with prefixes where they are
+    in SI; else the record itself.
 
     Parameters
     ----------
@@ -30,20 +34,27 @@ class Readable(Mapping):
     ----------
     units : as those of the record
     coordinates, initial_gap : as those of the record
-    contact_gap : gap where the contact ends, in the unit of the initial gap; nan if the scene does not say
+    contact_gap : gap where the contact ends, in the unit of the initial gap; nan if the scene does
+        not say
     """
 
     def __init__(self, record):
-        self._record, self.units, self._factors = record, dict(record.units), {}
+        self._record = record
+        self.units = dict(record.units)
+        self._factors = {}
         scene = record.scene
         self._in_si = scene.get("units") == "si"
-        self._scales = sizes(scene, scene["normal_maugis"], scene["tangential_maugis"]) if self._in_si else {}
+        self._scales = sizes(scene, scene["normal_maugis"],
+                             scene["tangential_maugis"]) if self._in_si else {}
         law_range = self._scales.get("u_n,r", 1.0) / scene.get("normal_maugis", np.nan)
         if self._in_si:
             self._choose(law_range)
-        self.coordinates = tuple(self._factor(name) * axis for name, axis in zip("xy", record.coordinates))
-        self.initial_gap = None if record.initial_gap is None else self._factor("initial_gap") * record.initial_gap
-        self.contact_gap = scene.get("contact_threshold", np.nan) * law_range * self._factor("initial_gap")
+        self.coordinates = tuple(self._factor(name) * axis
+                                 for name, axis in zip("xy", record.coordinates))
+        self.initial_gap = (None if record.initial_gap is None
+                            else self._factor("initial_gap") * record.initial_gap)
+        self.contact_gap = scene.get("contact_threshold",
+                                     np.nan) * law_range * self._factor("initial_gap")
 
     def __getitem__(self, name):
         values = self._record[name]
@@ -70,14 +81,18 @@ class Readable(Mapping):
         return self._factors.get(name, 1.0)
 
     def _choose(self, law_range):
-        """Units of columns, coordinates and fields by what they hold or, where that is nothing, by the scales of the scene."""
+        """Units of columns, coordinates and fields by what they hold or, where that is nothing, by
+        the scales of the scene."""
         record = self._record
         for name in record:
-            family = next((family for family in SHARED if name.removesuffix("_x").removesuffix("_y") in family), (name,))
-            members = [other for other in record if other.removesuffix("_x").removesuffix("_y") in family] or [name]
+            family = next((family for family in SHARED
+                           if name.removesuffix("_x").removesuffix("_y") in family), (name,))
+            members = [other for other in record
+                       if other.removesuffix("_x").removesuffix("_y") in family] or [name]
             if record.units[name] in ("m", "m^2", "N", "N/m", "J", "J/m", "Pa"):
                 self._set(name, max(_largest(record[other]) for other in members))
-        largest = _largest(record["contact_area"]) or self._scales["beta"] ** len(record.coordinates)
+        largest = (_largest(record["contact_area"])
+                   or self._scales["beta"] ** len(record.coordinates))
         for name in "xy"[:len(record.coordinates)]:
             self._set(name, largest ** (1 / len(record.coordinates)))
         if record.coordinates:
@@ -90,9 +105,11 @@ class Readable(Mapping):
         self._factors[name] = 1.0 / size
 
     def _set_field(self, name, unit, normal, tangential):
-        """Prefixes of the components of a field in which a normal and a tangential value are handy."""
+        """Prefixes of the components of a field in which a normal and a tangential value are
+        handy."""
         each, units = zip(prefix(normal, unit), prefix(tangential, unit))
-        self._factors |= {f"{name} {component}": 1.0 / each[min(component, 1)] for component in range(3)}
+        self._factors |= {f"{name} {component}": 1.0 / each[min(component, 1)]
+                          for component in range(3)}
         self.units[name] = "; ".join(units)
 
 

@@ -1,8 +1,10 @@
-"""Going on from points of an earlier run: what must be the same, what may differ, and their places on the path.
+"""Going on from points of an earlier run: what must be the same, what may differ, and their places
+on the path.
 
-What decides the states that are there must be the same: the scene, heights by their checksum, where the
-path begins and its legs that are done. How states are solved for may differ, and so may legs that are
-not begun; the end of the leg under way may, too, where it lies ahead in the same direction.
+What decides the states that are there must be the same: the scene, heights by their checksum, where
+the path begins and its legs that are done. How states are solved for may differ, and so may legs
+that are not begun; the end of the leg under way may, too, where it lies ahead in the same
+direction.
 """
 
 import hashlib
@@ -23,7 +25,8 @@ ROUNDING = 1e-9
 
 
 class Run(NamedTuple):
-    """One of the runs that made an archive: its first point (from 0), its options, versions of programs."""
+    """One of the runs that made an archive: its first point (from 0), its options, versions of
+    programs."""
 
     first: int
     options: str
@@ -44,7 +47,8 @@ def checksum(heights):
 
 
 def entries(text):
-    """Name (without dash) -> value of the options in a text, in one line or many; the later wins."""
+    """Name (without dash) -> value of the options in a text, in one line or many; the later
+    wins."""
     try:
         words = shlex.split(text)
     except ValueError:  # a lone quotation mark
@@ -91,17 +95,19 @@ def differences(scene, options, others, other_options, done):
     before, now = entries(options), entries(other_options)
     names = [name for name in {**others, **scene} if name not in SOURCES]
     pairs = [(name, scene.get(name, "not given"), others.get(name, "not given")) for name in names]
-    found = [(name, *(np.asarray(value).tolist() for value in (old, new))) for name, old, new in pairs
-             if not _agree(old, new)]
+    found = [(name, *(np.asarray(value).tolist() for value in (old, new)))
+             for name, old, new in pairs if not _agree(old, new)]
     texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
     for number in range(min(done, len(legs(before)))):
-        there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))] for entry in (before, now))
+        there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))]
+                       for entry in (before, now))
         texts.append((f"leg {number + 1} of load_path, which is done,", there, here))
     return found + [text for text in texts if _meaning(text[1]) != _meaning(text[2])]
 
 
 def _agree(old, new):
-    """Whether two attributes are the same; numbers that were derived are so to rounding, which machines differ in."""
+    """Whether two attributes are the same; numbers that were derived are so to rounding, which
+    machines differ in."""
     old, new = np.asarray(old), np.asarray(new)
     if old.shape != new.shape or {old.dtype.kind, new.dtype.kind} - set("fiu"):
         return np.array_equal(old, new)
@@ -113,7 +119,8 @@ def changes(options, other_options):
     before, now = entries(options), entries(other_options)
     names = [name for name in sorted({**before, **now})
              if not name.startswith("archive_") and before.get(name) != now.get(name)]
-    told = {name: [entry.get(name, "not given") or "given" for entry in (now, before)] for name in names}
+    told = {name: [entry.get(name, "not given") or "given" for entry in (now, before)]
+            for name in names}
     return [f"-{name} is {here}, before that {there}" for name, (here, there) in told.items()]
 
 
@@ -129,19 +136,22 @@ def has_more(options, other_options, event):
 def _ends(found, event):
     """Whether options end a path at a point for its event."""
     stops = [name.strip() for name in found.get("load_stop", "").split(",")]
-    at = {"fold": found.get("continuation_at_fold"), "bifurcation": found.get("continuation_at_bifurcation")}
+    at = {"fold": found.get("continuation_at_fold"),
+          "bifurcation": found.get("continuation_at_bifurcation")}
     return event in stops or at.get(event) == "stop"
 
 
 def on_path(points, initial, path, controls, told):
-    """Points of an earlier run with their places on a path whose legs may end elsewhere than they did.
+    """Points of an earlier run with their places on a path whose legs may end elsewhere than they
+    did.
 
     Parameters
     ----------
     points : of the earlier run, oldest first: all, or the last ones
     initial : component -> Control at the start
     path : the legs, load.Leg
-    controls : what controls each component at the start and along each leg (``load.controls_along``)
+    controls : what controls each component at the start and along each leg
+        (``load.controls_along``)
     told : function (controls, load) -> str, loads in words and in the scene's units
 
     Raises
@@ -151,12 +161,15 @@ def on_path(points, initial, path, controls, told):
     placed = []
     for point in points:
         if point.leg > len(path):
-            raise InputError(f"the points to go on from reach leg {point.leg}, but -load_path has {len(path)}: "
-                             "give the legs that are done, too")
+            raise InputError("the points to go on from reach leg "
+                             f"{point.leg}, but -load_path has {len(path)}: give "
+                             "the legs that are done, too")
         under, asked = tuple(point.controls), controls[point.leg][:len(point.controls)]
         if under != asked:
-            raise InputError(f"the points to go on from are under {', '.join(under)} control in leg {point.leg}, "
-                             f"but -load_path has {', '.join(asked)} control there: legs that are begun must be the same")
+            raise InputError("the points to go on from are under "
+                             f"{', '.join(under)} control in leg {point.leg}, but "
+                             f"-load_path has {', '.join(asked)} control there: "
+                             "legs that are begun must be the same")
         if placed:
             _check_between(placed[-1], point, path)
         named = initial if point.leg == 0 else path[point.leg - 1].controls
@@ -165,16 +178,19 @@ def on_path(points, initial, path, controls, told):
 
 
 def _check_between(last, point, path):
-    """InputError unless a leg was done before points of a later one, and those between them move nothing."""
+    """InputError unless a leg was done before points of a later one, and those between them move
+    nothing."""
     if 0 < last.leg < point.leg and last.position != 1.0:
         raise InputError(f"the points to go on from leave leg {last.leg} before it ends: "
                          "legs that are done must be the same")
     for number in range(last.leg + 1, point.leg):
         for component, (control, value) in path[number - 1].controls.items():
-            reached = [*(last.forces if control == "force" else last.displacements), 0.0, 0.0][component]
+            reached = [*(last.forces if control == "force" else last.displacements), 0.0,
+                       0.0][component]
             if value is not None and not _same(value, reached):
-                raise InputError(f"the points to go on from have none of leg {number}, which moves: "
-                                 "legs that are done must be the same")
+                raise InputError("the points to go on from have none of "
+                                 f"leg {number}, which moves: legs that are "
+                                 "done must be the same")
 
 
 def _placed(point, named, told):
@@ -190,11 +206,15 @@ def _placed(point, named, told):
         position = point.position
     elif abs(position - 1.0) <= ROUNDING:
         position = 1.0
-    aside = not all(_same(*pair) for pair in zip(load, end if point.leg == 0 else origin + position * way))
+    aside = not all(_same(*pair) for pair in zip(load, end if point.leg == 0
+                                                 else origin + position * way))
     if aside or position > 1.0 or position * point.position < 0.0:
-        where = "beside it" if aside else "beyond its end" if position > 1.0 else "behind its beginning"
-        raise InputError(f"a point to go on from lies at {told(point.controls, load)} in leg {point.leg} of -load_path, {where}: "
-                         "legs that are begun must lead through their points")
+        where = ("beside it" if aside else "beyond its end" if position > 1.0
+                 else "behind its beginning")
+        raise InputError("a point to go on from lies at "
+                         f"{told(point.controls, load)} in leg {point.leg} of "
+                         f"-load_path, {where}: legs that are begun must lead "
+                         "through their points")
     if position == point.position:
         return point
     return replace(point, position=position, step=point.step * position / point.position)

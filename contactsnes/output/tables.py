@@ -1,4 +1,5 @@
-"""Tables in files: CSV for people and spreadsheets, HDF5 for programs. A file is replaced whole, so that it is never half written."""
+"""Tables in files: CSV for people and spreadsheets, HDF5 for programs. A file is replaced whole, so
+that it is never half written."""
 
 import csv
 import os
@@ -17,16 +18,19 @@ def markdown(heading, rows):
 
 
 def write_between(path, begin, end, text):
-    """Put a text between two marks of a file, each of which stands there once; ValueError otherwise."""
+    """Put a text between two marks of a file, each of which stands there once; ValueError
+    otherwise."""
     content = Path(path).read_text(encoding="utf-8")
     if content.count(begin) != 1 or content.count(end) != 1:
-        raise ValueError(f"{Path(path).name} has lost its marks '{begin.strip()}' and '{end.strip()}'")
+        raise ValueError(
+            f"{Path(path).name} has lost its marks '{begin.strip()}' and '{end.strip()}'")
     before, rest = content.split(begin)
     Path(path).write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
 
 
 def write_csv(path, columns, rows):
-    """Write a table with one line a row (a mapping), its heading the names of the columns; numbers in full."""
+    """Write a table with one line a row (a mapping), its heading the names of the columns; numbers
+    in full."""
     def write(partial):
         with open(partial, "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(columns), extrasaction="ignore", lineterminator="\n")
@@ -36,13 +40,15 @@ def write_csv(path, columns, rows):
 
 
 def write_hdf5(path, attributes, content):
-    """Write nested mappings of names to arrays, numbers, strings or lists of them as groups and datasets.
+    """Write nested mappings of names to arrays, numbers, strings or lists of them as groups and
+    datasets.
 
     Parameters
     ----------
     path : path of the file
     attributes : mapping, attributes of the root
-    content : nested mapping; a value may be a pair (data, unit), the unit then is the dataset's attribute ``unit``
+    content : nested mapping; a value may be a pair (data, unit), the unit then is the dataset's
+        attribute ``unit``
     """
     def write(partial):
         with Lenient(partial) as device, h5py.File(device, "w") as file:
@@ -53,7 +59,8 @@ def write_hdf5(path, attributes, content):
 
 
 def read_hdf5(path):
-    """The attributes of the root and the content of a file of `write_hdf5`, units left out; strings as arrays of str."""
+    """The attributes of the root and the content of a file of `write_hdf5`, units left out; strings
+    as arrays of str."""
     with h5py.File(path, "r") as file:
         return dict(file.attrs), _content(file)
 
@@ -76,7 +83,8 @@ def _fill(group, content):
 def _content(group):
     """Nested dictionaries of arrays from a group."""
     return {name: _content(item) if isinstance(item, h5py.Group)
-            else (item.asstr()[...] if h5py.check_string_dtype(item.dtype) else item[...]) for name, item in group.items()}
+            else (item.asstr()[...] if h5py.check_string_dtype(item.dtype) else item[...])
+            for name, item in group.items()}
 
 
 def _replace(path, write):

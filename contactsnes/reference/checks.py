@@ -7,7 +7,8 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import xlogy
 
 ROUNDING = 64 * np.finfo(float).eps
-"""What a few operations may lose of their largest term: what misses a limit by no more is the limit."""
+"""What a few operations may lose of their largest term: what misses a limit by no more is the
+limit."""
 
 
 def require(condition, message):
@@ -34,8 +35,8 @@ def at_most(value, limit, message):
 
 
 def find_root(function, low, high, message, value=0.0):
-    """Where `function` takes a value between low and high, an end where it does so to rounding if it goes
-    through the value nowhere in between. ValueError(message) where it does not take it."""
+    """Where `function` takes a value between low and high, an end where it does so to rounding if
+    it goes through the value nowhere in between. ValueError(message) where it does not take it."""
     misses = [function(end) - value for end in (low, high)]
     if np.sign(misses[0]) * np.sign(misses[1]) <= 0:
         return brentq(lambda place: function(place) - value, low, high, xtol=1e-300, maxiter=2000)
@@ -46,10 +47,11 @@ def find_root(function, low, high, message, value=0.0):
 
 
 def jkr_root(share, message):
-    """The z >= 1 with z^4 - 4 z = share: a JKR contact is z^2 times as large as where the load on a line,
-    or the approach of a sphere, is least, at a share of -3. ValueError(message) below."""
+    """The z >= 1 with z^4 - 4 z = share: a JKR contact is z^2 times as large as where the load on a
+    line, or the approach of a sphere, is least, at a share of -3. ValueError(message) below."""
     at_most(-share, 3.0, message)
-    # With z = 1 + e it is e^2 (6 + 4 e + e^2), and both ends are away from the root, whatever the rounding.
+    # With z = 1 + e it is e^2 (6 + 4 e + e^2), and both ends are away from the root, whatever the
+    # rounding.
     rest = max(share + 3.0, 0.0)
     if rest > 1e80:
         return rest ** 0.25
@@ -59,7 +61,8 @@ def jkr_root(share, message):
 
 def minimizer(function, low, high):
     """Where `function` is least in (low, high)."""
-    return minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-12}).x
+    return minimize_scalar(function, bounds=(low, high), method="bounded",
+                           options={"xatol": 1e-12}).x
 
 
 def half_angle(half_width, period):
@@ -76,28 +79,33 @@ def half_width_of(angle, period):
 
 
 def log_cosine(angle):
-    """ln cos of an angle from 0 to pi/2, exact in narrow contacts and where they nearly fill the cell."""
+    """ln cos of an angle from 0 to pi/2, exact in narrow contacts and where they nearly fill the
+    cell."""
     return np.where(angle < 0.8, np.log1p(-np.minimum(np.sin(angle), 0.8) ** 2) / 2,
                     np.log(np.cos(angle)))
 
 
 def times_log_sine(factor, angle):
-    """A factor times ln sin of an angle from 0 to pi/2, as exact as `log_cosine`; 0 if the factor is."""
+    """A factor times ln sin of an angle from 0 to pi/2, as exact as `log_cosine`; 0 if the factor
+    is."""
     return np.where(angle > 0.8, factor * np.log1p(-np.minimum(np.cos(angle), 0.8) ** 2) / 2,
                     xlogy(factor, np.sin(angle)))
 
 
 def periodic_angle(half_width, period):
     """pi a/L, for results that do not exist without a cell."""
-    require(np.isfinite(period), "a displacement of the mean surface of a line contact needs a finite period")
+    require(np.isfinite(period),
+            "a displacement of the mean surface of a line contact needs a finite period")
     return half_angle(half_width, period)
 
 
 def root_depth(x, half_width, period=np.inf):
-    """sqrt(a^2 - x^2), or (L/pi) sqrt(sin^2(pi a/L) - sin^2(pi x/L)) without cancellation; 0 outside the contact."""
+    """sqrt(a^2 - x^2), or (L/pi) sqrt(sin^2(pi a/L) - sin^2(pi x/L)) without cancellation; 0
+    outside the contact."""
     left, right = half_width + np.asarray(x), half_width - np.asarray(x)
     if np.isfinite(period):
-        left, right = (period / np.pi * np.sin(np.pi / period * distance) for distance in (left, right))
+        left, right = (period / np.pi * np.sin(np.pi / period * distance)
+                       for distance in (left, right))
     return np.sqrt(np.maximum(left * right, 0.0))
 
 
@@ -108,7 +116,8 @@ def reciprocal_depth(x, half_width, period=np.inf):
 
 
 def elementwise(function):
-    """The same function of numbers, element by element where any of its arguments is an array, all broadcast."""
+    """The same function of numbers, element by element where any of its arguments is an array, all
+    broadcast."""
     @functools.wraps(function)
     def each(*args, **kwargs):
         if any(np.ndim(value) for value in (*args, *kwargs.values())):

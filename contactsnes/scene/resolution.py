@@ -8,23 +8,28 @@ from ..interface.laws.coupled import SOFTENING
 from ..options.fields import as_text
 
 LARGEST_RESOLUTION = 1.25
-"""Largest dx lambda_n^2 at which the cohesive zone of a exp(-a) is resolved (relative error of the force about 1e-6)."""
+"""Largest dx lambda_n^2 at which the cohesive zone of a exp(-a) is resolved (relative error of the
+force about 1e-6)."""
 PINNING = 1.8
-"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between nodes.
+"""``resolution`` from which on single nodes snap in and off, so that edges of contact stick between
+nodes.
 
 Measured on a line: 2.2 for a normal Maugis parameter of 10, below 2 for 20.
 """
 
 
 def resolution(scene, sheared, steepest=None):
-    """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is resolved), a tuple.
+    """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is
+    resolved), a tuple.
 
-    The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c pi/dx (c = 1/2 normally), is
-    well above the steepest softening of the law, s lambda^2 with s = e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3
-    between the two; the same margin is asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with
-    s the law's steepest softening in slip (``slip_softening``) and c = 1/2 (plane strain), or (1 - nu)/2 for waves
-    transverse to the slip in two dimensions, and of both together (``coupled_softening``). Directions without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that of a state in place of the law's where nothing
-    overlaps.
+    The edge of contact does not stick between nodes if the stiffness at the Nyquist wavenumber, c
+    pi/dx (c = 1/2 normally), is well above the steepest softening of the law, s lambda^2 with s =
+    e^-2 normally. dx lambda_n^2 <= 1.25 is a margin of 9.3 between the two; the same margin is
+    asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with s the law's
+    steepest softening in slip (``slip_softening``) and c = 1/2 (plane strain), or (1 - nu)/2 for
+    waves transverse to the slip in two dimensions, and of both together (``coupled_softening``).
+    Directions without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that
+    of a state in place of the law's where nothing overlaps.
     """
     if steepest is None:
         law = laws.of(scene)
@@ -35,31 +40,39 @@ def resolution(scene, sheared, steepest=None):
                            law.coupled_softening(scene.normal_maugis, math.sqrt(tangential)))
     steepest /= SOFTENING
     uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
-    return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION for spacing, same in zip(scene.spacings, uniform))
+    return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION
+                 for spacing, same in zip(scene.spacings, uniform))
 
 
 def sharpness(scene):
-    """The tangential Maugis parameter, larger in two dimensions, where waves transverse to the slip are softer by 1 - nu."""
-    return scene.tangential_maugis * (1.0 if scene.dimension == 1 else math.sqrt(1.0 / (1.0 - scene.poisson)))
+    """The tangential Maugis parameter, larger in two dimensions, where waves transverse to the slip
+    are softer by 1 - nu."""
+    return scene.tangential_maugis * (1.0 if scene.dimension == 1
+                                      else math.sqrt(1.0 / (1.0 - scene.poisson)))
 
 
 def default_spacing(scene):
-    """Spacing of an isolated contact unless one is given: resolves the cohesive zone, and what a soft law spans."""
+    """Spacing of an isolated contact unless one is given: resolves the cohesive zone, and what a
+    soft law spans."""
     sharp = resolution(dataclasses.replace(scene, spacing=1.0), scene.tangential != "off")
     return min(0.976 / max(sharp), 0.5 / math.sqrt(scene.normal_maugis))
 
 
 def resolution_warning(scene, sheared):
-    """One sentence with the number of points to take where the grid does not resolve the cohesive zone, else None."""
+    """One sentence with the number of points to take where the grid does not resolve the cohesive
+    zone, else None."""
     ratios = resolution(scene, sheared)
     if max(ratios) <= 1:
         return None
     if scene.isolated:
-        return (f"the spacing of {scene.words(scene.spacings, 'beta')} does not resolve the cohesive zone: it is {max(ratios):.3g} "
-                "times the largest that does, and results may depend on where nodes lie; "
-                f"try -scene_spacing {scene.told(0.976 * min(scene.spacings) / max(ratios), 'beta'):.3g}")
+        return (f"the spacing of {scene.words(scene.spacings, 'beta')} does not "
+                f"resolve the cohesive zone: it is {max(ratios):.3g} times "
+                "the largest that does, and results may depend on where "
+                "nodes lie; try -scene_spacing "
+                f"{scene.told(0.976 * min(scene.spacings) / max(ratios), 'beta'):.3g}")
     needed = tuple(points if ratio <= 1 else 2 ** math.ceil(math.log2(points * ratio))
                    for points, ratio in zip(scene.shape, ratios))
-    return (f"the grid of {as_text(scene.shape)} points does not resolve the cohesive zone: its spacing is {max(ratios):.3g} "
-            "times the largest that does, and results may depend on where nodes lie; "
-            f"try -scene_points {as_text(needed)}")
+    return (f"the grid of {as_text(scene.shape)} points does not resolve the "
+            f"cohesive zone: its spacing is {max(ratios):.3g} times the "
+            "largest that does, and results may depend on where nodes "
+            f"lie; try -scene_points {as_text(needed)}")

@@ -1,8 +1,10 @@
-"""Scenes in SI: the scales of their dimensionless form, and what is typed and told in metres, newtons, joules and pascals.
+"""Scenes in SI: the scales of their dimensionless form, and what is typed and told in metres,
+newtons, joules and pascals.
 
-beta = (R^2 phi_n / E*)^(1/3), u_n,r = beta^2 / R, u_t,r = sqrt(phi_t / phi_n) u_n,r; the force unit of a line w_n,r = E* u_n,r
-(per length), of a plane R phi_n = E* u_n,r beta; p_n,r = phi_n / delta_n (eq. 10 of the paper). A scene keeps its lengths
-dimensionless, whatever it was typed in; here is all that knows of SI.
+beta = (R^2 phi_n / E*)^(1/3), u_n,r = beta^2 / R, u_t,r = sqrt(phi_t / phi_n) u_n,r; the force unit
+of a line w_n,r = E* u_n,r (per length), of a plane R phi_n = E* u_n,r beta; p_n,r = phi_n / delta_n
+(eq. 10 of the paper). A scene keeps its lengths dimensionless, whatever it was typed in; here is
+all that knows of SI.
 """
 
 from __future__ import annotations
@@ -13,12 +15,14 @@ from dataclasses import dataclass, replace
 from ..options.fields import InputError, Options, as_text, checked, option
 from .load import Control, names, quantities
 
-UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m", "w_t,r": "N/m", "R phi_n": "N",
-         "R sqrt(phi_n phi_t)": "N", "w_n,r u_n,r": "J/m", "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa"}
+UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m",
+         "w_t,r": "N/m", "R phi_n": "N", "R sqrt(phi_n phi_t)": "N", "w_n,r u_n,r": "J/m",
+         "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa"}
 """Unit of a dimensionless quantity -> its unit in SI."""
 
 SCALES = ("work_of_adhesion_normal", "work_of_adhesion_tangential", "contact_modulus", "radius")
-DERIVED = {"normal_maugis": "range_normal", "tangential_maugis": "range_tangential", "work_ratio": "work_of_adhesion_tangential"}
+DERIVED = {"normal_maugis": "range_normal", "tangential_maugis": "range_tangential",
+           "work_ratio": "work_of_adhesion_tangential"}
 """Dimensionless group of a scene -> what it follows from in SI."""
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
@@ -29,56 +33,75 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 class Units(Options):
     """Units of a scene, and the scales of those that are in SI: a part of ``settings.Scene``."""
 
-    units: str = option("dimensionless", "units of input and output: dimensionless; si: metres, newtons (two dimensions; one: "
-                        "newtons per metre) and what follows, with the next six", choices=("dimensionless", "si"))
-    work_of_adhesion_normal: float = option(None, "phi_n", "J/m^2", kind="number", above=0, default_text="none: si needs it")
-    work_of_adhesion_tangential: float = option(None, "phi_t", "J/m^2", kind="number", above=0, default_text="none: si needs it")
-    contact_modulus: float = option(None, "E* = E/(1 - nu^2) against the rigid flat", "Pa", kind="number", above=0,
-                                    default_text="none: si needs it")
-    radius: float = option(None, "R of cylinder or sphere, and of the curvature that others have by default; else it sets nothing but "
-                           "internal scales", "m", kind="number", above=0, default_text="none: si needs it")
-    range_normal: float = option(None, "delta_n, in place of -scene_normal_maugis", "m", kind="number", above=0,
-                                 default_text="none: si needs it")
-    range_tangential: float = option(None, "delta_t, in place of -scene_tangential_maugis", "m", kind="number", above=0,
-                                     default_text="none: si needs it")
+    units: str = option("dimensionless", "units of input and output: dimensionless; "
+                        "si: metres, newtons (two dimensions; one: newtons "
+                        "per metre) and what follows, with the next six",
+                        choices=("dimensionless", "si"))
+    work_of_adhesion_normal: float = option(None, "phi_n", "J/m^2", kind="number", above=0,
+                                            default_text="none: si needs it")
+    work_of_adhesion_tangential: float = option(None, "phi_t", "J/m^2", kind="number", above=0,
+                                                default_text="none: si needs it")
+    contact_modulus: float = option(None, "E* = E/(1 - nu^2) against the rigid flat", "Pa",
+                                    kind="number", above=0, default_text="none: si needs it")
+    radius: float = option(None, "R of cylinder or sphere, and of the curvature "
+                           "that others have by default; else it sets "
+                           "nothing but internal scales", "m", kind="number", above=0,
+                           default_text="none: si needs it")
+    range_normal: float = option(None, "delta_n, in place of -scene_normal_maugis", "m",
+                                 kind="number", above=0, default_text="none: si needs it")
+    range_tangential: float = option(None, "delta_t, in place of -scene_tangential_maugis", "m",
+                                     kind="number", above=0, default_text="none: si needs it")
 
     def __post_init__(self):
         super().__post_init__()
         given = [name for name in (*SCALES, *DERIVED.values()) if getattr(self, name) is not None]
         if self.units == "dimensionless" and given:
-            raise InputError(f"{self.option_name(given[0])} is '{as_text(getattr(self, given[0]))}', but -scene_units is "
+            raise InputError(f"{self.option_name(given[0])} is "
+                             f"'{as_text(getattr(self, given[0]))}', but -scene_units is "
                              "'dimensionless': add -scene_units si, or leave it out")
         if self.units == "si":
             self._check_scales()
 
     def _check_scales(self):
-        """All scales are there, and the dimensionless groups are those that follow from ranges, where these are known."""
+        """All scales are there, and the dimensionless groups are those that follow from ranges,
+        where these are known."""
         _refuse_missing([name for name in SCALES if getattr(self, name) is None])
         for group, source in DERIVED.items():
-            if getattr(self, source) is not None and not math.isclose(getattr(self, group), _groups(vars(self))[group], rel_tol=1e-9):
-                raise InputError(f"{self.option_name(group)} is '{as_text(getattr(self, group))}', but {self.option_name(source)} "
-                                 f"makes it {_groups(vars(self))[group]:.6g}: give one of them (from Python: Scene.typed)")
+            if getattr(self, source) is not None and not math.isclose(getattr(self, group),
+                                                                      _groups(vars(self))[group],
+                                                                      rel_tol=1e-9):
+                raise InputError(f"{self.option_name(group)} is "
+                                 f"'{as_text(getattr(self, group))}', but "
+                                 f"{self.option_name(source)} makes it "
+                                 f"{_groups(vars(self))[group]:.6g}: give one of them "
+                                 "(from Python: Scene.typed)")
 
     @classmethod
     def typed(cls, **values):
-        """The instance for values as they are typed: with units='si' those that have a unit are in SI, and ranges stand for groups.
+        """The instance for values as they are typed: with units='si' those that have a unit are in
+        SI, and ranges stand for groups.
 
-        InputError for a value that is missing or not allowed, or for a group that follows from others.
+        InputError for a value that is missing or not allowed, or for a group that follows from
+        others.
         """
         if values.get("units") != "si":
             return cls(**values)
-        values = {name: checked(cls.option_name(name), value, cls.rule(name)) for name, value in values.items() if value is not None}
+        values = {name: checked(cls.option_name(name), value, cls.rule(name))
+                  for name, value in values.items() if value is not None}
         for group, source in DERIVED.items():
             if group in values:
-                raise InputError(f"{cls.option_name(group)} is '{as_text(values[group])}', but with -scene_units si it follows from "
+                raise InputError(f"{cls.option_name(group)} is '{as_text(values[group])}', "
+                                 "but with -scene_units si it follows from "
                                  f"{cls.option_name(source)}: leave it out")
         _refuse_missing([name for name in (*SCALES, *DERIVED.values()) if name not in values])
         values |= _groups(values)
         factors = sizes(values, values["normal_maugis"], values["tangential_maugis"])
-        return cls(**{name: _divided(value, factors.get(cls.rule(name)["unit"], 1.0)) for name, value in values.items()})
+        return cls(**{name: _divided(value, factors.get(cls.rule(name)["unit"], 1.0))
+                      for name, value in values.items()})
 
     def scale(self, unit):
-        """Size of a unit (`UNITS`) in what the scene is typed and told in, and its name there: (1, unit) if that is itself."""
+        """Size of a unit (`UNITS`) in what the scene is typed and told in, and its name there: (1,
+        unit) if that is itself."""
         if self.units == "dimensionless" or unit not in UNITS:
             return 1.0, unit
         return sizes(vars(self), self.normal_maugis, self.tangential_maugis)[unit], UNITS[unit]
@@ -88,28 +111,33 @@ class Units(Options):
         return self.told(getattr(self, name), self.rule(name)["unit"])
 
     def told(self, value, unit):
-        """A value (or several, or none) of a unit in what the scene is told in, to 14 digits: rounding does not show."""
+        """A value (or several, or none) of a unit in what the scene is told in, to 14 digits:
+        rounding does not show."""
         factor = self.scale(unit)[0]
         if factor == 1.0 or value is None or isinstance(value, str):
             return value
-        return tuple(self.told(item, unit) for item in value) if isinstance(value, tuple) else float(f"{value * factor:.14g}")
+        return (tuple(self.told(item, unit) for item in value) if isinstance(value, tuple)
+                else float(f"{value * factor:.14g}"))
 
     def words(self, value, unit):
         """A value (or several) of a unit in what the scene is told in, with the unit's name."""
         return f"{as_text(self.told(value, unit))} {self.scale(unit)[1]}"
 
     def initial(self, load):
-        """Component -> Control where a load path begins (``Load.initial``), its values in the scene's own units."""
+        """Component -> Control where a load path begins (``Load.initial``), its values in the
+        scene's own units."""
         return self._scaled(load.initial(self.dimension, self.isolated))
 
     def legs(self, load):
         """The legs of a load path (``Load.legs``), their values in the scene's own units."""
-        return tuple(replace(leg, controls=self._scaled(leg.controls)) for leg in load.legs(self.dimension))
+        return tuple(replace(leg, controls=self._scaled(leg.controls))
+                     for leg in load.legs(self.dimension))
 
     def _scaled(self, controls):
         """Controls as they are typed with values in the scene's own units."""
         known, units = names(self.dimension), quantities(self.dimension)
-        sizes = {component: self.scale(units[known[component, control]].unit)[0] for component, (control, _) in controls.items()}
+        sizes = {component: self.scale(units[known[component, control]].unit)[0]
+                 for component, (control, _) in controls.items()}
         return {component: Control(control, None if value is None else value / sizes[component])
                 for component, (control, value) in controls.items()}
 
@@ -118,16 +146,20 @@ class Units(Options):
         told = []
         for component, (control, value) in enumerate(zip(controls, values)):
             name = names(self.dimension).get((component, control), "approach")
-            size, unit = self.scale(quantities(self.dimension)[name].unit if name != "approach" else "u_n,r")
-            told.append(f"{name} {value * size:.6g}" + ("" if self.units == "dimensionless" else f" {unit}"))
+            size, unit = self.scale(quantities(self.dimension)[name].unit if name != "approach"
+                                    else "u_n,r")
+            told.append(f"{name} {value * size:.6g}" + ("" if self.units == "dimensionless"
+                                                        else f" {unit}"))
         return ", ".join(told)
 
 
 def _refuse_missing(absent):
     """InputError if something is absent that makes a scene one in SI."""
     if absent:
-        raise InputError(f"-scene_units is 'si' without {' and '.join(f'-scene_{name}' for name in absent)}: give works of adhesion, "
-                         "contact modulus, radius and both ranges of the law")
+        raise InputError("-scene_units is 'si' without "
+                         f"{' and '.join(f'-scene_{name}' for name in absent)}: give works "
+                         "of adhesion, contact modulus, radius and both "
+                         "ranges of the law")
 
 
 def _scales(values):
@@ -140,7 +172,8 @@ def _scales(values):
 def _groups(values):
     """The dimensionless groups that follow from SI, as far as their ranges are there."""
     _, normal, tangential = _scales(values)
-    groups = {"work_ratio": values["work_of_adhesion_tangential"] / values["work_of_adhesion_normal"]}
+    groups = {"work_ratio": values["work_of_adhesion_tangential"]
+              / values["work_of_adhesion_normal"]}
     for group, displacement in (("normal_maugis", normal), ("tangential_maugis", tangential)):
         if values[DERIVED[group]] is not None:
             groups[group] = displacement / values[DERIVED[group]]
@@ -151,10 +184,12 @@ def sizes(values, normal_maugis, tangential_maugis):
     """Unit (`UNITS`) -> its size in SI, from the values of `SCALES` and the Maugis parameters."""
     length, normal, tangential = _scales(values)
     modulus = values["contact_modulus"]
-    return {"beta": length, "beta^2": length ** 2, "u_n,r": normal, "u_t,r": tangential, "u_n,r/beta": normal / length,
-            "w_n,r": modulus * normal, "w_t,r": modulus * tangential, "R phi_n": modulus * normal * length,
-            "R sqrt(phi_n phi_t)": modulus * tangential * length, "w_n,r u_n,r": modulus * normal ** 2,
-            "R phi_n u_n,r": modulus * normal ** 2 * length, "p_n,r": normal_maugis * modulus * normal / length,
+    return {"beta": length, "beta^2": length ** 2, "u_n,r": normal, "u_t,r": tangential,
+            "u_n,r/beta": normal / length, "w_n,r": modulus * normal, "w_t,r": modulus * tangential,
+            "R phi_n": modulus * normal * length, "R sqrt(phi_n phi_t)": modulus * tangential
+            * length, "w_n,r u_n,r": modulus * normal ** 2,
+            "R phi_n u_n,r": modulus * normal ** 2 * length,
+            "p_n,r": normal_maugis * modulus * normal / length,
             "p_t,r": tangential_maugis * modulus * tangential / length}
 
 
@@ -166,13 +201,15 @@ def _divided(value, factor):
 
 
 def prefix(largest, unit):
-    """Size and name of the unit in SI, with the prefix in which ``largest`` is a handy number, at least 1: 1e-3 and mm for 0.02 m.
+    """Size and name of the unit in SI, with the prefix in which ``largest`` is a handy number, at
+    least 1: 1e-3 and mm for 0.02 m.
 
     The name is for readers: µ, and a raised 2.
     """
     power = 2 if unit == "m^2" else 1
     name, smallest = unit.replace("^2", "²"), 10.0 ** (-3 * (power - 1))
-    usable = [(10.0 ** (power * place), sign) for place, sign in PREFIXES.items() if smallest * 10.0 ** (power * place) <= largest]
+    usable = [(10.0 ** (power * place), sign) for place, sign in PREFIXES.items()
+              if smallest * 10.0 ** (power * place) <= largest]
     size, sign = max(usable, default=(1.0, "")) if unit else (1.0, "")
     return size, sign + name
 

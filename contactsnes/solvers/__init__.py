@@ -1,1 +1,2 @@
-"""PETSc's nonlinear solvers around the contact problem: Newton's method, preconditioners, multigrid, dynamic relaxation."""
+"""PETSc's nonlinear solvers around the contact problem: Newton's method, preconditioners,
+multigrid, dynamic relaxation."""

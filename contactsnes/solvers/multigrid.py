@@ -1,9 +1,11 @@
-"""Coarser grids for PETSc's full approximation scheme (``-snes_type fas``): their contacts, forms and transfers.
+"""Coarser grids for PETSc's full approximation scheme (``-snes_type fas``): their contacts, forms
+and transfers.
 
-With F the displacement form on a grid and F_c that on every other of its nodes, a cycle smooths u, solves
-F_c(u_c) = F_c(I u) - R F(u) from u_c = I u, corrects u by P (u_c - I u) and smooths again (Brandt, Math. Comp. 31, 333, 1977). A
-solution u of the fine grid is a fixed point of that whatever law the coarse one has: there the law may be softened, so that a
-coarse grid resolves its cohesive zone and the edge of contact does not stick between nodes.
+With F the displacement form on a grid and F_c that on every other of its nodes, a cycle smooths u,
+solves F_c(u_c) = F_c(I u) - R F(u) from u_c = I u, corrects u by P (u_c - I u) and smooths again
+(Brandt, Math. Comp. 31, 333, 1977). A solution u of the fine grid is a fixed point of that whatever
+law the coarse one has: there the law may be softened, so that a coarse grid resolves its cohesive
+zone and the edge of contact does not stick between nodes.
 """
 
 from dataclasses import dataclass
@@ -25,7 +27,8 @@ LEVELS, SMALLEST = 3, 32
 CYCLES = 50
 """Most cycles by default: solves that converge take four to twenty."""
 
-REFUSED = ("snes_fas_continuation", "snes_fas_full_total", "snes_fas_galerkin", "snes_fas_use_coarse_correction_linesearch")
+REFUSED = ("snes_fas_continuation", "snes_fas_full_total", "snes_fas_galerkin",
+           "snes_fas_use_coarse_correction_linesearch")
 """Flags of PETSc that need linear transfers, or smoothers of their own."""
 
 
@@ -35,16 +38,19 @@ class GridsOptions(Options):
 
     prefix: ClassVar[str] = "snes_grids_"
     title: ClassVar[str] = "Coarse grids of the full approximation scheme"
-    resolution: float = option(1.25, "largest spacing x maugis^2 on coarse grids: above it the law is softened there (inf: never)",
-                               above=0, infinite=True)
+    resolution: float = option(1.25, "largest spacing x maugis^2 on coarse grids: "
+                               "above it the law is softened there "
+                               "(inf: never)", above=0, infinite=True)
 
 
 class Transfer:
-    """Interpolation P, restriction R and injection I between the unknowns of a form and of a coarser one.
+    """Interpolation P, restriction R and injection I between the unknowns of a form and of a
+    coarser one.
 
-    What moves of the normal component is w = a + N(a)/kappa in units of length, with one stiffness for both laws: where
-    surfaces overlap that is the traction, elsewhere the gap. Gaps themselves would not do: the same overlap is another
-    traction under a softer law, and a correction of it is multiplied by the ratio of the tangents.
+    What moves of the normal component is w = a + N(a)/kappa in units of length, with one stiffness
+    for both laws: where surfaces overlap that is the traction, elsewhere the gap. Gaps themselves
+    would not do: the same overlap is another traction under a softer law, and a correction of it is
+    multiplied by the ratio of the tangents.
 
     Parameters
     ----------
@@ -55,9 +61,11 @@ class Transfer:
         self.fine, self.coarse = fine, coarse
         self.nodes = interpolation(fine.window)
         self.restriction = (self.nodes.T / 2 ** len(fine.window.shape)).tocsr()
-        even = [np.arange(start, start + extent) % 2 == 0 for start, extent in zip(fine.window.start, fine.window.shape)]
+        even = [np.arange(start, start + extent) % 2 == 0
+                for start, extent in zip(fine.window.start, fine.window.shape)]
         self.kept = np.flatnonzero(reduce(np.logical_and.outer, even))
-        self.ranges = coarse.contact.ranges[:fine.components] / fine.contact.ranges[:fine.components]
+        self.ranges = (coarse.contact.ranges[:fine.components]
+                       / fine.contact.ranges[:fine.components])
         self.scalars = self.ranges[fine.forced]
         self.moving = fine.contact.law.moving_stiffness
         self.stiffness = self.moving / self.ranges[0] ** 2
@@ -69,7 +77,8 @@ class Transfer:
         field = fine.gap(unknown)[:, self.kept]
         field[0] = fine.contact.law.regularised(field[0], self.moving)
         field *= self.ranges[:, None]
-        field[0] = coarse.contact.law.gap_of_regularised(field[0], self.stiffness) - coarse.initial_gap
+        field[0] = coarse.contact.law.gap_of_regularised(field[0],
+                                                         self.stiffness) - coarse.initial_gap
         out[:coarse.count] = field.reshape(-1) / coarse.root
         out[coarse.count:] = self.scalars * unknown[fine.count:]
         self.injected[:] = out
@@ -82,25 +91,32 @@ class Transfer:
         out[coarse.count:] = imbalance[fine.count:]
 
     def correct(self, change, unknown, out):
-        """out = unknown, perhaps the same array, corrected by P change, with change from what was injected last."""
+        """out = unknown, perhaps the same array, corrected by P change, with change from what was
+        injected last."""
         fine, coarse = self.fine, self.coarse
-        field, gap, law = coarse.displacement(change), coarse.gap(self.injected)[0], coarse.contact.law
-        field[0] = law.regularised(gap + field[0], self.stiffness) - law.regularised(gap, self.stiffness)
+        field = coarse.displacement(change)
+        gap = coarse.gap(self.injected)[0]
+        law = coarse.contact.law
+        field[0] = law.regularised(gap + field[0], self.stiffness) - law.regularised(gap,
+                                                                                     self.stiffness)
         field = (field / self.ranges[:, None]) @ self.nodes.T
         gap, law = fine.gap(unknown)[0], fine.contact.law
-        field[0] = law.gap_of_regularised(law.regularised(gap, self.moving) + field[0], self.moving) - gap
+        field[0] = law.gap_of_regularised(law.regularised(gap, self.moving) + field[0],
+                                          self.moving) - gap
         np.add(unknown[:fine.count], field.reshape(-1) / fine.root, out=out[:fine.count])
         np.add(unknown[fine.count:], change[coarse.count:] / self.scalars, out=out[fine.count:])
 
 
 class CoarseForm(DisplacementForm):
-    """A displacement form on every other node of a finer one, its law softened where that grid asks for it, under its load."""
+    """A displacement form on every other node of a finer one, its law softened where that grid asks
+    for it, under its load."""
 
     def __init__(self, finer, resolution):
         self.finer = finer
         window, contact = finer.window, finer.contact.coarse(resolution)
         start = [(first + 1) // 2 for first in window.start]
-        shape = [(first + extent + 1) // 2 - begin for first, extent, begin in zip(window.start, window.shape, start)]
+        shape = [(first + extent + 1) // 2 - begin
+                 for first, extent, begin in zip(window.start, window.shape, start)]
         super().__init__(contact, Window(contact.grid, start, shape), finer.controls)
 
     def residual(self, unknown, out):
@@ -139,14 +155,18 @@ def _matrix(rows, columns, context):
 
 
 def count_levels(form, database):
-    """Number of grids: -snes_fas_levels, by default what the grid allows, up to three. InputError where it does not."""
+    """Number of grids: -snes_fas_levels, by default what the grid allows, up to three. InputError
+    where it does not."""
     shape, allowed = np.array(form.grid.shape), 1
     while np.all(shape % 4 == 0) and np.all(shape // 2 >= SMALLEST):
         shape, allowed = shape // 2, allowed + 1
     levels = database.getInt("snes_fas_levels", min(LEVELS, allowed))
     if not 1 <= levels <= allowed:
-        raise InputError(f"-snes_fas_levels is '{levels}': the grid of {' x '.join(map(str, form.grid.shape))} points can be halved "
-                         f"to at most {allowed} levels, with even numbers and at least {SMALLEST} points in each direction")
+        raise InputError(f"-snes_fas_levels is '{levels}': the grid of "
+                         f"{' x '.join(map(str, form.grid.shape))} points can be "
+                         f"halved to at most {allowed} levels, with even "
+                         f"numbers and at least {SMALLEST} points in each "
+                         "direction")
     return levels
 
 
@@ -155,24 +175,28 @@ def _check(form, database):
     if form.name != "displacement":
         raise InputError("-snes_type is 'fas': it needs -contact_form displacement")
     if database.getString("snes_fas_type", "multiplicative").lower() == "additive":
-        raise InputError("-snes_fas_type is 'additive': corrections between these grids are not linear; take multiplicative, full "
+        raise InputError("-snes_fas_type is 'additive': corrections between these "
+                         "grids are not linear; take multiplicative, full "
                          "or kaskade")
     for name in REFUSED:
         if database.getBool(name, False):
-            raise InputError(f"-{name} is 'true': between these grids, which exchange changes of regularised gaps, only false is "
-                             "allowed")
+            raise InputError(f"-{name} is 'true': between these grids, which "
+                             "exchange changes of regularised gaps, only false "
+                             "is allowed")
 
 
 def create_levels(snes, form, equip):
-    """Make a form's SNES a full approximation scheme over coarser grids; its smoothers on all grids, each with its form.
+    """Make a form's SNES a full approximation scheme over coarser grids; its smoothers on all
+    grids, each with its form.
 
     Parameters
     ----------
     snes : SNES of the form, before its setFromOptions
     equip : function (SNES, form) that sets function, Jacobian and linear solver
 
-    A smoother is one step of Newton, its linear system solved to 0.1; the coarsest grid is solved to 0.01. PETSc's options
-    (-snes_fas_*, -fas_levels_*, -fas_coarse_*) change that. InputError where they ask for what these grids cannot do.
+    A smoother is one step of Newton, its linear system solved to 0.1; the coarsest grid is solved
+    to 0.01. PETSc's options (-snes_fas_*, -fas_levels_*, -fas_coarse_*) change that. InputError
+    where they ask for what these grids cannot do.
     """
     prefix = snes.getOptionsPrefix() or ""
     database = PETSc.Options(prefix)
@@ -204,7 +228,8 @@ def create_levels(snes, form, equip):
 
 
 def _connect(snes, level, transfer):
-    """Hand a transfer to the FAS; PETSc makes the coarse Vec from the scale, which is used for nothing else."""
+    """Hand a transfer to the FAS; PETSc makes the coarse Vec from the scale, which is used for
+    nothing else."""
     fine, coarse = transfer.fine.size, transfer.coarse.size
     snes.setFASInterpolation(level, _matrix(fine, coarse, Corrected(transfer.correct)))
     snes.setFASRestriction(level, _matrix(coarse, fine, Applied(transfer.restrict)))

@@ -1,4 +1,5 @@
-"""Preconditioners of the contact Jacobian: the mathematics of two zones, and the thin PETSc contexts around it."""
+"""Preconditioners of the contact Jacobian: the mathematics of two zones, and the thin PETSc
+contexts around it."""
 
 import math
 from dataclasses import dataclass
@@ -18,17 +19,22 @@ from ..options.fields import InputError, Options, option
 
 @dataclass(frozen=True)
 class CoreOptions(Options):
-    """Options of the core-zone preconditioner of the displacement form, and of the zones of the force form."""
+    """Options of the core-zone preconditioner of the displacement form, and of the zones of the
+    force form."""
 
     prefix: ClassVar[str] = "pc_core_"
     title: ClassVar[str] = "Preconditioner: core zone, where the law is stiff"
-    threshold: float = option(0.1, "tangent that counts as stiff, over the component's largest (at most 1)", above=0, below=1)
+    threshold: float = option(0.1, "tangent that counts as stiff, over the "
+                              "component's largest (at most 1)", above=0, below=1)
     width: float = option(0.3, "blur of the core's edge over 1/lambda_n", minimum=0)
-    pad: float = option(1.25, "extent of the circle on which the core is inverted, over that of the core", minimum=1)
+    pad: float = option(1.25,
+                        "extent of the circle on which the core is inverted, over that of the core",
+                        minimum=1)
 
 
 def core_weight(form, component, options):
-    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there in each box; None where nothing is stiff."""
+    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there in each box;
+    None where nothing is stiff."""
     tangent = form.tangent[component, component]
     largest = form.grid.maximum(tangent)
     if largest <= 1e-6:
@@ -37,11 +43,13 @@ def core_weight(form, component, options):
     weight = np.minimum(smooth(form.window, core, options.width / form.contact.ranges[0]), 1.0)
     by_box = (len(form.window.parts), -1)
     count = form.grid.sum(weight.reshape(by_box))
-    return weight, form.grid.sum((weight * tangent).reshape(by_box)) / np.where(count > 0.0, count, 1.0)
+    return weight, form.grid.sum((weight * tangent).reshape(by_box)) / np.where(count > 0.0, count,
+                                                                                1.0)
 
 
 class CoreBlock:
-    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a circle around the core.
+    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a
+    circle around the core.
 
     Of several boxes each has a circle of its own, all of one size.
     """
@@ -57,8 +65,10 @@ class CoreBlock:
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
                        for extent, total in zip(extents, window.limits))
-        self.transform, compliance = form.contact.circle(component, form.components, circle, window.even, len(box))
-        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled, stands for the rest.
+        self.transform, compliance = form.contact.circle(component, form.components, circle,
+                                                         window.even, len(box))
+        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
+        # stands for the rest.
         if compliance.flat[0] == 0.0:
             compliance = compliance.copy()
             compliance.flat[0] = 2.0 * np.max(compliance)
@@ -85,28 +95,36 @@ class CoreBlock:
 
 
 class CoupledBlock:
-    """A core block of several boxes that know of each other as a whole: M^-1 r = B^-1 (r - w), w_b = sum of k_bc F_c.
+    """A core block of several boxes that know of each other as a whole: M^-1 r = B^-1 (r - w), w_b
+    = sum of k_bc F_c.
 
-    B is the core block, F_c the sum of the law's linear response D M^-1 r in a box, k the kernel at the boxes' offsets; on its
-    diagonal, by how much a box in the cell gives way more than on its circle, which is the same at all small lags.
+    B is the core block, F_c the sum of the law's linear response D M^-1 r in a box, k the kernel at
+    the boxes' offsets; on its diagonal, by how much a box in the cell gives way more than on its
+    circle, which is the same at all small lags.
     """
 
     def __init__(self, form, component, block):
         self.block, self.by_box = block, (len(form.window.parts), -1)
         self.tangent = form.tangent[component, component]
-        kernel, start = form.contact.operator(form.components).kernel((component, component)), np.array(form.window.start)
-        between = kernel[tuple(np.moveaxis((start[:, None] - start[None]) % form.grid.shape, -1, 0))]
+        kernel = form.contact.operator(form.components).kernel((component, component))
+        start = np.array(form.window.start)
+        between = kernel[tuple(np.moveaxis((start[:, None] - start[None]) % form.grid.shape, -1,
+                                           0))]
         np.fill_diagonal(between, kernel.flat[0] - self._at_no_lag())
         column = np.ones(form.nodes)
         block.apply(column)
         self.column = column.reshape(self.by_box)
-        # Where a box only pulls, its response is negative, and what is inverted may come near to singular.
-        self.inverse = _inverse(np.eye(len(start)) + between * self._response(column), 0.1) @ between
+        # Where a box only pulls, its response is negative, and what is inverted may come near to
+        # singular.
+        self.inverse = _inverse(np.eye(len(start)) + between * self._response(column),
+                                0.1) @ between
 
     def _at_no_lag(self):
-        """The circle's kernel at lag 0: the mean of its symbol over all waves, of which a half spectrum has one column or two once."""
+        """The circle's kernel at lag 0: the mean of its symbol over all waves, of which a half
+        spectrum has one column or two once."""
         compliance, circle = self.block.compliance, self.block.transform
-        once = compliance[..., :1].sum() + (compliance[..., -1:].sum() if circle.shape[-1] % 2 == 0 else 0.0)
+        once = compliance[..., :1].sum() + (compliance[..., -1:].sum() if circle.shape[-1] % 2 == 0
+                                            else 0.0)
         return (2.0 * compliance.sum() - once) / circle.gain
 
     def _response(self, field):
@@ -123,12 +141,14 @@ class CoupledBlock:
 def _inverse(matrix, floor):
     """Inverse of a small matrix, its singular values at least ``floor``.
 
-    Without a floor, where nothing responds (a body off the flat, or sliding everywhere), means are left as they are.
+    Without a floor, where nothing responds (a body off the flat, or sliding everywhere), means are
+    left as they are.
     """
     if matrix.size == 0:
         return matrix
     if floor == 0.0:
-        if np.max(np.abs(matrix)) < 1e-100:  # of tractions far beyond the law's range: one over them may be infinite
+        # of tractions far beyond the law's range: one over them may be infinite
+        if np.max(np.abs(matrix)) < 1e-100:
             return np.zeros_like(matrix)
         return 1.0 / matrix if matrix.size == 1 else np.linalg.pinv(matrix, rcond=1e-13)
     left, values, right = np.linalg.svd(matrix)
@@ -142,16 +162,19 @@ def _rounded(extent):
 
 
 class CoreZone:
-    """Preconditioner of the displacement form: a core block for each component and box, the scalars eliminated exactly.
+    """Preconditioner of the displacement form: a core block for each component and box, the scalars
+    eliminated exactly.
 
-    Coupling blocks of law and body are left out. What the mean displacements add (the rigid compliance of the body, and
-    the unknowns and rows of force control) is of low rank and is eliminated by its Schur complement. A ``floor`` for the
-    response to means, over that of a stiff contact, keeps it regular where the load is one more unknown.
+    Coupling blocks of law and body are left out. What the mean displacements add (the rigid
+    compliance of the body, and the unknowns and rows of force control) is of low rank and is
+    eliminated by its Schur complement. A ``floor`` for the response to means, over that of a stiff
+    contact, keeps it regular where the load is one more unknown.
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        self.blocks = [self._block(i, core_weight(form, i, options), options.pad) for i in range(form.components)]
+        self.blocks = [self._block(i, core_weight(form, i, options), options.pad)
+                       for i in range(form.components)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
@@ -168,7 +191,8 @@ class CoreZone:
             else:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
-        scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0), 1.0), 1.0)
+        scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0),
+                                                      1.0), 1.0)
         self.inverse = _inverse(self.matrix / scale[:, None], floor) / scale
 
     def _block(self, component, zone, pad):
@@ -176,10 +200,12 @@ class CoreZone:
         if zone is None:
             return None
         block = CoreBlock(self.form, component, *zone, pad)
-        return block if len(self.form.window.parts) == 1 else CoupledBlock(self.form, component, block)
+        return block if len(self.form.window.parts) == 1 else CoupledBlock(self.form, component,
+                                                                           block)
 
     def _response(self, field):
-        """Sum over nodes of the law's linear response to a field, for the components with a scalar."""
+        """Sum over nodes of the law's linear response to a field, for the components with a
+        scalar."""
         return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
 
     def apply(self, vector, out):
@@ -194,7 +220,8 @@ class CoreZone:
             return out
         right = -self._response(field)
         right[~self.forced[self.means]] *= self._rigid[~self.forced[self.means]]
-        right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced] * form.root)
+        right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced]
+                                                                 * form.root)
         means = self.inverse @ right
         for i, mean, column in zip(self.means, means, self.columns):
             np.multiply(column, mean, out=form.work[0])
@@ -204,23 +231,27 @@ class CoreZone:
 
 
 class ZonedStiffness:
-    """Preconditioner of the force form: M^-1 = a (K + D)^-1 a + b (K + c)^-1 b for each component, a^2 + b^2 = 1.
+    """Preconditioner of the force form: M^-1 = a (K + D)^-1 a + b (K + c)^-1 b for each component,
+    a^2 + b^2 = 1.
 
-    a^2 is the core's smoothed indicator, D the mean tangent there, c the smallest stiffness of the body. Where the body is
-    rigid in the mean (displacement control, no rigid compliance) the mean is taken from its own row.
+    a^2 is the core's smoothed indicator, D the mean tangent there, c the smallest stiffness of the
+    body. Where the body is rigid in the mean (displacement control, no rigid compliance) the mean
+    is taken from its own row.
     """
 
     def __init__(self, form, options=CoreOptions()):
         self.form, self.grid = form, form.grid
         self.transform = Transform(form.grid, form.grid.shape, 1)
-        self.rigid = [i for i in range(form.components) if i not in form.forced and form.rigid_compliance[i] == 0.0]
+        self.rigid = [i for i in range(form.components) if i not in form.forced
+                      and form.rigid_compliance[i] == 0.0]
         self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
         self._work = np.empty(form.grid.size)
 
     def _zones(self, i, zone):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
-        stiffness = form.contact.operator(form.components, "stiffness").blocks[i, i] * form.grid.size
+        stiffness = form.contact.operator(form.components,
+                                          "stiffness").blocks[i, i] * form.grid.size
         smallest = np.min(stiffness[stiffness > 0.0])
         stiffness.flat[0] = form.mean_stiffness[i]
         weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
@@ -259,11 +290,14 @@ class EvenCoreZone:
 
 
 class ArcElimination:
-    """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur complement."""
+    """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur
+    complement."""
 
     def __init__(self, form, options=CoreOptions()):
         inner = KINDS.get(type(form.form), CoreZone)
-        self.form, self.inner = form, inner(form.form, options, 1e-5) if inner is not ZonedStiffness else inner(form.form, options)
+        self.form = form
+        self.inner = (inner(form.form, options, 1e-5) if inner is not ZonedStiffness
+                      else inner(form.form, options))
         self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
         self.slope = form.grid.inner(form.tangent, self.column) - form.rate
 
@@ -286,7 +320,8 @@ def zone(form, options):
 
 
 class ZonePC:
-    """PETSc's PC context of these preconditioners, ``-pc_type python``: the form's own one, set up at each linearisation."""
+    """PETSc's PC context of these preconditioners, ``-pc_type python``: the form's own one, set up
+    at each linearisation."""
 
     def __init__(self):
         self.options = CoreOptions()
@@ -298,10 +333,12 @@ class ZonePC:
 
     def setUp(self, pc):
         """Make the zones from the tangent that the operator holds."""
-        # The second operator is the one to make preconditioners from: with -snes_mf_operator the first is a difference quotient.
+        # The second operator is the one to make preconditioners from: with -snes_mf_operator the
+        # first is a difference quotient.
         matrix = pc.getOperators()[1]
         if matrix.getType() != "python":
-            raise InputError("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or -pc_type none with it")
+            raise InputError("-snes_mf leaves no Jacobian to make zones from: "
+                             "take -snes_mf_operator, or -pc_type none with it")
         self.zone = zone(matrix.getPythonContext().form, self.options)
 
     def apply(self, pc, x, y):
@@ -311,5 +348,7 @@ class ZonePC:
     def view(self, pc, viewer):
         """What -snes_view prints."""
         options = self.options
-        viewer.printfASCII(f"    {type(self.zone).__name__ if self.zone else 'zones, not set up yet'}: threshold "
-                           f"{options.threshold:g}, width {options.width:g} / lambda_n, pad {options.pad:g}\n")
+        viewer.printfASCII(
+            f"    {type(self.zone).__name__ if self.zone else 'zones, not set up yet'}: "
+            f"threshold {options.threshold:g}, width {options.width:g} / lambda_n, "
+            f"pad {options.pad:g}\n")

@@ -1,9 +1,10 @@
-"""Pseudo-transient continuation as a SNES type: implicit Euler steps of a flow that ends at the equilibrium, made ever longer.
+"""Pseudo-transient continuation as a SNES type: implicit Euler steps of a flow that ends at the
+equilibrium, made ever longer.
 
-The flow of the displacement form is v' = -(v + C t(a + v) - vbar): down the energy in the metric of the body's stiffness, every
-wave at the rate 1 where the law does not act. Prescribed forces are approached at that rate, too. A step of length h solves
-(1/h + 1 + C D) dv = -F. Divided by s = 1 + 1/h that is Newton's system with the tangent D/s: operator and preconditioner serve as
-they are.
+The flow of the displacement form is v' = -(v + C t(a + v) - vbar): down the energy in the metric of
+the body's stiffness, every wave at the rate 1 where the law does not act. Prescribed forces are
+approached at that rate, too. A step of length h solves (1/h + 1 + C D) dv = -F. Divided by s = 1 +
+1/h that is Newton's system with the tangent D/s: operator and preconditioner serve as they are.
 """
 
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ from ..options.fields import InputError, Options, as_text, option
 from .snes import NewtonOptions, RegularisedStep
 
 SHORTEST = 1e-6
-"""Time step below which a solve has failed; where the law does not act the flow has the rate 1 (dimensionless)."""
+"""Time step below which a solve has failed; where the law does not act the flow has the rate 1
+(dimensionless)."""
 TINY = 1e-300
 
 
@@ -28,20 +30,26 @@ class PseudoOptions(Options):
 
     prefix: ClassVar[str] = "snes_pseudo_"
     title: ClassVar[str] = "Pseudo-transient continuation"
-    first_change: float = option(3.0, "how far the first step would lead at the rate that it begins with, root mean square",
+    first_change: float = option(3.0, "how far the first step would lead at the "
+                                 "rate that it begins with, root mean square",
                                  "ranges of the law", above=0)
-    exponent: float = option(1.5, "the time step grows as the residual's norm falls, by its inverse to this power", above=0)
-    growth: float = option(10.0, "largest factor of the time step from one step to the next", minimum=1)
-    uphill: float = option(10.0, "factor of the residual's norm beyond which a step is taken again, a quarter as long", above=1)
+    exponent: float = option(1.5, "the time step grows as the residual's norm "
+                             "falls, by its inverse to this power", above=0)
+    growth: float = option(10.0, "largest factor of the time step from one step to the next",
+                           minimum=1)
+    uphill: float = option(10.0, "factor of the residual's norm beyond which a "
+                           "step is taken again, a quarter as long", above=1)
 
 
 class PseudoTransient:
-    """``-snes_type python -snes_python_type contactsnes.solvers.pseudotime.PseudoTransient``, for the displacement form.
+    """``-snes_type python -snes_python_type contactsnes.solvers.pseudotime.PseudoTransient``, for
+    the displacement form.
 
-    Switched evolution relaxation (Mulder and van Leer 1985, J. Comput. Phys. 59, 232; Kelley and Keyes 1998, SIAM J. Numer.
-    Anal. 35, 508): from a flow that is followed to Newton's method, as the residual falls. A linear solve is an iteration,
-    whether its step is taken or not. Linear systems are as accurate as Newton's (Eisenstat and Walker, unless -ksp_rtol is
-    given), and steps are taken in the regularised gap unless -snes_regularised_gap is false. Only PETSc's test of the
+    Switched evolution relaxation (Mulder and van Leer 1985, J. Comput. Phys. 59, 232; Kelley and
+    Keyes 1998, SIAM J. Numer. Anal. 35, 508): from a flow that is followed to Newton's method, as
+    the residual falls. A linear solve is an iteration, whether its step is taken or not. Linear
+    systems are as accurate as Newton's (Eisenstat and Walker, unless -ksp_rtol is given), and steps
+    are taken in the regularised gap unless -snes_regularised_gap is false. Only PETSc's test of the
     residual makes a solve converged.
 
     Attributes
@@ -62,15 +70,21 @@ class PseudoTransient:
     def setUp(self, snes):
         """InputError for what this flow is not made for."""
         if not isinstance(snes.appctx, DisplacementForm):
-            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form displacement")
+            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs "
+                             "-contact_form displacement")
 
     def solve(self, snes, b, x):
         """Step from x until there is a reason to stop."""
-        options, residual, trial = self.options, snes.getFunction()[0], x.duplicate()
+        options = self.options
+        residual = snes.getFunction()[0]
+        trial = x.duplicate()
         if snes.getJacobian()[0].getType() != "python":
-            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs the exact Jacobian, without -snes_mf")
+            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs "
+                             "the exact Jacobian, without -snes_mf")
         snes.computeFunction(x, residual)
-        norm, iteration, self.linear_iterations = residual.norm(), 0, 0
+        norm = residual.norm()
+        iteration = 0
+        self.linear_iterations = 0
         self.time_step = options.first_change / max(norm, TINY)
         reason = self._judge(snes, iteration, norm)
         while not reason:
@@ -89,7 +103,9 @@ class PseudoTransient:
 
     def _step(self, snes, x, residual, trial):
         """Fill ``trial`` with where a step leads from x; whether the linear system was solved."""
-        form, ksp, step = snes.appctx, snes.getKSP(), snes.getSolutionUpdate()
+        form = snes.appctx
+        ksp = snes.getKSP()
+        step = snes.getSolutionUpdate()
         matrices, shift = snes.getJacobian()[:2], 1.0 + 1.0 / self.time_step
         snes.computeJacobian(x, *matrices)
         form.tangent /= shift

@@ -1,4 +1,5 @@
-"""Dynamic relaxation of the force form as SNES types: thin contexts around the methods of ``stepping``."""
+"""Dynamic relaxation of the force form as SNES types: thin contexts around the methods of
+``stepping``."""
 
 from typing import ClassVar
 
@@ -13,21 +14,25 @@ from .motion import Motion
 from .snes import NOT_A_NUMBER
 
 UNBOUNDED = 1e8
-"""Residual norm, in ranges and over the first one, that no motion towards a balance has (dimensionless)."""
+"""Residual norm, in ranges and over the first one, that no motion towards a balance has
+(dimensionless)."""
 
 
 class Relaxation:
-    """Base of the SNES types of dynamic relaxation; a subclass names its options and its method of stepping.
+    """Base of the SNES types of dynamic relaxation; a subclass names its options and its method of
+    stepping.
 
-    The SNES's application context is a ForceForm. Every step is an iteration, at which monitors and the convergence test get
-    ``residual_norm``, an upper bound of the archive's: -snes_atol is that number. The solution Vec is filled at the end.
-    -snes_max_funcs counts only if it is given (PETSc's default is made for Newton), -snes_stol and
-    -snes_divergence_tolerance do not: steps are small, and norms grow where a body leaves an unstable state.
-    A motion costs 3 transforms a component to begin with, and 2 for each step.
+    The SNES's application context is a ForceForm. Every step is an iteration, at which monitors and
+    the convergence test get ``residual_norm``, an upper bound of the archive's: -snes_atol is that
+    number. The solution Vec is filled at the end. -snes_max_funcs counts only if it is given
+    (PETSc's default is made for Newton), -snes_stol and -snes_divergence_tolerance do not: steps
+    are small, and norms grow where a body leaves an unstable state. A motion costs 3 transforms a
+    component to begin with, and 2 for each step.
 
     Attributes
     ----------
-    escaped : whether the last solve ended, with SNES_DIVERGED_FUNCTION_DOMAIN, because a component leaves
+    escaped : whether the last solve ended, with SNES_DIVERGED_FUNCTION_DOMAIN, because a component
+        leaves
     escaping : that component, or None
     """
 
@@ -36,7 +41,9 @@ class Relaxation:
     estimates: ClassVar[tuple] = ()
 
     def __init__(self):
-        self.options, self.method, self.most_evaluations = self.options_class(), None, np.inf
+        self.options = self.options_class()
+        self.method = None
+        self.most_evaluations = np.inf
         self.escaped, self.escaping = False, None
 
     def setFromOptions(self, snes):
@@ -49,7 +56,8 @@ class Relaxation:
     def setUp(self, snes):
         """Have the norm tested that is handed over, for the function's Vec is not kept."""
         if not isinstance(snes.appctx, ForceForm):
-            raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form force")
+            raise InputError(
+                f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form force")
         snes.setConvergenceTest(self.test)
 
     def test(self, snes, iteration, norms):
@@ -63,14 +71,18 @@ class Relaxation:
             return reasons.CONVERGED_FNORM_ABS
         if iteration and norm <= rtol * self._first:
             return reasons.CONVERGED_FNORM_RELATIVE
-        return reasons.DIVERGED_DTOL if norm > UNBOUNDED * max(1.0, self._first) else reasons.ITERATING
+        return reasons.DIVERGED_DTOL if norm > UNBOUNDED * max(1.0,
+                                                               self._first) else reasons.ITERATING
 
     def solve(self, snes, b, x):
         """Move from x until there is a reason to stop."""
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
         self.method = self.method_class(motion, self.options)
-        self.escaped, self.escaping, self._since, self._first = False, None, 0, np.inf
+        self.escaped = False
+        self.escaping = None
+        self._since = 0
+        self._first = np.inf
         reason = self._judge(snes, motion)
         while not reason:
             self.method.step()
@@ -94,14 +106,17 @@ class Relaxation:
             return reasons.DIVERGED_FUNCTION_DOMAIN
         if motion.steps >= snes.max_it:
             return reasons.DIVERGED_MAX_IT
-        return reasons.DIVERGED_FUNCTION_COUNT if motion.steps + 1 >= self.most_evaluations else reasons.ITERATING
+        return (reasons.DIVERGED_FUNCTION_COUNT if motion.steps + 1 >= self.most_evaluations
+                else reasons.ITERATING)
 
     def _escapes(self, motion):
-        """Whether a component leaves; sliding must last a period of the slowest motion, as contact may yet grow."""
+        """Whether a component leaves; sliding must last a period of the slowest motion, as contact
+        may yet grow."""
         leaving = motion.leaving()
         if leaving is None:
             self._since = motion.steps
-        elif leaving == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi / motion.frequencies().min():
+        elif (leaving == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi
+              / motion.frequencies().min()):
             self.escaped, self.escaping = True, leaving
         return self.escaped
 
@@ -109,32 +124,39 @@ class Relaxation:
         """What -snes_view prints."""
         values = dict(vars(self.options))
         # What is not given is estimated: at the start, or on the way.
-        values.update({name: "estimated" if self.method is None else float(getattr(self.method, name))
-                       for name in self.estimates if values.get(name) is None})
+        values.update({name: "estimated" if self.method is None
+                       else float(getattr(self.method, name)) for name in self.estimates
+                       if values.get(name) is None})
         text = ", ".join(f"{name} {as_text(value)}" for name, value in values.items())
         viewer.printfASCII(f"  {self.options.title}: {text}\n")
 
 
 class Verlet(Relaxation):
-    """SNES type of damped Verlet: ``-snes_type python -snes_python_type contactsnes.solvers.relaxation.Verlet``."""
+    """SNES type of damped Verlet: ``-snes_type python -snes_python_type
+    contactsnes.solvers.relaxation.Verlet``."""
 
-    options_class, method_class, estimates = stepping.VerletOptions, stepping.DampedVerlet, ("damping",)
+    options_class = stepping.VerletOptions
+    method_class = stepping.DampedVerlet
+    estimates = ("damping",)
 
 
 class Adaptive(Relaxation):
-    """SNES type of adaptive relaxation: ``-snes_type python -snes_python_type contactsnes.solvers.relaxation.Adaptive``."""
+    """SNES type of adaptive relaxation: ``-snes_type python -snes_python_type
+    contactsnes.solvers.relaxation.Adaptive``."""
 
     options_class, method_class = stepping.AdaptiveOptions, stepping.AdaptiveRelaxation
     estimates = ("time_step", "damping")
 
 
 class Kinetic(Relaxation):
-    """SNES type of kinetic damping: ``-snes_type python -snes_python_type contactsnes.solvers.relaxation.Kinetic``."""
+    """SNES type of kinetic damping: ``-snes_type python -snes_python_type
+    contactsnes.solvers.relaxation.Kinetic``."""
 
     options_class, method_class = stepping.KineticOptions, stepping.KineticDamping
 
 
 class Fire(Relaxation):
-    """SNES type of FIRE: ``-snes_type python -snes_python_type contactsnes.solvers.relaxation.Fire``."""
+    """SNES type of FIRE: ``-snes_type python -snes_python_type
+    contactsnes.solvers.relaxation.Fire``."""
 
     options_class, method_class = stepping.FireOptions, stepping.FastInertial

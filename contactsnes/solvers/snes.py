@@ -1,4 +1,5 @@
-"""PETSc's nonlinear solver around a form of the contact problem: operators, defaults, and the user's options over them."""
+"""PETSc's nonlinear solver around a form of the contact problem: operators, defaults, and the
+user's options over them."""
 
 import atexit
 import weakref
@@ -20,7 +21,8 @@ NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
 
 
 COLD, WARM = 200, 16
-"""Most Newton iterations of a solve from afar, and of a step: one that needs more is better made shorter."""
+"""Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
+shorter."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +31,12 @@ class NewtonOptions(Options):
 
     prefix: ClassVar[str] = "snes_regularised_"
     title: ClassVar[str] = "Newton in the regularised gap"
-    gap: bool = option(True, "take Newton's step in w = a + t_n(a)/kappa, where the repulsion is no exponential")
-    stiffness: float = option(None, "kappa, above the law's steepest softening, 0.135 for a exp(-a)", "phi_n/delta_n^2",
-                              kind="number", above=SOFTENING, default_text="0.2 for a exp(-a), else 1.5 times the softening")
+    gap: bool = option(True, "take Newton's step in w = a + t_n(a)/kappa, "
+                       "where the repulsion is no exponential")
+    stiffness: float = option(None,
+                              "kappa, above the law's steepest softening, 0.135 for a exp(-a)",
+                              "phi_n/delta_n^2", kind="number", above=SOFTENING,
+                              default_text="0.2 for a exp(-a), else 1.5 times the softening")
 
 
 TELLING = 3
@@ -54,19 +59,24 @@ class Jacobian:
 
     def view(self, mat, viewer):
         """What -snes_view prints of the operator."""
-        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: {self.form.components} component(s) on "
-                           f"{self.form.nodes} nodes, {self.form.size - self.form.count} scalar unknown(s)\n")
+        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: "
+                           f"{self.form.components} component(s) on {self.form.nodes} "
+                           f"nodes, {self.form.size - self.form.count} scalar "
+                           "unknown(s)\n")
 
 
 class RegularisedStep:
-    """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap (pointwise, no transform)."""
+    """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap
+    (pointwise, no transform)."""
 
     def __init__(self, form, stiffness):
         law = form.contact.law
         self.form, self.stiffness = form, law.newton_stiffness if stiffness is None else stiffness
         if self.stiffness <= law.softening:
-            raise InputError(f"-snes_regularised_stiffness is '{as_text(self.stiffness)}': allowed is a number above the law's steepest "
-                             f"softening, {law.softening:.6g}; try {law.newton_stiffness:.3g}, or leave it out")
+            raise InputError(f"-snes_regularised_stiffness is '{as_text(self.stiffness)}': "
+                             "allowed is a number above the law's steepest "
+                             f"softening, {law.softening:.6g}; try "
+                             f"{law.newton_stiffness:.3g}, or leave it out")
 
     def __call__(self, x, y):
         """Change the step y (the update is x - y) where it is long; True if it was changed."""
@@ -78,13 +88,15 @@ class RegularisedStep:
             return False
         gap = form.gap(x.getArray(readonly=True))[0][far]
         root = root[far]
-        step[far] = -form.contact.law.regularised_step(gap, -root * step[far], self.stiffness) / root
+        step[far] = -form.contact.law.regularised_step(gap, -root * step[far],
+                                                       self.stiffness) / root
         return True
 
 
 def equip(snes, form):
     """Give a SNES a form's function and exact Jacobian, and our defaults for its linear systems."""
-    snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()), PETSc.Vec().createSeq(form.size))
+    snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
+                     PETSc.Vec().createSeq(form.size))
     matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
     matrix.setUp()
 
@@ -105,10 +117,12 @@ def equip(snes, form):
 
 
 class Ritz:
-    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last two linear solves that tell.
+    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last
+    two linear solves that tell.
 
-    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body that rests, so that a negative
-    one belongs to an unstable mode of J (Sylvester's law of inertia, where J is symmetric). They cost no product.
+    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body
+    that rests, so that a negative one belongs to an unstable mode of J (Sylvester's law of inertia,
+    where J is symmetric). They cost no product.
     """
 
     def __init__(self):
@@ -135,8 +149,8 @@ def solver_type():
 
 @contextmanager
 def full_steps(database, kind):
-    """Line searches of Newton's method that the user has not chosen are none while PETSc reads its options, which are
-    afterwards as they were, however that ends."""
+    """Line searches of Newton's method that the user has not chosen are none while PETSc reads its
+    options, which are afterwards as they were, however that ends."""
     names = {"newtonls": ("",), "fas": ("fas_levels_", "fas_coarse_")}.get(kind, ())
     names = [name + "snes_linesearch_type" for name in names]
     names = [name for name in names if not database.hasName(name)]
@@ -152,9 +166,9 @@ def full_steps(database, kind):
 def create_snes(form, prefix="", tolerance=None):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
-    Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the form's own
-    preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol 1e-8, -snes_rtol and -snes_stol 0.
-    A ``tolerance`` stands in place of -snes_atol.
+    Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
+    form's own preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol
+    1e-8, -snes_rtol and -snes_stol 0. A ``tolerance`` stands in place of -snes_atol.
     """
     database = PETSc.Options(prefix)
     _collect()
@@ -178,23 +192,27 @@ def create_snes(form, prefix="", tolerance=None):
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
-        # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks for.
+        # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks
+        # for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     form.ritz = Ritz()
     if newton:
         ksp.setComputeEigenvalues(True)
         snes.setMonitor(form.ritz)
     regularised = read(NewtonOptions, prefix)
-    for solver, its_form in ((snes, form), *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
+    for solver, its_form in ((snes, form),
+                             *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
         if regularised.gap and solver.getType() == "newtonls":
             solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
     return snes
 
 
 def inner_solvers(snes, form):
-    """The SNES objects inside another one on the same form, nonlinear preconditioners and the parts of compositions.
+    """The SNES objects inside another one on the same form, nonlinear preconditioners and the parts
+    of compositions.
 
-    They get our function, Jacobian and preconditioner, too; all other defaults of theirs are PETSc's.
+    They get our function, Jacobian and preconditioner, too; all other defaults of theirs are
+    PETSc's.
     """
     parts = range(snes.getCompositeNumber()) if snes.getType() == "composite" else ()
     inner = [*([snes.getNPC()] if snes.hasNPC() else []), *map(snes.getCompositeSNES, parts)]
@@ -208,19 +226,22 @@ _alive = weakref.WeakValueDictionary()
 
 
 def kept(thing):
-    """A PETSc object that is destroyed when a script ends, whoever holds it still: an exception with its frames, for instance."""
+    """A PETSc object that is destroyed when a script ends, whoever holds it still: an exception
+    with its frames, for instance."""
     _alive[id(thing)] = thing
     return thing
 
 
 def _collect():
-    """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the problem's size."""
+    """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
+    problem's size."""
     getattr(PETSc, "garbage_cleanup", lambda: None)()
 
 
 @atexit.register
 def _destroy_all():
-    """Destroy what a script still holds when it ends: PETSc would do so when Python's contexts can be called no more."""
+    """Destroy what a script still holds when it ends: PETSc would do so when Python's contexts can
+    be called no more."""
     for thing in list(_alive.values()):
         thing.destroy()
     _collect()
@@ -229,13 +250,16 @@ def _destroy_all():
 def displacement_test(snes, iteration, norms, form):
     """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
 
-    In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is a step.
+    In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is
+    a step.
     """
     rtol, atol, stol, most = snes.getTolerances()
-    unknown, imbalance = snes.getSolution().getArray(readonly=True), snes.getFunction()[0].getArray(readonly=True)
+    unknown = snes.getSolution().getArray(readonly=True)
+    imbalance = snes.getFunction()[0].getArray(readonly=True)
     if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
         imbalance = form.residual(unknown, np.empty(form.size))
-    norm = form.displacement_norm(unknown, imbalance) if form.name == "force" else np.linalg.norm(imbalance)
+    norm = (form.displacement_norm(unknown, imbalance) if form.name == "force"
+            else np.linalg.norm(imbalance))
     if not np.isfinite(norm):
         return NOT_A_NUMBER
     form.last_norm = norm

@@ -11,7 +11,8 @@ import signal
 
 
 class Lenient(io.FileIO):
-    """A new file that keeps to itself what its disk does not take: HDF5 crashes when it closes what it could not write."""
+    """A new file that keeps to itself what its disk does not take: HDF5 crashes when it closes what
+    it could not write."""
 
     def __init__(self, path):
         super().__init__(path, "w+")
@@ -52,8 +53,8 @@ def reason(error):
 def failure(read, patience=120.0):
     """Why a function that reads a file fails, in words; an empty text where it does not.
 
-    It is tried in a child process, since damaged files crash HDF5 or keep it busy for ever, and with no more memory than they
-    can need.
+    It is tried in a child process, since damaged files crash HDF5 or keep it busy for ever, and
+    with no more memory than they can need.
     """
     if not hasattr(os, "fork"):
         return ""
@@ -65,7 +66,8 @@ def failure(read, patience=120.0):
     os.close(theirs)
     try:
         ready, _, _ = select.select([ours], [], [], patience)
-        told = b"".join(iter(lambda: os.read(ours, 65536), b"")).decode("utf-8", "replace") if ready else "reading it does not end"
+        told = (b"".join(iter(lambda: os.read(ours, 65536), b"")).decode("utf-8", "replace")
+                if ready else "reading it does not end")
     finally:
         os.close(ours)
         with contextlib.suppress(ProcessLookupError):
@@ -85,7 +87,8 @@ def _try(read, pipe):
             signal.signal(number, signal.SIG_DFL)
         for limit, wanted in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, 100)):
             most = resource.getrlimit(limit)[1]  # which nobody may raise
-            resource.setrlimit(limit, (wanted if most == resource.RLIM_INFINITY else min(wanted, most), most))
+            resource.setrlimit(limit, (wanted if most == resource.RLIM_INFINITY
+                                       else min(wanted, most), most))
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, 1)
         os.dup2(null, 2)

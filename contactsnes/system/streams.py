@@ -5,12 +5,14 @@ import os
 import signal
 import sys
 
-SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")
+                if hasattr(signal, name))
 """Signals that end a command with 128 + their number."""
 
 
 class Stream:
-    """A text stream that drops what its device does not take any more. Nothing is raised, since PETSc writes here, too.
+    """A text stream that drops what its device does not take any more. Nothing is raised, since
+    PETSc writes here, too.
 
     Attributes
     ----------
@@ -53,7 +55,8 @@ class Stream:
 
 @contextlib.contextmanager
 def standard_streams():
-    """Within it, sys.stdout and sys.stderr are `Stream`; no file that is opened gets the number of a closed one."""
+    """Within it, sys.stdout and sys.stderr are `Stream`; no file that is opened gets the number of
+    a closed one."""
     with contextlib.suppress(OSError):
         while (number := os.open(os.devnull, os.O_RDWR)) < 3:
             pass
@@ -67,7 +70,8 @@ def standard_streams():
 
 
 class Interrupts:
-    """Within it, a signal of `SIGNALS` raises KeyboardInterrupt with its number; those that are ignored stay so.
+    """Within it, a signal of `SIGNALS` raises KeyboardInterrupt with its number; those that are
+    ignored stay so.
 
     Attributes
     ----------

@@ -1,4 +1,5 @@
-"""Recomputes what an archive says from its displacements, and tells what is not so. NumPy and h5py alone, nothing of the package."""
+"""Recomputes what an archive says from its displacements, and tells what is not so. NumPy and h5py
+alone, nothing of the package."""
 
 import math
 import re
@@ -19,7 +20,8 @@ EVENTS = ("gross_sliding", "pull_off")
 
 
 class Complaint(NamedTuple):
-    """What is wrong: a word for its kind, the number of the point from 1 (0: the path), and a sentence."""
+    """What is wrong: a word for its kind, the number of the point from 1 (0: the path), and a
+    sentence."""
 
     kind: str
     point: int
@@ -38,24 +40,29 @@ class Path(dict):
 
 
 def scales(scene):
-    """Unit of an archive -> its size in what the archive is written in, by the symbols of the dimensionless form."""
+    """Unit of an archive -> its size in what the archive is written in, by the symbols of the
+    dimensionless form."""
     if scene["units"] != "si":
         return {}
-    adhesion, modulus, radius = (scene[name] for name in ("work_of_adhesion_normal", "contact_modulus", "radius"))
+    adhesion, modulus, radius = (scene[name] for name in ("work_of_adhesion_normal",
+                                                          "contact_modulus", "radius"))
     beta = (radius ** 2 * adhesion / modulus) ** (1.0 / 3.0)
     normal = beta ** 2 / radius
     tangential = math.sqrt(scene["work_of_adhesion_tangential"] / adhesion) * normal
     body = beta ** (scene["dimension"] - 1)
     return {"length": beta, "normal_displacement": normal, "tangential_displacement": tangential,
-            "normal_force": modulus * normal * body, "tangential_force": modulus * tangential * body,
-            "normal_traction": adhesion / scene["range_normal"],
+            "normal_force": modulus * normal * body, "tangential_force": modulus * tangential
+            * body, "normal_traction": adhesion / scene["range_normal"],
             "tangential_traction": scene["work_of_adhesion_tangential"] / scene["range_tangential"],
             "energy": modulus * normal ** 2 * body}
 
 
-OF_COLUMN = {"approach": "normal_displacement", "mean_tangential_displacement": "tangential_displacement",
-             "minimum_gap": "normal_displacement", "maximum_tangential_gap": "tangential_displacement",
-             "maximum_pressure": "normal_traction", "maximum_tangential_traction": "tangential_traction"}
+OF_COLUMN = {"approach": "normal_displacement",
+             "mean_tangential_displacement": "tangential_displacement",
+             "minimum_gap": "normal_displacement",
+             "maximum_tangential_gap": "tangential_displacement",
+             "maximum_pressure": "normal_traction",
+             "maximum_tangential_traction": "tangential_traction"}
 
 
 def size(name, units, dimension):
@@ -76,7 +83,8 @@ def quantity(name):
 
 def names(dimension, kind):
     """Columns of displacements or forces, by component."""
-    return [f"normal_{kind}", *(f"tangential_{kind}{end}" for end in (("",) if dimension == 1 else ("_x", "_y")))]
+    return [f"normal_{kind}", *(f"tangential_{kind}{end}"
+                                for end in (("",) if dimension == 1 else ("_x", "_y")))]
 
 
 def _controls(text, units, dimension):
@@ -84,7 +92,8 @@ def _controls(text, units, dimension):
     for piece in filter(None, map(str.strip, text.split(","))):
         name, value = map(str.strip, piece.split("="))
         component, kind = quantity(name)
-        found[component] = kind, None if value == "hold" else float(value) / size(name, units, dimension)
+        found[component] = kind, None if value == "hold" else float(value) / size(name, units,
+                                                                                  dimension)
     return found
 
 
@@ -98,15 +107,20 @@ def read(path):
         for name, column in file["branch"].items():
             values = column[:count]
             if "names" in column.attrs:
-                words = [word if isinstance(word, str) else word.decode() for word in column.attrs["names"]]
+                words = [word if isinstance(word, str) else word.decode()
+                         for word in column.attrs["names"]]
                 values = [words[value] for value in values]
             found[name] = values
         found.warnings = str(file.attrs.get("warnings", ""))
         lines = str(file.attrs["options"]).splitlines()
-        found.options = {line.split(" ")[0][1:]: line.partition(" ")[2].split(" # (source")[0].strip('"') for line in lines}
+        found.options = {
+            line.split(" ")[0][1:]: line.partition(" ")[2].split(" # (source")[0].strip('"')
+            for line in lines
+        }
         fields, found.displacement = file.get("fields"), None
         if fields is not None and "displacement" in fields and len(fields["displacement"]) == count:
-            found.displacement, found.traction = (fields[name][:count] for name in ("displacement", "traction"))
+            found.displacement, found.traction = (fields[name][:count]
+                                                  for name in ("displacement", "traction"))
             found.gap = fields["initial_gap"][...]
             found.coordinates = [fields[name][...] for name in "xy" if name in fields]
     return _scaled(found, scene)
@@ -127,7 +141,8 @@ def _scaled(found, scene):
     if units:
         scene["normal_maugis"] = units["normal_displacement"] / scene["range_normal"]
         scene["tangential_maugis"] = units["tangential_displacement"] / scene["range_tangential"]
-        scene["work_ratio"] = scene["work_of_adhesion_tangential"] / scene["work_of_adhesion_normal"]
+        scene["work_ratio"] = (scene["work_of_adhesion_tangential"]
+                               / scene["work_of_adhesion_normal"])
     for name in found:
         if len(found[name]) and not isinstance(found[name][0], str):
             found[name] = np.asarray(found[name]) / size(name, units, dimension)
@@ -138,11 +153,15 @@ def _scaled(found, scene):
             found.traction[:, i] /= units.get(component + "_traction", 1.0)
         found.gap = found.gap / units.get("normal_displacement", 1.0)
         found.coordinates = [x / length for x in found.coordinates]
-    found.scene, found.units, found.dimension = scene, units, dimension
+    found.scene = scene
+    found.units = units
+    found.dimension = dimension
     found.isolated = math.inf in scene["period"]
     resting = "force" if found.isolated else "displacement"
-    start = {i: (resting, 0.0) for i in range(1 + dimension)} | _controls(found.options.get("load_start", ""), units, dimension)
-    found.legs = [start, *(_controls(text, units, dimension) for text in found.options.get("load_path", "").split(";"))]
+    start = ({i: (resting, 0.0) for i in range(1 + dimension)}
+             | _controls(found.options.get("load_start", ""), units, dimension))
+    found.legs = [start, *(_controls(text, units, dimension)
+                           for text in found.options.get("load_path", "").split(";"))]
     return found
 
 
@@ -157,11 +176,16 @@ class Checker:
     """
 
     def __init__(self, path, status=0, tolerance=None):
-        self.path, self.status, self.complaints = read(path), status, []
-        self.scene, self.dimension, self.isolated = self.path.scene, self.path.dimension, self.path.isolated
+        self.path = read(path)
+        self.status = status
+        self.complaints = []
+        self.scene = self.path.scene
+        self.dimension = self.path.dimension
+        self.isolated = self.path.isolated
         self.count = len(self.path["leg"])
         self.tolerance = tolerance or float(self.path.options.get("snes_atol", TOLERANCE))
-        self.ranges = np.array([self.scene["normal_maugis"], *[self.scene["tangential_maugis"]] * self.dimension])
+        self.ranges = np.array([self.scene["normal_maugis"],
+                                *[self.scene["tangential_maugis"]] * self.dimension])
         self.ratio = math.sqrt(self.scene["work_ratio"])
         self.weights = np.array([1.0, *[self.scene["work_ratio"]] * self.dimension])
         self.fields = self.path.displacement is not None and self.count > 0
@@ -180,7 +204,8 @@ class Checker:
         self.gaps = gaps * self.ranges.reshape(each)
         friction, adhesion = self.scene["residual_friction"], self.scene["residual_adhesion"]
         with np.errstate(over="ignore", invalid="ignore"):
-            self.law = np.array([physics.tractions(self.scene["law"], gap[0], gap[1:], friction, adhesion) for gap in self.gaps])
+            self.law = np.array([physics.tractions(self.scene["law"], gap[0], gap[1:], friction,
+                                                   adhesion) for gap in self.gaps])
         self.scaled = self.law * self.ranges.reshape(each)
 
     def say(self, kind, point, text):
@@ -207,37 +232,45 @@ class Checker:
 
     def _columns(self):
         """Numbers are numbers, and a fold is known as closely as it has to be."""
-        for name in ("leg", "normal_force", "contact_area", "minimum_gap", "maximum_pressure", "residual_norm"):
+        for name in ("leg", "normal_force", "contact_area", "minimum_gap", "maximum_pressure",
+                     "residual_norm"):
             if not np.all(np.isfinite(self.path[name])):
-                self.say("not a number", int(np.argmin(np.isfinite(self.path[name]))) + 1, f"{name} is not finite")
+                self.say("not a number", int(np.argmin(np.isfinite(self.path[name]))) + 1,
+                         f"{name} is not finite")
         worst = int(np.argmax(self.path["residual_norm"]))
         if not self.path["residual_norm"][worst] <= 1.0001 * self.tolerance:
-            self.say("not converged", worst + 1, f"residual_norm {self.path['residual_norm'][worst]:.3g}")
+            self.say("not converged", worst + 1,
+                     f"residual_norm {self.path['residual_norm'][worst]:.3g}")
         steps = np.diff(self.path["leg"])
         if np.any(steps < 0):
             self.say("legs", int(np.argmin(steps)) + 2, "the number of the leg falls")
-        leaves = {"fold", *["bifurcation"] * (self.path.options.get("continuation_at_bifurcation") == "follow")}
+        leaves = {"fold", *["bifurcation"] * (self.path.options.get("continuation_at_bifurcation")
+                                              == "follow")}
         for point, (event, kind) in enumerate(zip(self.path["event"], self.path["fold_kind"])):
             if (event == "fold") != bool(kind):
                 self.say("fold_kind", point + 1, f"{event} with the kind '{kind}'")
             if event == "jump" and leaves.isdisjoint(self.path["event"][max(0, point - 3):point]):
                 self.say("jump", point + 1, "no fold before the jump")
             precision = self.path.get("fold_precision")
-            if event == "fold" and precision is not None and self.dimension == 1 and not precision[point] <= 1e-8:
+            if (event == "fold" and precision is not None and self.dimension == 1
+                and not precision[point] <= 1e-8):
                 self.say("fold_precision", point + 1, f"a fold known to {precision[point]:.2g}")
 
     def _loads(self):
         """Controlled values along legs and at their ends."""
-        columns = {kind: [self.path[name] for name in names(self.dimension, kind)] for kind in ("displacement", "force")}
+        columns = {kind: [self.path[name] for name in names(self.dimension, kind)]
+                   for kind in ("displacement", "force")}
         controls = dict(self.path.legs[0])
         self._expect(0, {i: control for i, control in controls.items()}, columns)
         before = 0
         for number, named in enumerate(self.path.legs[1:], start=1):
             members = np.flatnonzero(self.path["leg"] == number)
-            held = {i: (kind, columns[kind][i][before]) if kind != controls[i][0] or value is None else controls[i]
-                    for i, (kind, value) in named.items()}
-            start = {i: (kind, columns[kind][i][before]) for i, (kind, _) in {**controls, **held}.items()}
-            controls = {**start, **{i: (kind, start[i][1] if value is None else value) for i, (kind, value) in named.items()}}
+            held = {i: (kind, columns[kind][i][before]) if kind != controls[i][0] or value is None
+                    else controls[i] for i, (kind, value) in named.items()}
+            start = {i: (kind, columns[kind][i][before])
+                     for i, (kind, _) in {**controls, **held}.items()}
+            controls = {**start, **{i: (kind, start[i][1] if value is None else value)
+                                    for i, (kind, value) in named.items()}}
             moving = [i for i in controls if controls[i][1] != start[i][1]]
             if members.size:
                 self._along(members, start, controls, moving, columns)
@@ -249,17 +282,22 @@ class Checker:
         return controls
 
     def _stopped(self):
-        """Whether the last point is one where the path was asked to end; it may have further events."""
-        options, loads = self.path.options, [name for kind in ("displacement", "force") for name in names(self.dimension, kind)]
+        """Whether the last point is one where the path was asked to end; it may have further
+        events."""
+        options = self.path.options
+        loads = [name for kind in ("displacement", "force") for name in names(self.dimension, kind)]
         events = {self.path["event"][point] for point in range(max(self.count - 4, 0), self.count)
                   if all(self.path[name][point] == self.path[name][-1] for name in loads)}
-        return (not events.isdisjoint(options.get("load_stop", "none").split(",")) or ("fold" in events and (
-            options.get("continuation_at_fold") == "stop" or "pull_off" in options.get("load_stop", "")))
-            or (events | {*self.path["event"][-2:]}) >= {"bifurcation"} and options.get("continuation_at_bifurcation") == "stop")
+        return (not events.isdisjoint(options.get("load_stop", "none").split(","))
+                or ("fold" in events and (options.get("continuation_at_fold") == "stop"
+                                          or "pull_off" in options.get("load_stop", "")))
+                or (events | {*self.path["event"][-2:]}) >= {"bifurcation"}
+                and options.get("continuation_at_bifurcation") == "stop")
 
     def _allowed(self, kind, value):
         """How closely a controlled value has to be met."""
-        return 1e-11 * (1.0 + abs(value)) if kind == "displacement" else 2.0 * self.tolerance * max(1.0, abs(value))
+        return (1e-11 * (1.0 + abs(value)) if kind == "displacement"
+                else 2.0 * self.tolerance * max(1.0, abs(value)))
 
     def _expect(self, point, controls, columns):
         """Controlled values at a point; at the first those of -load_start."""
@@ -268,7 +306,8 @@ class Checker:
             if np.isnan(found) and self.isolated:
                 continue
             if not abs(found - value) <= self._allowed(kind, value):
-                self.say("end of leg", point + 1, f"{names(self.dimension, kind)[i]} is {found:.12g}, asked for {value:.12g}")
+                self.say("end of leg", point + 1, f"{names(self.dimension, kind)[i]} is "
+                         f"{found:.12g}, asked for {value:.12g}")
 
     def _along(self, members, start, end, moving, columns):
         """Points of a leg lie on the straight line between its ends."""
@@ -281,14 +320,19 @@ class Checker:
         for row, i in enumerate(end):
             allowed = np.array([2.0 * self._allowed(end[i][0], value) for value in values[row]])
             if moving and end[list(end)[lead]][0] == "force":
-                allowed = allowed + np.abs(direction[row] / direction[lead]) * 2.0 * self.tolerance * np.maximum(1.0, np.abs(values[lead]))
+                allowed = (allowed + np.abs(direction[row] / direction[lead]) * 2.0 * self.tolerance
+                           * np.maximum(1.0, np.abs(values[lead])))
             wrong = ~(missed[row] <= allowed) & ~np.isnan(values[row])
             if wrong.any():
                 point = int(np.argmax(wrong))
                 self.say("controlled value", int(members[point]) + 1,
-                         f"{names(self.dimension, end[i][0])[i]} is {values[row][point]:.12g}, off its leg by {missed[row][point]:.2g}")
-        plain = self.path.options.get("continuation_type") != "arclength" and self.path.options.get("continuation_at_fold") != "trace"
-        if plain and moving and (place.max() > 1.0 + 1e-6 or place.min() < -1e-6 or np.any(np.diff(place) < -1e-6)):
+                         f"{names(self.dimension, end[i][0])[i]} is "
+                         f"{values[row][point]:.12g}, off its leg by "
+                         f"{missed[row][point]:.2g}")
+        plain = (self.path.options.get("continuation_type") != "arclength"
+                 and self.path.options.get("continuation_at_fold") != "trace")
+        if plain and moving and (place.max() > 1.0 + 1e-6 or place.min() < -1e-6
+                                 or np.any(np.diff(place) < -1e-6)):
             self.say("off the leg", int(members[0]) + 1, "points do not go forward on their leg")
 
     # one point
@@ -296,7 +340,8 @@ class Checker:
     def _geometry(self):
         """The initial gap, where a formula gives it."""
         gap = physics.initial_gap(self.scene, self.path.coordinates)
-        if gap is not None and not np.allclose(gap, self.path.gap, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(gap).max())):
+        if gap is not None and not np.allclose(gap, self.path.gap, rtol=1e-9,
+                                               atol=1e-9 * (1.0 + np.abs(gap).max())):
             self.say("initial gap", 0, f"differs by {np.abs(gap - self.path.gap).max():.3g}")
 
     def _point(self, point):
@@ -308,20 +353,28 @@ class Checker:
         missed = np.abs(law - path.traction[point]).max()
         if not missed <= 1e-7 * largest:
             self.say("traction", point + 1, f"is off the law's by {missed:.3g}")
-        forces = self.ranges * self.node * law.reshape(len(law), -1).sum(axis=1) * np.array([-1.0, *[1.0] * self.dimension])
+        forces = (self.ranges * self.node * law.reshape(len(law),
+                                                        -1).sum(axis=1)
+                  * np.array([-1.0, *[1.0] * self.dimension]))
         for name, force in zip(names(self.dimension, "force"), forces):
-            self._same(name, point, force, 2.0 * self.tolerance * max(1.0, abs(force)) + 1e-9 * self.area * largest * self.ranges.max())
+            self._same(name, point, force, 2.0 * self.tolerance * max(1.0, abs(force))
+                       + 1e-9 * self.area * largest * self.ranges.max())
         if not self.isolated:
-            means = path.displacement[point].reshape(len(law), -1).mean(axis=1) * np.array([-1.0, *[1.0] * self.dimension])
+            means = (path.displacement[point].reshape(len(law),
+                                                      -1).mean(axis=1)
+                     * np.array([-1.0, *[1.0] * self.dimension]))
             soft = physics.mean_compliance(self.scene["poisson"], self.scene["height"])
             slips = ("",) if self.dimension == 1 else ("_x", "_y")
-            for i, name in enumerate(["approach", *("mean_tangential_displacement" + end for end in slips)]):
+            for i, name in enumerate(["approach", *("mean_tangential_displacement" + end
+                                                    for end in slips)]):
                 doubt = 1e-9 * (1.0 + abs(means[i])) + 10.0 * self.tolerance / self.ranges[i]
                 self._same(name, point, means[i], doubt)
                 layer = soft[min(i, 1)] / self.area
                 far = means[i] + layer * path[names(self.dimension, "force")[i]][point]
-                self._same(names(self.dimension, "displacement")[i], point, far, doubt + 2.0 * self.tolerance * layer)
-        self._same("minimum_gap", point, gap[0].min() / self.ranges[0], 1e-9 * (1.0 + np.abs(gap[0]).max()))
+                self._same(names(self.dimension, "displacement")[i], point, far,
+                           doubt + 2.0 * self.tolerance * layer)
+        self._same("minimum_gap", point, gap[0].min() / self.ranges[0],
+                   1e-9 * (1.0 + np.abs(gap[0]).max()))
         self._same("maximum_pressure", point, max(0.0, -law[0].min()), 1e-7 * largest)
         self._area(point, gap[0])
 
@@ -331,7 +384,8 @@ class Checker:
             self.say(name, point + 1, f"is {found:.12g}, recomputed {value:.12g}")
 
     def _area(self, point, gap):
-        """Length or area in contact, whose edge lies between nodes: in the plane as closely as nodes inside tell."""
+        """Length or area in contact, whose edge lies between nodes: in the plane as closely as
+        nodes inside tell."""
         inside = gap < self.scene["contact_threshold"]
         border = np.zeros_like(inside)
         for axis in range(gap.ndim):
@@ -344,14 +398,17 @@ class Checker:
             edges = np.flatnonzero(inside != np.roll(inside, 1))
             # A parabola has a kink where the cell closes.
             closing = np.minimum(edges, gap.size - edges) < 3
-            estimate, allowed = self._length(gap), self.node * (0.05 * len(edges) + np.sum(closing)) + 1e-9
+            estimate = self._length(gap)
+            allowed = self.node * (0.05 * len(edges) + np.sum(closing)) + 1e-9
         else:
             estimate, allowed = self.node * inside.sum(), self.node * (0.5 * border.sum() + 1.0)
         if not abs(found - estimate) <= allowed:
-            self.say("contact_area", point + 1, f"is {found:.9g}, recomputed {estimate:.9g} +- {allowed:.2g}")
+            self.say("contact_area", point + 1,
+                     f"is {found:.9g}, recomputed {estimate:.9g} +- {allowed:.2g}")
 
     def _length(self, gap):
-        """Length below the threshold of the cubic through four neighbours of each interval, on 16 parts of it."""
+        """Length below the threshold of the cubic through four neighbours of each interval, on 16
+        parts of it."""
         level, parts = self.scene["contact_threshold"], np.arange(1, 16) / 16.0
         low, high = np.minimum(gap, np.roll(gap, -1)), np.maximum(gap, np.roll(gap, -1))
         total = self.node * np.sum(high < level)
@@ -359,10 +416,14 @@ class Checker:
             four = gap[(node + np.arange(-1, 3)) % gap.size]
             if self.isolated and not 0 < node < gap.size - 2:
                 continue
-            curve = np.polynomial.Polynomial(np.linalg.solve(np.vander([-1.0, 0.0, 1.0, 2.0], increasing=True), four))
+            curve = np.polynomial.Polynomial(np.linalg.solve(np.vander([-1.0, 0.0, 1.0, 2.0],
+                                                                       increasing=True), four))
             values = np.array([four[1], *curve(parts), four[2]]) - level
             ends = values[:-1], values[1:]
-            below = np.where(ends[0] * ends[1] < 0, np.maximum(-ends[0], -ends[1]) / np.abs(ends[0] - ends[1] + (ends[0] == ends[1])),
+            below = np.where(ends[0] * ends[1] < 0,
+                             np.maximum(-ends[0],
+                                        -ends[1]) / np.abs(ends[0] - ends[1]
+                                                           + (ends[0] == ends[1])),
                              (ends[0] < 0) * 1.0)
             total += self.node * float(np.mean(below))
         return total
@@ -373,7 +434,8 @@ class Checker:
         """Imbalance of displacements and tractions where the law acts, in ranges of the law."""
         if self.isolated:
             return self._residuals_unbounded()
-        symbols = physics.compliance(self.shape, self.scene["period"], self.scene["poisson"], self.scene["height"], self.ratio)
+        symbols = physics.compliance(self.shape, self.scene["period"], self.scene["poisson"],
+                                     self.scene["height"], self.ratio)
         for point in range(self.count):
             self._imbalance(point, self._deformed(self.scaled[point], symbols))
         return None
@@ -389,7 +451,8 @@ class Checker:
         if self.dimension == 2:
             return
         nodes = self.shape[0]
-        symbols = physics.unbounded(nodes, self.spacings[0], self.scene["poisson"], self.scene["height"], self.ratio)
+        symbols = physics.unbounded(nodes, self.spacings[0], self.scene["poisson"],
+                                    self.scene["height"], self.ratio)
         for point in range(self.count):
             padded = np.pad(self.scaled[point], ((0, 0), (0, nodes)))
             self._imbalance(point, self._deformed(padded, symbols)[:, :nodes], mean=False)
@@ -406,30 +469,41 @@ class Checker:
         for i in range(1 + self.dimension if bonded else 1):
             part = difference[i]
             wrong = (part - (part.mean() if mean else part[active].mean())) * self.ranges[i]
-            floor = 1e-13 * self.ranges[i] * np.abs(self.path.displacement[point, i]).max() + 1e-10 + self._rounding(point)
+            floor = (1e-13 * self.ranges[i] * np.abs(self.path.displacement[point, i]).max() + 1e-10
+                     + self._rounding(point))
             norm, largest = math.sqrt(np.mean(wrong[active] ** 2)), np.abs(wrong[active]).max()
             told = self.path["residual_norm"][point]
-            if "largest_residual" in self.path and largest > self.path["largest_residual"][point] + 3.0 * told + floor:
-                self.say("largest_residual", point + 1, f"recomputed {largest:.3g} in component {i}, told "
+            if ("largest_residual" in self.path and largest > self.path["largest_residual"][point]
+                + 3.0 * told + floor):
+                self.say("largest_residual", point + 1, f"recomputed {largest:.3g} in "
+                         f"component {i}, told "
                          f"{self.path['largest_residual'][point]:.3g}")
             # The mean runs over the window's nodes, which may be the whole cell.
-            if norm > 1.1 * told * math.sqrt((1 + self.dimension) * wrong.size / active.sum()) + floor or norm > 100.0 * self.tolerance + floor:
-                self.say("residual", point + 1, f"recomputed {norm:.3g} ranges (largest {largest:.3g}) in component {i}, told {told:.3g}")
+            if (norm > 1.1 * told * math.sqrt((1 + self.dimension) * wrong.size / active.sum())
+                + floor or norm > 100.0 * self.tolerance + floor):
+                self.say("residual", point + 1, f"recomputed {norm:.3g} ranges (largest "
+                         f"{largest:.3g}) in component {i}, told {told:.3g}")
 
     def _rounding(self, point):
-        """What the last bit of stored displacements makes, in deep overlap, of those under the tractions: ranges."""
+        """What the last bit of stored displacements makes, in deep overlap, of those under the
+        tractions: ranges."""
         deepest = min(0.0, self.gaps[point, 0].min())
         longest = max(points * spacing for points, spacing in zip(self.shape, self.spacings))
         stiffest = (1.0 - deepest) * math.exp(-deepest) * self.ranges[0] ** 2 * longest / math.pi
-        return 2.0 * np.finfo(float).eps * self.ranges[0] * np.abs(self.path.displacement[point, 0]).max() * stiffest
+        return (2.0 * np.finfo(float).eps * self.ranges[0] * np.abs(self.path.displacement[point,
+                                                                                           0]).max()
+                * stiffest)
 
     def _sheared(self, point):
-        """Whether a point has tangential unknowns: where asked for, or where body or load make them."""
+        """Whether a point has tangential unknowns: where asked for, or where body or load make
+        them."""
         if self.scene["tangential"] != "auto":
             return self.scene["tangential"] == "on"
         resting = ("force" if self.isolated else "displacement", 0.0)
         named = any(control != resting for i, control in self.path.legs[0].items() if i)
-        return named or self._coupled() or any(max(leg) > 0 for leg in self.path.legs[1:int(self.path["leg"][point]) + 1])
+        return named or self._coupled() or any(max(leg) > 0
+                                               for leg in self.path.legs[1:int(
+            self.path["leg"][point]) + 1])
 
     def _coupled(self):
         """Whether the body moves sideways under normal tractions by more than rounding."""
@@ -455,30 +529,44 @@ class Checker:
 
     def _events(self):
         """Gross sliding and loss of contact stand where they happen, once, and nowhere else."""
-        level, before, doubtful = self.scene["contact_threshold"], None, False
+        level = self.scene["contact_threshold"]
+        before = None
+        doubtful = False
         groups = self._groups()
         for number, group in enumerate(groups):
             gap = self.gaps[group[0]]
             slip = np.sqrt(np.sum(gap[1:] ** 2, axis=0))
             touching = gap[0] < level
-            now = bool(touching.any() and np.all(slip[touching] > physics.PEAK_SLIP)), bool(touching.any())
+            now = bool(touching.any() and np.all(slip[touching] > physics.PEAK_SLIP)), bool(
+                touching.any())
             # An event that is located to the last bit may be told on either side of it.
-            open_before, doubtful = doubtful, min(np.abs(gap[0] - level).min(), np.abs(slip - physics.PEAK_SLIP).min()) < 1e-7
-            wanted = set() if before is None else {event for event, is_so in zip(EVENTS, (now[0] and not before[0], before[1] and not now[1]))
-                                                   if is_so}
+            open_before = doubtful
+            doubtful = min(np.abs(gap[0] - level).min(),
+                           np.abs(slip - physics.PEAK_SLIP).min()) < 1e-7
+            wanted = (set() if before is None
+                      else {event for event, is_so in zip(EVENTS,
+                                                          (now[0] and not before[0], before[1]
+                                                           and not now[1])) if is_so})
             found = {self.path["event"][point] for point in group} & set(EVENTS)
             last = number == len(groups) - 1 and self._stopped()
             if found != wanted and not (doubtful or open_before) and not (last and found < wanted):
-                self.say("event", group[0] + 1, f"{sorted(found) or 'none'} told, {sorted(wanted) or 'none'} found")
+                self.say("event", group[0] + 1,
+                         f"{sorted(found) or 'none'} told, {sorted(wanted) or 'none'} found")
             before = now
 
     def stored(self, point):
         """Elastic energy, and energy of the interface or nan where there is slip."""
         forces = np.array([self.path[name][point] for name in names(self.dimension, "force")])
-        layer = np.array([physics.mean_compliance(self.scene["poisson"], self.scene["height"])[min(i, 1)]
+        layer = np.array([physics.mean_compliance(self.scene["poisson"],
+                                                  self.scene["height"])[min(i, 1)]
                           for i in range(1 + self.dimension)]) / self.area
-        means = self.path.displacement[point].reshape(1 + self.dimension, -1).mean(axis=1).reshape(-1, *[1] * self.dimension)
-        waves = -0.5 * self.node * np.sum((self.scaled[point] * (self.path.displacement[point] - means)).reshape(len(forces), -1), axis=1)
+        means = self.path.displacement[point].reshape(1 + self.dimension,
+                                                      -1).mean(axis=1).reshape(-1,
+                                                                               *[1]
+                                                                               * self.dimension)
+        waves = -0.5 * self.node * np.sum((self.scaled[point] * (self.path.displacement[point]
+                                                                 - means)).reshape(len(forces), -1),
+                                          axis=1)
         elastic = float(self.weights @ (waves + 0.5 * layer * forces ** 2))
         gap = self.gaps[point]
         if np.any(np.abs(gap[1:][:, gap[0] < NEAR]) > 1e-6):
@@ -491,8 +579,9 @@ class Checker:
             return
         energies = np.array([self.stored(point) for point in range(self.count)])
         scale = 1.0 + sum(np.nanmax(np.abs(column), initial=0.0) for column in energies.T)
-        work = sum(w * np.abs(self.path[d] * self.path[f]) for w, d, f in zip(self.weights, *(names(self.dimension, kind) for kind in (
-            "displacement", "force"))))
+        work = sum(w * np.abs(self.path[d] * self.path[f])
+                   for w, d, f in zip(self.weights, *(names(self.dimension, kind)
+                                                      for kind in ("displacement", "force"))))
         for column, values in zip(("elastic_energy", "interfacial_energy"), energies.T):
             told = self.path[column]
             known = ~np.isnan(values) & ~np.isnan(told)
@@ -503,19 +592,23 @@ class Checker:
         self._balance(energies.sum(axis=1), np.abs(energies[:, 0]), scale)
 
     def _balance(self, energy, elastic, scale):
-        """Works between neighbours where all energy is known: the loads' work is stored, but for what a jump loses."""
-        loads = [[self.path[name] for name in names(self.dimension, kind)] for kind in ("displacement", "force")]
+        """Works between neighbours where all energy is known: the loads' work is stored, but for
+        what a jump loses."""
+        loads = [[self.path[name] for name in names(self.dimension, kind)]
+                 for kind in ("displacement", "force")]
         lost = self.path["dissipated_work"]
         doubts = sum(w * np.abs(np.diff(d) * np.diff(f)) for w, d, f in zip(self.weights, *loads))
         # Where a force has an extremum in a step, only its neighbours show how much it varies.
         if self.count > 2:
-            doubts = np.maximum.reduce([doubts, np.append(doubts[1:], 0.0), np.append(0.0, doubts[:-1])])
+            doubts = np.maximum.reduce([doubts, np.append(doubts[1:], 0.0),
+                                        np.append(0.0, doubts[:-1])])
             for w, d, f in zip(self.weights, *loads):
                 steps = np.diff(d)
                 slopes = np.divide(np.diff(f), steps, out=np.zeros_like(steps), where=steps != 0.0)
                 doubts += 0.5 * w * steps ** 2 * np.append(np.abs(np.diff(slopes)), 0.0)
         for point in range(1, self.count):
-            external = sum(w * (d[point] - d[point - 1]) * 0.5 * (f[point] + f[point - 1]) for w, d, f in zip(self.weights, *loads))
+            external = sum(w * (d[point] - d[point - 1]) * 0.5 * (f[point] + f[point - 1])
+                           for w, d, f in zip(self.weights, *loads))
             doubt = doubts[point - 1]
             balance = external - (energy[point] - energy[point - 1])
             is_jump, change = self.path["event"][point] == "jump", lost[point] - lost[point - 1]
@@ -528,7 +621,8 @@ class Checker:
             if np.isnan(balance):
                 continue
             if not is_jump and abs(balance) > 0.6 * doubt + 1e-6 * scale:
-                self.say("balance", point + 1, f"{balance:.3g} is missing in a step, whose works are known to {doubt:.2g}")
+                self.say("balance", point + 1, f"{balance:.3g} is missing in a "
+                         f"step, whose works are known to {doubt:.2g}")
             if is_jump and abs(balance - change) > 1e-5 * scale:
                 self.say("dissipation", point + 1, f"a jump loses {balance:.6g}, told {change:.6g}")
 

@@ -1,4 +1,5 @@
-"""Compares two archives of one scene: ends of legs, events and their loads, energy lost. NumPy and h5py alone."""
+"""Compares two archives of one scene: ends of legs, events and their loads, energy lost. NumPy and
+h5py alone."""
 
 import numpy as np
 
@@ -14,7 +15,8 @@ class Story:
     def __init__(self, path):
         self.path = checker.read(path)
         dimension = self.path.dimension
-        self.names = [*checker.names(dimension, "displacement"), *checker.names(dimension, "force"), "contact_area"]
+        self.names = [*checker.names(dimension, "displacement"), *checker.names(dimension, "force"),
+                      "contact_area"]
         self.legs = np.asarray(self.path["leg"], dtype=int)
         self.events = [point for point, event in enumerate(self.path["event"]) if event != "none"]
         self.count = len(self.legs)
@@ -40,7 +42,9 @@ class Story:
 
 def far(first, second, tolerance, scale):
     """The largest difference in units of what is allowed; nan stands for what is not defined."""
-    difference = np.abs(first - second) / (tolerance * np.maximum(scale, np.maximum(np.abs(first), np.abs(second))))
+    difference = np.abs(first - second) / (tolerance * np.maximum(scale,
+                                                                  np.maximum(np.abs(first),
+                                                                             np.abs(second))))
     return float(np.nanmax(difference, initial=0.0))
 
 
@@ -52,7 +56,8 @@ def compare(one, other, tolerance=1e-6, fold=1e-6, finished=True):
     one, other : Story
     tolerance : relative (absolute below one) of force, area and displacement at ends of legs
     fold : the same of loads at folds and jumps
-    finished : whether both paths were followed to their ends; else the legs that both have finished are compared
+    finished : whether both paths were followed to their ends; else the legs that both have finished
+        are compared
     """
     found = []
     common = min(one.legs[-1], other.legs[-1]) - (not finished)
@@ -66,13 +71,19 @@ def compare(one, other, tolerance=1e-6, fold=1e-6, finished=True):
             found.append(f"end of leg {leg}: {_told(one, other, *ends)}")
             break
     names = [_events(story, common) for story in (one, other)]
-    # Longer steps find gross sliding and loss of contact later, perhaps behind the fold that they would come before.
-    exact, others = ([[name for name, _ in own if (name[1] in EXACT) is is_exact] for own in names] for is_exact in (True, False))
+    # Longer steps find gross sliding and loss of contact later, perhaps behind the fold that they
+    # would come before.
+    exact, others = ([[name for name, _ in own if (name[1] in EXACT) is is_exact] for own in names]
+                     for is_exact in (True, False))
     if exact[0] != exact[1] or sorted(others[0]) != sorted(others[1]):
-        found.append("events: " + " / ".join(" ".join(f"{leg}:{event}" for (leg, event, _), _ in own) or "none" for own in names))
+        found.append("events: " + " / ".join(" ".join(f"{leg}:{event}"
+                                                      for (leg, event, _), _ in own) or "none"
+                                             for own in names))
         return found
-    for (name, first), (_, second) in zip(*([(name, point) for name, point in own if name[1] in EXACT] for own in names)):
-        if far(*[_load(story, point) for story, point in ((one, first), (other, second))], fold, 1.0) > 1.0:
+    for (name, first), (_, second) in zip(*([(name, point) for name, point in own
+                                             if name[1] in EXACT] for own in names)):
+        if far(*[_load(story, point) for story, point in ((one, first), (other, second))], fold,
+               1.0) > 1.0:
             found.append(f"{name[1]} of leg {name[0]}: {_told(one, other, first, second)}")
             break
     if not found and finished:
@@ -84,8 +95,8 @@ def compare(one, other, tolerance=1e-6, fold=1e-6, finished=True):
 
 def _events(story, common):
     """((leg, event, kind), point) of a story as far as a leg."""
-    return [((int(story.legs[point]), story.path["event"][point], story.path["fold_kind"][point]), point) for point in story.events
-            if story.legs[point] <= common]
+    return [((int(story.legs[point]), story.path["event"][point], story.path["fold_kind"][point]),
+             point) for point in story.events if story.legs[point] <= common]
 
 
 def _load(story, point):

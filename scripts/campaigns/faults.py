@@ -1,8 +1,8 @@
 """One-line faults planted in the sources, to see whether the tests find them.
 
-Each is a line of the package changed as a slip of the pen would: a sign, a factor, a bound, a guard left out or ten times looser. It
-is planted in a copy of the tree, and the tests named beside it run there until one fails. A fault that no test finds shows what the
-tests do not see.
+Each is a line of the package changed as a slip of the pen would: a sign, a factor, a bound, a guard
+left out or ten times looser. It is planted in a copy of the tree, and the tests named beside it run
+there until one fails. A fault that no test finds shows what the tests do not see.
 """
 
 import os
@@ -20,7 +20,8 @@ SECONDS = 600.0
 
 
 class Fault(NamedTuple):
-    """A fault: what it is about, its file of the package, the text that stands there once, what takes its place, and the tests."""
+    """A fault: what it is about, its file of the package, the text that stands there once, what
+    takes its place, and the tests."""
 
     area: str
     file: str
@@ -32,9 +33,9 @@ class Fault(NamedTuple):
 def read_faults(path=Path(__file__).with_suffix(".txt")):
     """The faults of a text file.
 
-    A block for each, with a line of dashes after it: '@ file: tests', the text, a line '=>', and what takes its place. Tests are
-    files without test_ and .py, or single ones as file::test_name. A line '# area' before a block tells what it and the next ones
-    are about.
+    A block for each, with a line of dashes after it: '@ file: tests', the text, a line '=>', and
+    what takes its place. Tests are files without test_ and .py, or single ones as file::test_name.
+    A line '# area' before a block tells what it and the next ones are about.
     """
     found, area = [], ""
     for block in path.read_text(encoding="utf-8").split("\n----\n"):
@@ -50,11 +51,13 @@ def read_faults(path=Path(__file__).with_suffix(".txt")):
 
 
 def stale(faults):
-    """Faults whose text does not stand in its file exactly once, with the number of places: a list of (fault, places)."""
+    """Faults whose text does not stand in its file exactly once, with the number of places: a list
+    of (fault, places)."""
     def content(file):
         return (ROOT / "contactsnes" / file).read_text(encoding="utf-8")
 
-    return [(fault, count) for fault in faults if (count := content(fault.file).count(fault.text)) != 1]
+    return [(fault, count) for fault in faults
+            if (count := content(fault.file).count(fault.text)) != 1]
 
 
 def arguments(fault):
@@ -66,15 +69,18 @@ def arguments(fault):
 def plant(fault, folder):
     """Plant a fault in the copy of the tree in a folder."""
     path = Path(folder, "contactsnes", fault.file)
-    path.write_text(path.read_text(encoding="utf-8").replace(fault.text, fault.fault), encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8").replace(fault.text, fault.fault),
+                    encoding="utf-8")
 
 
 def copied(folder):
     """Copy what tests need of the tree into a folder."""
     ignore = shutil.ignore_patterns("__pycache__", "*.png", ".pytest_cache")
-    for name in ("contactsnes", "docs", "examples", "tests", "options", "scripts", "setup.cfg", "README.md", "pyproject.toml"):
+    for name in ("contactsnes", "docs", "examples", "tests", "options", "scripts", "setup.cfg",
+                 "README.md", "pyproject.toml"):
         source, target = ROOT / name, Path(folder, name)
-        shutil.copytree(source, target, ignore=ignore) if source.is_dir() else shutil.copy(source, target)
+        shutil.copytree(source, target, ignore=ignore) if source.is_dir() else shutil.copy(source,
+                                                                                           target)
 
 
 def tried(fault):
@@ -87,11 +93,15 @@ def tried(fault):
 
 
 def _first_failure(fault, folder):
-    """The test of a fault that fails first in a copy of the tree, 'time' where they do not end; '' where none fails."""
-    environment = {**os.environ, "PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", *arguments(fault)]
+    """The test of a fault that fails first in a copy of the tree, 'time' where they do not end; ''
+    where none fails."""
+    environment = {**os.environ, "PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1",
+                   "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p",
+               "no:xdist", *arguments(fault)]
     try:
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=SECONDS)
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True,
+                              timeout=SECONDS)
     except subprocess.TimeoutExpired:
         return "time"
     if done.returncode == 0:

@@ -1,4 +1,5 @@
-"""Runs a scene in all its variants and judges what came out: the checker on each archive, and the archives against each other."""
+"""Runs a scene in all its variants and judges what came out: the checker on each archive, and the
+archives against each other."""
 
 import json
 import os
@@ -16,18 +17,19 @@ from . import checker, comparison
 
 HERE = Path(__file__).resolve().parent
 
-OUTCOMES = {
-    "agreed": "all variants agree, and the checker finds nothing",
-    "unresolved": "variants differ, where the archive says that the grid does not resolve the scene, or a fold is known roughly",
-    "unstable": "variants differ, where the archive says that points are not stable",
-    "said": "no equilibrium at a load that was asked for, named (status 1), in all variants on the same points",
-    "failed": "a failure of the solver, named (status 1), in all variants on the same points",
-    "some": "status 1 with a reason in some variants on the same points only",
-    "refused": "bad input (status 2) to the scene or one of its variants, with a reason",
-    "time": "a run did not end within its time",
-    "silent": "an archive is wrong, or two differ, and nothing says so",
-    "crashed": "a traceback, or an end by a signal",
-}
+OUTCOMES = {"agreed": "all variants agree, and the checker finds nothing",
+            "unresolved": "variants differ, where the archive says that the "
+            "grid does not resolve the scene, or a fold is "
+            "known roughly", "unstable": "variants differ, where the archive says "
+            "that points are not stable", "said": "no equilibrium at a load "
+            "that was asked for, named (status 1), in all variants "
+            "on the same points", "failed": "a failure of the solver, named "
+            "(status 1), in all variants on the same points",
+            "some": "status 1 with a reason in some variants on the same "
+            "points only", "refused": "bad input (status 2) to the scene or one "
+            "of its variants, with a reason", "time": "a run did not end within its time",
+            "silent": "an archive is wrong, or two differ, and "
+            "nothing says so", "crashed": "a traceback, or an end by a signal",}
 """Outcome of a scene -> meaning, from good to bad: the worst of its variants counts."""
 
 FORBIDDEN = ("silent", "crashed")
@@ -47,7 +49,8 @@ class Worker:
 
     def __init__(self, python=sys.executable, environment=None):
         self.command = [python, str(HERE / "worker.py")]
-        self.environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **(environment or {})}
+        self.environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+                            **(environment or {})}
         self.process, self._beside = None, {}
 
     def beside(self, environment, python=sys.executable):
@@ -58,7 +61,8 @@ class Worker:
     def start(self):
         """Start the process, unless it runs."""
         if self.process is None or self.process.poll() is not None:
-            self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=self.environment)
+            self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE,
+                                            stdout=subprocess.PIPE, text=True, env=self.environment)
             if self.process.stdout.readline().strip() != "ready":
                 raise RuntimeError(f"{self.command[0]} does not start the program")
 
@@ -71,13 +75,14 @@ class Worker:
         try:
             self.process.stdin.write(json.dumps(job) + "\n")
             self.process.stdin.flush()
-            answer = json.loads(self.process.stdout.readline() or '{"status": -6, "seconds": 0, "clock": 0}')
+            answer = json.loads(self.process.stdout.readline()
+                                or '{"status": -6, "seconds": 0, "clock": 0}')
         except BrokenPipeError:
             answer = {"status": -signal.SIGABRT, "seconds": 0.0, "clock": 0.0}
         finally:
             timer.cancel()
-        texts = [Path(f"{output}.{end}").read_text(encoding="utf-8", errors="replace") if Path(f"{output}.{end}").exists() else ""
-                 for end in ("out", "err")]
+        texts = [Path(f"{output}.{end}").read_text(encoding="utf-8", errors="replace")
+                 if Path(f"{output}.{end}").exists() else "" for end in ("out", "err")]
         return Run(words, answer["status"], answer["seconds"], *texts, answer["clock"])
 
     def close(self):
@@ -91,7 +96,8 @@ class Worker:
 
 @dataclass
 class Run:
-    """How a command ended: its words, exit status (negative: a signal), CPU seconds, what it printed, and seconds by the clock."""
+    """How a command ended: its words, exit status (negative: a signal), CPU seconds, what it
+    printed, and seconds by the clock."""
 
     words: list
     status: int
@@ -103,8 +109,9 @@ class Run:
     @property
     def crashed(self):
         """Whether it ended by a traceback or a signal other than the one of the time limit."""
-        return "Traceback (most recent call last)" in self.err or (self.status < 0 and self.status != -signal.SIGKILL) \
-            or "PETSC ERROR" in self.err
+        return ("Traceback (most recent call last)" in self.err
+                or (self.status < 0 and self.status != -signal.SIGKILL)
+                or "PETSC ERROR" in self.err)
 
     @property
     def reason(self):
@@ -116,8 +123,8 @@ class Run:
 
 @dataclass
 class Verdict:
-    """Outcome of a scene: what was found as (outcome, variant, sentence), points, CPU seconds and number of runs, and of variants that
-    were left out."""
+    """Outcome of a scene: what was found as (outcome, variant, sentence), points, CPU seconds and
+    number of runs, and of variants that were left out."""
 
     found: list = field(default_factory=list)
     points: int = 0
@@ -135,18 +142,22 @@ class Verdict:
         self.found.append((kind, variant, " ".join(str(text).split())))
 
     def differ(self, statuses):
-        """Tell ends with status 1 that others on the same points have not from those that all have."""
+        """Tell ends with status 1 that others on the same points have not from those that all
+        have."""
         if 0 in [status for name, status in statuses.items() if name != "twice the points"]:
-            self.found = [("some" if kind in ("said", "failed") and name != "twice the points" else kind, name, text) for kind, name, text in self.found]
+            self.found = [("some" if kind in ("said", "failed") and name != "twice the points"
+                           else kind, name, text) for kind, name, text in self.found]
 
 
 def variants(scene):
     """Name -> changed options of the runs that must agree with a scene's."""
-    options, found = scene.options, {"longer steps": scene.stepped(4.0), "shorter steps": scene.stepped(0.25)}
+    options = scene.options
+    found = {"longer steps": scene.stepped(4.0), "shorter steps": scene.stepped(0.25)}
     isolated = "scene_spacing" in options
     if options.get("contact_symmetry") != "off":
         found["no symmetry"] = {"contact_symmetry": "off"}
-    if not isolated and options.get("contact_window") != "off" and options.get("contact_form") != "force":
+    if (not isolated and options.get("contact_window") != "off"
+        and options.get("contact_form") != "force"):
         found["no window"] = {"contact_window": "off"}
     if not isolated:
         other = "displacement" if options.get("contact_form") == "force" else "force"
@@ -155,7 +166,8 @@ def variants(scene):
     return found
 
 
-def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=None, planted_in=None):
+def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=None,
+           planted_in=None):
     """The `Verdict` on a scene.
 
     Parameters
@@ -166,7 +178,8 @@ def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=No
     seconds : limit of each run, CPU time
     budget : CPU seconds after which no further variant is begun
     only : names of variants, all by default
-    fault : planted fault of the runs in ``planted_in`` (all by default; 'scene' is the scene itself)
+    fault : planted fault of the runs in ``planted_in`` (all by default; 'scene' is the scene
+        itself)
     """
     verdict = Verdict()
 
@@ -191,14 +204,16 @@ def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=No
 
 
 def shuffled(scene, only):
-    """The variants of a scene (those named, if any) in an order of its own: where time ends early, it is not always the same ones."""
+    """The variants of a scene (those named, if any) in an order of its own: where time ends early,
+    it is not always the same ones."""
     order = list(variants(scene).items())
     np.random.default_rng([scene.seed, scene.number, 1]).shuffle(order)
     return [(name, changes) for name, changes in order if only is None or name in only]
 
 
 def alone(verdict, name, scene, worker, folder, seconds, changes, fault=None):
-    """Run a variant of a scene and take down what is wrong with it by itself; (its `Story` or None, its `Run`)."""
+    """Run a variant of a scene and take down what is wrong with it by itself; (its `Story` or None,
+    its `Run`)."""
     archive = folder / f"{name.replace(' ', '-')}.h5"
     archive.unlink(missing_ok=True)
     words = ["run", *scene.words(folder, archive_file=archive, **changes)]
@@ -216,7 +231,8 @@ def _judged_alone(verdict, name, done, archive):
         verdict.add("time", name, f"after {done.seconds:.0f} s")
     elif done.status in (1, 2):
         named = any(word in done.reason for word in NAMED)
-        verdict.add("refused" if done.status == 2 else "said" if named else "failed", name, done.reason)
+        verdict.add("refused" if done.status == 2 else "said" if named else "failed", name,
+                    done.reason)
     elif done.status != 0:
         verdict.add("crashed", name, f"status {done.status}: {done.reason}")
     if done.status in (1, 2) and not done.reason:
@@ -227,7 +243,8 @@ def _judged_alone(verdict, name, done, archive):
         return None
     try:
         for complaint in checker.check(archive, done.status if done.status == 0 else None):
-            verdict.add("silent", name, f"{complaint.kind}, point {complaint.point}: {complaint.text}")
+            verdict.add("silent", name,
+                        f"{complaint.kind}, point {complaint.point}: {complaint.text}")
         story = comparison.Story(archive)
     except (OSError, KeyError) as error:
         if done.status != -signal.SIGKILL:
@@ -239,16 +256,21 @@ def _judged_alone(verdict, name, done, archive):
 
 
 def compared(verdict, name, base, other, finished):
-    """Compare a variant with the scene (each a `Story` or None); say why they may differ, if the archives do."""
+    """Compare a variant with the scene (each a `Story` or None); say why they may differ, if the
+    archives do."""
     if base is None or other is None or not base.count or not other.count:
         if (base is None or not base.count) != (other is None or not other.count):
             verdict.add("some", name, "only one of the two has points")
         return
-    resolved, stable = (all(story.known(column) for story in (base, other)) for column in ("resolved", "stable"))
+    resolved, stable = (all(story.known(column) for story in (base, other))
+                        for column in ("resolved", "stable"))
     finer = name == "twice the points"
-    # On one grid a jump of few nodes (resolved 0) is the same jump; what only a warning covers are grids too coarse for the law.
-    told = finer and not resolved or any("resolve" in story.path.warnings for story in (base, other))
-    precise = all(np.max(story.path.get("fold_precision", [0.0])) <= 1e-6 for story in (base, other))
+    # On one grid a jump of few nodes (resolved 0) is the same jump; what only a warning covers are
+    # grids too coarse for the law.
+    told = finer and not resolved or any("resolve" in story.path.warnings
+                                         for story in (base, other))
+    precise = all(np.max(story.path.get("fold_precision", [0.0])) <= 1e-6
+                  for story in (base, other))
     kind = "unresolved" if told or not precise else "silent" if stable else "unstable"
     tolerance, fold = (_expected(base), 0.03) if finer else (1e-6, 1e-6)
     for sentence in comparison.compare(base, other, tolerance, fold, finished):
@@ -256,7 +278,8 @@ def compared(verdict, name, base, other, finished):
 
 
 def _expected(story):
-    """Error that a grid may have: ten times the estimates where they are trusted, else what grids that resolve a scene have."""
+    """Error that a grid may have: ten times the estimates where they are trusted, else what grids
+    that resolve a scene have."""
     if "error_trusted" in story.path and np.all(story.path["error_trusted"] == 1):
         errors = [story.path[f"error_{name}"] for name in ("normal_force", "contact_area", "slip")]
         return float(max(1e-6, 10.0 * np.nanmax(errors)))

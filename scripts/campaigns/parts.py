@@ -1,4 +1,5 @@
-"""The parts of a campaign: what is drawn, run and judged, row by row into a table that is never lost."""
+"""The parts of a campaign: what is drawn, run and judged, row by row into a table that is never
+lost."""
 
 import concurrent.futures
 import csv
@@ -9,7 +10,8 @@ import time
 
 from . import bad_input, faults, judge, kills, planted, scenes
 
-COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found", "command")
+COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found",
+           "command")
 
 KEPT = (*judge.FORBIDDEN, "failed", "some", "time")
 """Outcomes whose archives are kept."""
@@ -26,7 +28,9 @@ class Table:
 
     def __init__(self, path, resume):
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.path, self.lock, self.known = path, threading.Lock(), set()
+        self.path = path
+        self.lock = threading.Lock()
+        self.known = set()
         if resume and path.is_file():
             with open(path, newline="", encoding="utf-8") as file:
                 self.known = {int(row["number"]) for row in csv.DictReader(file)}
@@ -57,7 +61,9 @@ def run(asked, end, name, count, judged):
     numbers = asked.scene if asked.scene is not None else range(count)
     table = Table(asked.results / f"campaign-{name}.csv", asked.resume or asked.scene is not None)
     numbers = [number for number in numbers if asked.scene is not None or number not in table.known]
-    workers, begin, done = queue.SimpleQueue(), time.monotonic(), []
+    workers = queue.SimpleQueue()
+    begin = time.monotonic()
+    done = []
     for _ in range(asked.jobs):
         workers.put(judge.Worker())
 
@@ -68,19 +74,23 @@ def run(asked, end, name, count, judged):
         folder.mkdir(parents=True, exist_ok=True)
         try:
             verdict, command = judged(number, worker, folder)
-        except Exception as error:  # a defect of the campaign, or an archive that breaks its reader: a row like the others
+        # a defect of the campaign, or an archive that breaks its reader: a row like the others
+        except Exception as error:
             verdict, command = judge.Verdict(), ""
             verdict.add("silent", "campaign", f"{type(error).__name__}: {error}")
         finally:
             workers.put(worker)
-        row = {"part": name, "number": number, "seed": asked.seed, "outcome": verdict.outcome, "points": verdict.points,
-               "runs": verdict.runs, "left_out": verdict.left_out, "seconds": f"{verdict.seconds:.2f}", "command": command,
-               "found": " | ".join(f"{kind}: {variant}: {text}" for kind, variant, text in verdict.found)}
+        row = {"part": name, "number": number, "seed": asked.seed, "outcome": verdict.outcome,
+               "points": verdict.points, "runs": verdict.runs, "left_out": verdict.left_out,
+               "seconds": f"{verdict.seconds:.2f}", "command": command,
+               "found": " | ".join(f"{kind}: {variant}: {text}"
+                                   for kind, variant, text in verdict.found)}
         table.add(row)
         done.append(verdict)
         if verdict.outcome not in KEPT:
             shutil.rmtree(folder, ignore_errors=True)
-        print(f"{name} {number:5d} {verdict.outcome:10} {verdict.runs:3d} runs {verdict.points:5d} points {verdict.seconds:6.1f} s  "
+        print(f"{name} {number:5d} {verdict.outcome:10} {verdict.runs:3d} runs "
+              f"{verdict.points:5d} points {verdict.seconds:6.1f} s  "
               f"{row['found'][:200]}", flush=True)
 
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
@@ -88,7 +98,8 @@ def run(asked, end, name, count, judged):
     while not workers.empty():
         workers.get().close()
     if numbers:
-        print(f"{name}: {len(done)} of {len(numbers)} in {(time.monotonic() - begin) / 60:.1f} min", flush=True)
+        print(f"{name}: {len(done)} of {len(numbers)} in {(time.monotonic() - begin) / 60:.1f} min",
+              flush=True)
 
 
 def scene_part(asked, end):
@@ -102,14 +113,17 @@ def scene_part(asked, end):
 
 
 def planted_part(asked, end):
-    """Tests of the program switched off in turn: the outcome is that of seeing it, and of seeing nothing where nothing is."""
+    """Tests of the program switched off in turn: the outcome is that of seeing it, and of seeing
+    nothing where nothing is."""
     def judged(number, worker, folder):
         name = list(planted.FAULTS)[number]
         scene, fault = planted.scene(name), planted.FAULTS[name]
         sound = judge.judged(scene, worker, folder, asked.seconds, only=fault.variants)
-        verdict = judge.judged(scene, worker, folder, asked.seconds, only=fault.variants, fault=name, planted_in=("scene",))
+        verdict = judge.judged(scene, worker, folder, asked.seconds, only=fault.variants,
+                               fault=name, planted_in=("scene",))
         seen = verdict.outcome == "silent" and sound.outcome == "agreed"
-        result = judge.Verdict([], sound.points, sound.seconds + verdict.seconds, sound.runs + verdict.runs)
+        result = judge.Verdict([], sound.points, sound.seconds + verdict.seconds,
+                               sound.runs + verdict.runs)
         for kind, variant, text in [*sound.found, *verdict.found] if not seen else ():
             result.add("silent", f"{name}, {variant}", f"{kind}: {text}")
         if not seen:
@@ -135,11 +149,11 @@ def kills_part(asked, end):
     run(asked, end, "kills", asked.kills, judged)
 
 
-ROUNDINGS = {
-    "two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"},
-    "another kernel of OpenBLAS": {"OPENBLAS_CORETYPE": "Nehalem"},
-    "no vector instructions": {"NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX", "OPENBLAS_CORETYPE": "Prescott"},
-}
+ROUNDINGS = {"two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"},
+             "another kernel of OpenBLAS": {"OPENBLAS_CORETYPE": "Nehalem"},
+             "no vector instructions": {
+    "NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX",
+    "OPENBLAS_CORETYPE": "Prescott"},}
 """Name -> variables of an environment in which sums are added up in another order."""
 
 
@@ -147,7 +161,8 @@ def roundings_part(asked, end):
     """Scenes again under other roundings."""
     def judged(number, worker, folder):
         scene, verdict = scenes.create(asked.seed, number), judge.Verdict()
-        base, done = judge.alone(verdict, "scene", scene, worker, folder, asked.seconds, {"archive_fields": "all"})
+        base, done = judge.alone(verdict, "scene", scene, worker, folder, asked.seconds,
+                                 {"archive_fields": "all"})
         others = {name: worker.beside(environment) for name, environment in ROUNDINGS.items()}
         if asked.python:
             others["another PETSc"] = worker.beside({}, asked.python)
@@ -173,10 +188,11 @@ def faults_part(asked, end):
         finder, verdict.seconds = faults.tried(fault)
         if not finder:
             verdict.add("silent", fault.file, f"not found by {fault.tests}")
-        return verdict, f"{fault.file}: {fault.text.strip()} => {fault.fault.strip()}" + (f": {finder}" if finder else "")
+        return verdict, f"{fault.file}: {fault.text.strip()} => {fault.fault.strip()}" + (
+            f": {finder}" if finder else "")
 
     run(asked, end, "faults", len(listed), judged)
 
 
-PARTS = {"scenes": scene_part, "bad-input": bad_input_part, "kills": kills_part, "roundings": roundings_part,
-         "planted": planted_part, "faults": faults_part}
+PARTS = {"scenes": scene_part, "bad-input": bad_input_part, "kills": kills_part,
+         "roundings": roundings_part, "planted": planted_part, "faults": faults_part}

@@ -1,7 +1,9 @@
-"""The model as its formulas say it, for checking archives: laws, elastic body, geometries. NumPy alone, nothing of the package.
+"""The model as its formulas say it, for checking archives: laws, elastic body, geometries. NumPy
+alone, nothing of the package.
 
-Scaled units: E* = 1, lengths in beta, displacements in u_n,r and u_t,r. Tractions as archives have them, in phi_n/delta_n and
-phi_t/delta_t, attraction positive; the scaled ones are lambda times those. Components: normal, then tangential.
+Scaled units: E* = 1, lengths in beta, displacements in u_n,r and u_t,r. Tractions as archives have
+them, in phi_n/delta_n and phi_t/delta_t, attraction positive; the scaled ones are lambda times
+those. Components: normal, then tangential.
 """
 
 import itertools
@@ -14,10 +16,12 @@ PEAK = math.sqrt(2.0 / math.e)
 
 
 def tractions(law, a, b, friction=1.0, adhesion=0.0):
-    """Tractions for normal gaps ``a`` and tangential gaps ``b`` (directions, ...) in ranges of the law: (1 + directions, ...).
+    """Tractions for normal gaps ``a`` and tangential gaps ``b`` (directions, ...) in ranges of the
+    law: (1 + directions, ...).
 
-    law 'mcgarry': a exp(-a) exp(-b^2) and 2 b exp(-a) exp(-b^2). 'modified': the same where the surfaces are apart, but with the
-    shares ``friction`` and ``adhesion`` left at large slip; in overlap neither depends on the other.
+    law 'mcgarry': a exp(-a) exp(-b^2) and 2 b exp(-a) exp(-b^2). 'modified': the same where the
+    surfaces are apart, but with the shares ``friction`` and ``adhesion`` left at large slip; in
+    overlap neither depends on the other.
     """
     if law not in ("mcgarry", "modified"):
         raise ValueError(f"the checker has no law '{law}' of its own")
@@ -36,15 +40,18 @@ def tractions(law, a, b, friction=1.0, adhesion=0.0):
 
 
 def potential(a):
-    """Energy of the interface without slip, phi_n: its derivative is a exp(-a), and it vanishes far away."""
+    """Energy of the interface without slip, phi_n: its derivative is a exp(-a), and it vanishes far
+    away."""
     return -(1.0 + a) * np.exp(-a)
 
 
 def plane_strain(wavenumber, poisson, height):
-    """Compliance of a layer held at its top, by the four exponential solutions of Navier's equations at each wave number > 0.
+    """Compliance of a layer held at its top, by the four exponential solutions of Navier's
+    equations at each wave number > 0.
 
-    Papkovich and Neuber's representation: u = grad f and u = (3 - 4 nu) f e_z - z grad f with f = exp(i q x +- q z). Returns real
-    arrays K (2, 2, ...): u_x = K00 f_x + i K01 f_z and u_z = -i K10 f_x + K11 f_z for forces f on the body.
+    Papkovich and Neuber's representation: u = grad f and u = (3 - 4 nu) f e_z - z grad f with f =
+    exp(i q x +- q z). Returns real arrays K (2, 2, ...): u_x = K00 f_x + i K01 f_z and u_z = -i K10
+    f_x + K11 f_z for forces f on the body.
     """
     q = np.asarray(wavenumber, dtype=float).reshape(-1)
     h = np.minimum(q * height, 60.0)
@@ -72,16 +79,19 @@ def plane_strain(wavenumber, poisson, height):
 
 
 def mean_compliance(poisson, height):
-    """Displacement of the mean surface against the top per traction, normal and tangential; 0 for a half-space, and where rigid."""
+    """Displacement of the mean surface against the top per traction, normal and tangential; 0 for a
+    half-space, and where rigid."""
     if math.isinf(height):
         return 0.0, 0.0
     return (1.0 - 2.0 * poisson) * height / (1.0 - poisson) ** 2, 2.0 * height / (1.0 - poisson)
 
 
 def compliance(shape, periods, poisson, height, ratio):
-    """Symbols (components, components, *shape) of u = C f over NumPy's whole spectrum, 0 at the mean.
+    """Symbols (components, components, *shape) of u = C f over NumPy's whole spectrum, 0 at the
+    mean.
 
-    ratio : sqrt(phi_t / phi_n), by which scaled tangential quantities differ from normal ones. A wave at half the sampling
+    ratio : sqrt(phi_t / phi_n), by which scaled tangential quantities differ from normal ones. A
+        wave at half the sampling
     frequency is the mean of its two directions.
     """
     dimension = len(shape)
@@ -109,18 +119,23 @@ def _compliance(waves, poisson, height, ratio):
         symbols[1 + i, 0] = 1j * surface[0, 1] * along / ratio
         symbols[0, 1 + i] = -1j * surface[1, 0] * along * ratio
         for j in range(dimension):
-            symbols[1 + i, 1 + j] = surface[0, 0] * along * waves[j] / q + across * ((i == j) - along * waves[j] / q)
+            symbols[1 + i, 1 + j] = (surface[0, 0] * along * waves[j] / q
+                                     + across * ((i == j) - along * waves[j] / q))
     symbols[..., zero] = 0.0
     return symbols
 
 
 def unbounded(nodes, spacing, poisson, height, ratio):
-    """Symbols (2, 2, 2 nodes) of the unbounded line's compliance on a circle of twice the nodes of a window.
+    """Symbols (2, 2, 2 nodes) of the unbounded line's compliance on a circle of twice the nodes of
+    a window.
 
-    The kernel is that of a cell so large that only the images of a half-plane matter, which are known: their normal and tangential
-    parts are ln(sin(pi x/L) / (pi x/L)), and a tilt is what they couple.
+    The kernel is that of a cell so large that only the images of a half-plane matter, which are
+    known: their normal and tangential parts are ln(sin(pi x/L) / (pi x/L)), and a tilt is what they
+    couple.
     """
-    large = 1 << max(17, math.ceil(math.log2(max(8 * nodes, 0 if math.isinf(height) else 24.0 * height / spacing))))
+    large = 1 << max(17,
+                     math.ceil(math.log2(max(8 * nodes, 0 if math.isinf(height)
+                                             else 24.0 * height / spacing))))
     symbols = compliance((large,), (large * spacing,), poisson, height, ratio)
     place = np.fft.fftfreq(large)
     if math.isinf(height):
@@ -152,7 +167,8 @@ def initial_gap(scene, coordinates):
 
 
 def softening(law, a, b, friction=1.0, adhesion=0.0):
-    """Tangents dt_i/dg_j of one tangential direction by central differences of ``tractions``, (2, 2, nodes)."""
+    """Tangents dt_i/dg_j of one tangential direction by central differences of ``tractions``, (2,
+    2, nodes)."""
     found, width = np.empty((2, 2, a.size)), 1e-6
     for j in (0, 1):
         shift = np.zeros((2, a.size))

@@ -1,6 +1,8 @@
-"""Each test of the program switched off in turn, in the process of one run: what the checker or the comparison has to see.
+"""Each test of the program switched off in turn, in the process of one run: what the checker or the
+comparison has to see.
 
-Only `worker` plants, by replacing functions of the package after a fork; the package knows nothing of it.
+Only `worker` plants, by replacing functions of the package after a fork; the package knows nothing
+of it.
 """
 
 from typing import Callable, NamedTuple
@@ -9,11 +11,13 @@ from .scenes import Scene
 
 
 class Fault(NamedTuple):
-    """A test that is switched off: how, the scene that shows it, and the variants that it is compared with.
+    """A test that is switched off: how, the scene that shows it, and the variants that it is
+    compared with.
 
     plant : function that replaces parts of the package
     scene : options
-    variants : names of those that are run with the fault off (`judge.variants`); none: the checker alone
+    variants : names of those that are run with the fault off (`judge.variants`); none: the checker
+        alone
     steps : of each leg
     """
 
@@ -25,10 +29,10 @@ class Fault(NamedTuple):
 
 LINE = {"scene_points": 128, "scene_period": 20, "scene_normal_maugis": 2, "scene_height": "inf"}
 PRESSED = {**LINE, "load_start": "normal_displacement=-1", "load_path": "normal_displacement=1"}
-SHEARED = {**LINE, "scene_poisson": 0.3, "scene_residual_friction": 0.5, "load_start": "normal_displacement=1",
-           "load_path": "tangential_displacement=4"}
-SNAPPING = {**LINE, "scene_points": 256, "scene_period": 30, "load_start": "normal_displacement=-5.115",
-            "load_path": "normal_displacement=0.216"}
+SHEARED = {**LINE, "scene_poisson": 0.3, "scene_residual_friction": 0.5,
+           "load_start": "normal_displacement=1", "load_path": "tangential_displacement=4"}
+SNAPPING = {**LINE, "scene_points": 256, "scene_period": 30,
+            "load_start": "normal_displacement=-5.115", "load_path": "normal_displacement=0.216"}
 RELEASED = {**LINE, "load_start": "normal_displacement=1", "load_path": "normal_displacement=-5"}
 
 
@@ -42,7 +46,8 @@ def _steps():
         from contactsnes.continuation.natural import predict
 
         guess = predict(self.system, self.history, self.leg, target, predictor)
-        return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60), leg=self.leg.number, position=target)
+        return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60),
+                       leg=self.leg.number, position=target)
 
     Walk._step = step
 
@@ -70,8 +75,8 @@ def _residual():
 
 def _trust():
     """The solver's own residual is believed, whatever it leaves out."""
-    from contactsnes.contact.balance import Imbalance
     from contactsnes.branch.corrector import Corrector
+    from contactsnes.contact.balance import Imbalance
 
     def believed(self, form, state):
         norm = min(self.snes.getFunctionNorm(), 1e-8)
@@ -82,15 +87,16 @@ def _trust():
 
 def _window():
     """The window stays as it is, whatever comes into the range of the law."""
-    from contactsnes.contact import states
     from contactsnes.branch.corrector import Corrector
+    from contactsnes.contact import states
 
     fitted = Corrector._fitted
 
     def held(self, state):
         state = fitted(self, state)
         first = vars(self).setdefault("_first_window", state.window)
-        return state if state.window == first else states.State(first, states.onto(state, first), state.means)
+        return state if state.window == first else states.State(first, states.onto(state, first),
+                                                                state.means)
 
     states.covers = lambda contact, state: True
     Corrector._fitted = held
@@ -133,7 +139,8 @@ def _jumps():
     from contactsnes.contact.energies import Ledger
 
     summed = Ledger._summed
-    Ledger._summed = lambda self, point, before, external, interface, lost: summed(self, point, before, external, interface, 0.0 * lost)
+    Ledger._summed = (lambda self, point, before, external, interface,
+                      lost: summed(self, point, before, external, interface, 0.0 * lost))
 
 
 def _law():
@@ -154,7 +161,8 @@ def _body():
     from contactsnes.interface import elasticity
 
     layer = elasticity.layer_compliance
-    elasticity.layer_compliance = lambda *arguments: (lambda s: s._replace(coupling=-s.coupling))(layer(*arguments))
+    elasticity.layer_compliance = lambda *arguments: (lambda s: s._replace(coupling=-s.coupling))(
+        layer(*arguments))
 
 
 def _control():
@@ -162,20 +170,22 @@ def _control():
     from contactsnes.contact import observables
 
     component = observables.Measurement.component
-    observables.Measurement.component = lambda self, values, index: 1.00001 * component(self, values, index)
+    observables.Measurement.component = (lambda self, values,
+                                         index: 1.00001 * component(self, values, index))
 
 
 def _area():
     """The edge of contact is put on the next node."""
     from contactsnes.contact.observables import Measurement
 
-    Measurement.contact_area = lambda self: float(self.grid.node_area * self.grid.count(self.in_contact))
+    Measurement.contact_area = lambda self: float(self.grid.node_area
+                                                  * self.grid.count(self.in_contact))
 
 
-WIDENING = {**LINE, "scene_points": 512, "scene_period": 40, "scene_normal_maugis": 4, "load_start": "normal_displacement=-1",
-            "load_path": "normal_displacement=16"}
-UNEVEN = {**LINE, "scene_geometry": "file", "scene_normal_maugis": 2, "scene_period": 12, "load_start": "normal_displacement=0",
-          "load_path": "normal_displacement=1"}
+WIDENING = {**LINE, "scene_points": 512, "scene_period": 40, "scene_normal_maugis": 4,
+            "load_start": "normal_displacement=-1", "load_path": "normal_displacement=16"}
+UNEVEN = {**LINE, "scene_geometry": "file", "scene_normal_maugis": 2, "scene_period": 12,
+          "load_start": "normal_displacement=0", "load_path": "normal_displacement=1"}
 
 FAULTS = {
     "acceptance of steps": Fault(_steps, SNAPPING, ("shorter steps",), (1.5,)),
@@ -203,5 +213,6 @@ def scene(name):
     import numpy as np
 
     fault = FAULTS[name]
-    waves = np.array([[1, 1.0, 0.0], [2, 0.3, 0.7]]) if fault.scene.get("scene_geometry") == "file" else None
+    waves = (np.array([[1, 1.0, 0.0], [2, 0.3, 0.7]]) if fault.scene.get("scene_geometry") == "file"
+             else None)
     return Scene(0, list(FAULTS).index(name), dict(fault.scene), fault.steps, True, waves)

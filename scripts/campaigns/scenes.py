@@ -1,4 +1,5 @@
-"""Random scenes over the whole option space: a seed and a number make one, always the same, as options of ``contactsnes run``."""
+"""Random scenes over the whole option space: a seed and a number make one, always the same, as
+options of ``contactsnes run``."""
 
 import math
 from dataclasses import dataclass, field
@@ -10,13 +11,15 @@ SI = {"work_of_adhesion_normal": 0.03, "contact_modulus": 2e6, "radius": 0.01}
 
 @dataclass
 class Scene:
-    """One scene: its number, its options (name without dash -> value), and what makes it again with other ones.
+    """One scene: its number, its options (name without dash -> value), and what makes it again with
+    other ones.
 
     Attributes
     ----------
     seed, number : of the draw
     options : name -> value; with heights, `geometry_file` is left to ``written``
-    steps : steps of each leg, in the unit of what moves; the default steps of the program where ``given`` is false
+    steps : steps of each leg, in the unit of what moves; the default steps of the program where
+        ``given`` is false
     waves : of heights from a file: rows of wave numbers in each direction, amplitude and phase
     """
 
@@ -34,15 +37,19 @@ class Scene:
 
     def heights(self, shape):
         """Heights of a file on a grid of a shape, u_n,r."""
-        axes = np.meshgrid(*[2.0 * np.pi * (np.arange(n) - n // 2) / n for n in shape], indexing="ij")
-        return sum(row[-2] * np.cos(sum(k * x for k, x in zip(row, axes)) + row[-1]) for row in self.waves)
+        axes = np.meshgrid(*[2.0 * np.pi * (np.arange(n) - n // 2) / n for n in shape],
+                           indexing="ij")
+        return sum(row[-2] * np.cos(sum(k * x for k, x in zip(row, axes)) + row[-1])
+                   for row in self.waves)
 
     def words(self, folder, **changes):
-        """Arguments of ``contactsnes run``, with other options in place of some (None: left out); heights are written."""
+        """Arguments of ``contactsnes run``, with other options in place of some (None: left out);
+        heights are written."""
         options = {**self.options, **changes}
         if self.given or "continuation_initial_step" in changes:
             text = ",".join(f"{step:.6g}" for step in self.steps)
-            options = {"continuation_initial_step": text, "continuation_largest_step": text, **options}
+            options = {"continuation_initial_step": text, "continuation_largest_step": text,
+                       **options}
         if self.waves is not None:
             shape = self._shape(options["scene_points"])
             path = folder / f"heights-{self.seed}-{self.number}-{'x'.join(map(str, shape))}.npy"
@@ -50,7 +57,8 @@ class Scene:
             if not path.exists():
                 np.save(path, factor * self.heights(shape))
             options["scene_geometry_file"] = str(path)
-        return [word for name, value in options.items() if value is not None for word in (f"-{name}", str(value))]
+        return [word for name, value in options.items() if value is not None
+                for word in (f"-{name}", str(value))]
 
     def stepped(self, factor):
         """Options for steps longer by a factor; nothing is longer than its leg."""
@@ -64,9 +72,12 @@ class Scene:
         points = ",".join(str(2 * int(n)) for n in str(self.options["scene_points"]).split(","))
         if self.waves is None:
             return {"scene_points": points}
-        # Heights are shifted to touch at their highest node, which may be a higher one on the finer grid.
-        rise = self.heights(self._shape(points)).max() - self.heights(self._shape(self.options["scene_points"])).max()
-        offset = float(self.options.get("scene_gap_offset", 0.0)) - float(self.options.get("heights_unit", 1.0)) * rise
+        # Heights are shifted to touch at their highest node, which may be a higher one on the finer
+        # grid.
+        rise = self.heights(self._shape(points)).max() - self.heights(
+            self._shape(self.options["scene_points"])).max()
+        offset = float(self.options.get("scene_gap_offset",
+                                        0.0)) - float(self.options.get("heights_unit", 1.0)) * rise
         return {"scene_points": points, "scene_gap_offset": repr(offset)}
 
     def _shape(self, points):
@@ -108,31 +119,41 @@ def _body(draw):
 def _isolated(scene, draw):
     """A line alone on its flat."""
     maugis = _log(draw, 0.8, 3)
-    scene.options |= {"scene_period": "inf", "scene_spacing": float(f"{draw.uniform(0.4, 1.2) / maugis ** 2:.3g}"),
+    scene.options |= {"scene_period": "inf",
+                      "scene_spacing": float(f"{draw.uniform(0.4, 1.2) / maugis ** 2:.3g}"),
                       "scene_normal_maugis": maugis, **_body(draw)}
 
 
 def _cell(scene, draw, plane):
     """A cell with a shape on it, on a grid that resolves it, or nearly so."""
-    points = int(_choice(draw, 16, 16, 20, 24, 32) if plane else _choice(draw, 64, 64, 96, 128, 128, 192, 256, 320))
+    points = int(_choice(draw, 16, 16, 20, 24, 32) if plane else _choice(draw, 64, 64, 96, 128, 128,
+                                                                         192, 256, 320))
     maugis = _log(draw, 0.6, 2.5 if plane else 5)
     fineness = draw.uniform(0.3, 1.2) if draw.random() < 0.85 else draw.uniform(1.2, 3)
     # Contact ends within the cell, with some room.
-    # A soft law reaches far, but a contact has nodes enough only where the gap of a parabola changes little from one to the next.
+    # A soft law reaches far, but a contact has nodes enough only where the gap of a parabola
+    # changes little from one to the next.
     widest = min(60.0, 0.5 / math.sqrt(maugis) * points) if fineness < 1.2 else 60.0
-    period = round(float(np.clip(fineness * points / maugis ** 2, 1.6 * math.sqrt(8 * math.e / maugis), max(widest, 1.0))), 3)
-    geometry = _choice(draw, *(["sphere"] * 3 if plane else []), *["cylinder"] * 3, "sinusoid", "sinusoid", "flat", "file", "file", "rough")
-    options = {"scene_points": points, "scene_period": period, "scene_normal_maugis": maugis, "scene_geometry": geometry, **_body(draw)}
+    period = round(float(np.clip(fineness * points / maugis ** 2,
+                                 1.6 * math.sqrt(8 * math.e / maugis), max(widest, 1.0))), 3)
+    geometry = _choice(draw, *(["sphere"] * 3 if plane else []), *["cylinder"] * 3, "sinusoid",
+                       "sinusoid", "flat", "file", "file", "rough")
+    options = {"scene_points": points, "scene_period": period, "scene_normal_maugis": maugis,
+               "scene_geometry": geometry, **_body(draw)}
     if plane:
         options = {"scene_dimension": 2, **options}
         if draw.random() < 0.2:
             other = int(_choice(draw, 16, 20, 24, 32))
-            options |= {"scene_points": f"{points},{other}", "scene_period": f"{period},{max(period * other / points, 1.6 * math.sqrt(8 * math.e / maugis)):.4g}"}
+            across = max(period * other / points, 1.6 * math.sqrt(8 * math.e / maugis))
+            options |= {"scene_points": f"{points},{other}",
+                        "scene_period": f"{period},{across:.4g}"}
     if geometry == "sinusoid" and draw.random() < 0.7:
         options["scene_amplitude"] = _log(draw, 0.2, 5)
     if geometry == "rough":
-        options |= {"scene_rough_slope": _log(draw, 0.2, 1.2), "scene_rough_shortest": float(f"{_choice(draw, 8, 12) * period / points:.3g}"),
-                    "scene_rough_hurst": _choice(draw, 0.8, 0.5, 1, 0.3), "scene_rough_seed": int(draw.integers(1000))}
+        options |= {"scene_rough_slope": _log(draw, 0.2, 1.2),
+                    "scene_rough_shortest": float(f"{_choice(draw, 8, 12) * period / points:.3g}"),
+                    "scene_rough_hurst": _choice(draw, 0.8, 0.5, 1, 0.3),
+                    "scene_rough_seed": int(draw.integers(1000))}
         if plane and "," in str(options["scene_points"]):
             options |= {"scene_points": points, "scene_period": period}
     if geometry == "file":
@@ -146,14 +167,19 @@ def _waves(draw, dimension, period):
     """Some waves: any, even ones, and nearly even ones (two spots that are nearly the same)."""
     kind = draw.integers(4)
     if kind == 0:
-        waves = [[2 if i == 0 else 0 for i in range(dimension)], [1 if i == 0 else 0 for i in range(dimension)]]
-        return np.array([[*waves[0], _log(draw, 0.5, 2), 0.0], [*waves[1], _log(draw, 1e-5, 0.3), 0.0]])
+        waves = [[2 if i == 0 else 0 for i in range(dimension)],
+                 [1 if i == 0 else 0 for i in range(dimension)]]
+        return np.array([[*waves[0], _log(draw, 0.5, 2), 0.0], [*waves[1], _log(draw, 1e-5, 0.3),
+                                                                0.0]])
     count = int(draw.integers(2, 6))
     rows = []
     for _ in range(count):
         wave = draw.integers(-3, 4, dimension) if dimension == 2 else draw.integers(1, 5, 1)
-        amplitude = draw.uniform(0.2, 1) * min(2.0, (period / 10.0) ** 2) / max(1.0, float(np.linalg.norm(wave)) ** 1.5)
-        phase = 0.0 if kind == 1 else draw.uniform(0, 2 * np.pi) if kind == 2 else _log(draw, 1e-6, 1e-2)
+        amplitude = draw.uniform(0.2, 1) * min(2.0, (period / 10.0) ** 2) / max(1.0,
+                                                                                float(
+            np.linalg.norm(wave)) ** 1.5)
+        phase = (0.0 if kind == 1 else draw.uniform(0, 2 * np.pi) if kind == 2
+                 else _log(draw, 1e-6, 1e-2))
         rows.append([*wave, amplitude, phase])
     return np.array(rows)
 
@@ -170,7 +196,8 @@ def _law(scene, draw):
         if draw.random() < 0.3:
             options["scene_residual_adhesion"] = _choice(draw, 0.1, 0.3, 0.7)
     # Friction softens by so much more than adhesion.
-    most = options["scene_normal_maugis"] / math.sqrt(max(5.4 * (1 - friction), 1.0) * (2.0 if scene.plane else 1.0))
+    most = options["scene_normal_maugis"] / math.sqrt(max(5.4 * (1 - friction),
+                                                          1.0) * (2.0 if scene.plane else 1.0))
     options["scene_tangential_maugis"] = float(f"{most * draw.uniform(0.2, 0.8):.3g}")
     if draw.random() < 0.15:
         options["scene_work_ratio"] = _log(draw, 0.3, 3)
@@ -186,21 +213,29 @@ def _load(scene, draw):
     side = float(str(options.get("scene_period")).split(",")[0])
     cell = (10.0 if isolated else side) ** (2 if scene.plane else 1)
     deep = round(float(draw.uniform(0.2, 4)), 3)
-    force = round(float(draw.uniform(0.3, 6)) * (0.3 * min(cell, 40) / 10 if scene.plane else 1.0), 3)
+    force = round(float(draw.uniform(0.3, 6)) * (0.3 * min(cell, 40) / 10 if scene.plane else 1.0),
+                  3)
     suffix = _choice(draw, "_x", "_x", "_y") if scene.plane else ""
     maugis, height = options["scene_tangential_maugis"], float(options["scene_height"])
     traction = 0.86 * maugis * min(4.0 / side, 1.0) if not isolated else 0.0
     layer = 0.0 if math.isinf(height) else traction * 2 * height / (1 - options["scene_poisson"])
     slide = float(f"{draw.uniform(0.2, 1.6) * (layer + 1 + 3 / maugis):.3g}")
     drag = float(f"{draw.uniform(0.1, 1.2) * 0.86 * maugis * 4:.3g}")
-    press = f"normal_force={force}" if isolated else _choice(draw, f"normal_displacement={deep}", f"normal_force={force}")
-    shear = f"tangential_force{suffix}={drag}" if isolated else _choice(
-        draw, f"tangential_displacement{suffix}={slide}", f"tangential_displacement{suffix}={slide}", f"tangential_force{suffix}={drag}")
-    back = shear.split("=")[0] + "=" + _choice(draw, "0", "-" + shear.split("=")[1], f"{float(shear.split('=')[1]) / 2:.3g}")
-    pull = f"normal_force=-{round(draw.uniform(0.1, 3), 2)}" if isolated else _choice(
-        draw, f"normal_displacement=-{round(draw.uniform(0.5, 5), 2)}", f"normal_force=-{round(draw.uniform(0.1, 3), 2)}")
-    kinds = [[press], [press, pull], [pull, press], [press, shear], [press, shear, back], [press, shear, pull], [f"{press}, {shear}"],
-             [press, _hold(draw, press, isolated), shear, pull], [press, f"{_hold(draw, press, isolated)}, {shear}"],
+    press = f"normal_force={force}" if isolated else _choice(draw, f"normal_displacement={deep}",
+                                                             f"normal_force={force}")
+    shear = (f"tangential_force{suffix}={drag}" if isolated
+             else _choice(draw, f"tangential_displacement{suffix}={slide}",
+                          f"tangential_displacement{suffix}={slide}",
+                          f"tangential_force{suffix}={drag}"))
+    back = shear.split("=")[0] + "=" + _choice(draw, "0", "-" + shear.split("=")[1],
+                                               f"{float(shear.split('=')[1]) / 2:.3g}")
+    pull = (f"normal_force=-{round(draw.uniform(0.1, 3), 2)}" if isolated
+            else _choice(draw, f"normal_displacement=-{round(draw.uniform(0.5, 5), 2)}",
+                         f"normal_force=-{round(draw.uniform(0.1, 3), 2)}"))
+    kinds = [[press], [press, pull], [pull, press], [press, shear], [press, shear, back],
+             [press, shear, pull], [f"{press}, {shear}"], [press, _hold(draw, press, isolated),
+                                                           shear, pull],
+             [press, f"{_hold(draw, press, isolated)}, {shear}"],
              [press, shear, _hold(draw, shear, isolated), pull]]
     legs = kinds[draw.integers(len(kinds))]
     if scene.plane:
@@ -209,7 +244,8 @@ def _load(scene, draw):
         options["load_start"] = _choice(draw, "normal_displacement=0", "normal_displacement=-0.5",
                                         f"normal_displacement={-draw.uniform(1, 5):.3g}", press)
     options["load_path"] = "; ".join(legs)
-    scene.steps = _steps(draw, options.get("load_start", ""), legs, 2 if scene.plane else _choice(draw, 2, 3, 4, 5))
+    scene.steps = _steps(draw, options.get("load_start", ""), legs, 2 if scene.plane
+                         else _choice(draw, 2, 3, 4, 5))
     scene.given = bool(draw.random() < 0.85)
     if draw.random() < 0.1:
         options["load_stop"] = _choice(draw, "gross_sliding", "pull_off", "gross_sliding,pull_off")
@@ -218,7 +254,8 @@ def _load(scene, draw):
 def _hold(draw, leg, isolated):
     """A leg that switches the control of another one's quantity, or keeps it."""
     name = leg.split("=")[0]
-    other = name.replace("force", "displacement") if "force" in name else name.replace("displacement", "force")
+    other = (name.replace("force", "displacement") if "force" in name
+             else name.replace("displacement", "force"))
     return f"{name if isolated else _choice(draw, other, other, name)}=hold"
 
 
@@ -269,21 +306,28 @@ def _in_si(scene, draw):
     normal = beta ** 2 / SI["radius"]
     tangential = math.sqrt(ratio) * normal
     body = beta if scene.plane else 1.0
-    units = {"normal_displacement": normal, "tangential_displacement": tangential, "normal_force": SI["contact_modulus"] * normal * body,
+    units = {"normal_displacement": normal, "tangential_displacement": tangential,
+             "normal_force": SI["contact_modulus"] * normal * body,
              "tangential_force": SI["contact_modulus"] * tangential * body}
-    options = {"scene_units": "si", **{f"scene_{name}": value for name, value in SI.items()},
-               "scene_work_of_adhesion_tangential": ratio * SI["work_of_adhesion_normal"],
-               "scene_range_normal": f"{normal / scene.options.pop('scene_normal_maugis'):.12g}",
-               "scene_range_tangential": f"{tangential / scene.options.pop('scene_tangential_maugis'):.12g}"}
-    lengths = {"scene_period": beta, "scene_spacing": beta, "scene_height": beta, "scene_amplitude": normal, "scene_gap_offset": normal,
-               "scene_rough_shortest": beta, "scene_rough_slope": normal / beta}
+    options = {
+        "scene_units": "si",
+        **{f"scene_{name}": value for name, value in SI.items()},
+        "scene_work_of_adhesion_tangential": ratio * SI["work_of_adhesion_normal"],
+        **{f"scene_range_{way}": f"{unit / scene.options.pop(f'scene_{way}_maugis'):.12g}"
+           for way, unit in (("normal", normal), ("tangential", tangential))},
+    }
+    lengths = {"scene_period": beta, "scene_spacing": beta, "scene_height": beta,
+               "scene_amplitude": normal, "scene_gap_offset": normal, "scene_rough_shortest": beta,
+               "scene_rough_slope": normal / beta}
     for name, value in scene.options.items():
         if name in lengths:
-            value = ",".join(f"{float(part) * lengths[name]:.12g}" for part in str(value).split(","))
+            value = ",".join(f"{float(part) * lengths[name]:.12g}"
+                             for part in str(value).split(","))
         if name in ("load_start", "load_path"):
             value = _converted(value, units)
         options[name] = value
-    scene.steps = tuple(step * units[_moved(leg)] for step, leg in zip(scene.steps, options["load_path"].split(";")))
+    scene.steps = tuple(step * units[_moved(leg)]
+                        for step, leg in zip(scene.steps, options["load_path"].split(";")))
     if scene.waves is not None:
         options["heights_unit"] = normal
     scene.options = options
@@ -300,5 +344,6 @@ def _converted(text, units):
     """A load with its values in other units."""
     def piece(part):
         name, value = (word.strip() for word in part.split("="))
-        return part.strip() if value == "hold" else f"{name}={float(value) * units[_moved(part)]:.12g}"
+        return (part.strip() if value == "hold"
+                else f"{name}={float(value) * units[_moved(part)]:.12g}")
     return "; ".join(", ".join(map(piece, leg.split(","))) for leg in text.split(";"))

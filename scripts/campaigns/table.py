@@ -6,10 +6,12 @@ from pathlib import Path
 
 from . import faults, judge
 
-BEGIN, END = "<!-- scripts/campaign writes from here -->\n", "<!-- scripts/campaign: as far as here -->\n"
-SHORT = {"agreed": "as it should be", "unresolved": "differs, told by `resolved`", "unstable": "differs, told by `stable`",
-         "said": "no equilibrium, named", "failed": "failed, named", "some": "failed in some variants", "refused": "refused", "time": "out of time",
-         "silent": "wrong without a word", "crashed": "crashed"}
+BEGIN = "<!-- scripts/campaign writes from here -->\n"
+END = "<!-- scripts/campaign: as far as here -->\n"
+SHORT = {"agreed": "as it should be", "unresolved": "differs, told by `resolved`",
+         "unstable": "differs, told by `stable`", "said": "no equilibrium, named",
+         "failed": "failed, named", "some": "failed in some variants", "refused": "refused",
+         "time": "out of time", "silent": "wrong without a word", "crashed": "crashed"}
 
 
 def rows(results):
@@ -31,7 +33,8 @@ def lines(results):
     for part, own in found.items():
         own = {row["number"]: row for row in own}.values()
         counts = Counter(row["outcome"] for row in own)
-        counted.append([part, str(len(own)), str(sum(int(row["runs"] or 0) for row in own)), *(str(counts[name]) for name in SHORT)])
+        counted.append([part, str(len(own)), str(sum(int(row["runs"] or 0) for row in own)),
+                        *(str(counts[name]) for name in SHORT)])
     return [*_table([heading, *counted]), *fault_lines(sources)]
 
 
@@ -41,13 +44,16 @@ def _table(lines):
 
 
 def fault_lines(rows):
-    """How many of the faults planted in the sources were found, by what they are about; nothing where none were planted."""
+    """How many of the faults planted in the sources were found, by what they are about; nothing
+    where none were planted."""
     own, listed = {int(row["number"]): row["outcome"] for row in rows}, faults.read_faults()
     planted = Counter(fault.area for number, fault in enumerate(listed) if number in own)
-    found = Counter(fault.area for number, fault in enumerate(listed) if own.get(number) == "agreed")
+    found = Counter(fault.area for number, fault in enumerate(listed)
+                    if own.get(number) == "agreed")
     counts = [[area, str(planted[area]), str(found[area])] for area in planted]
     total = [["all", str(sum(planted.values())), str(sum(found.values()))]]
-    return ["", *_table([["faults in the sources", "planted", "found by the tests"], *counts, *total])] if own else []
+    return ["", *_table([["faults in the sources", "planted", "found by the tests"], *counts,
+                         *total])] if own else []
 
 
 def write(results, path):
@@ -57,11 +63,13 @@ def write(results, path):
         print(f"{Path(path).name} has lost its marks: the table is not written there")
         return
     before, rest = content.split(BEGIN)
-    Path(path).write_text(before + BEGIN + "\n".join(lines(results)) + "\n" + END + rest.split(END)[1], encoding="utf-8")
+    Path(path).write_text(before + BEGIN + "\n".join(lines(results)) + "\n" + END
+                          + rest.split(END)[1], encoding="utf-8")
 
 
 def lost(results):
-    """Whether the tests did not find more than one in twenty of the faults planted in the sources."""
+    """Whether the tests did not find more than one in twenty of the faults planted in the
+    sources."""
     outcomes = list({row["number"]: row["outcome"] for row in rows(results)["faults"]}.values())
     return len(outcomes) - outcomes.count("agreed") > 0.05 * len(outcomes)
 
@@ -69,4 +77,5 @@ def lost(results):
 def failed(results, parts):
     """Whether an outcome of some parts is forbidden."""
     found = rows(results)
-    return any(row["outcome"] in judge.FORBIDDEN for part in parts for row in {row["number"]: row for row in found[part]}.values())
+    return any(row["outcome"] in judge.FORBIDDEN for part in parts
+               for row in {row["number"]: row for row in found[part]}.values())

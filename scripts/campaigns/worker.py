@@ -1,11 +1,15 @@
-"""Runs the program many times without starting Python and PETSc anew: one process, which forks itself for every run.
+"""Runs the program many times without starting Python and PETSc anew: one process, which forks
+itself for every run.
 
-Reads jobs from its standard input, one JSON object a line: words (the command line behind ``contactsnes``), output (stem of the
-files of what the run prints), seconds (limit), and perhaps fault (a name of `planted`), signal (its number, and after how many
-seconds it is sent), file_size (most bytes of a file: a full disk), full (whether nothing can be printed). Answers each with a line:
-status (negative: killed by that signal), CPU seconds, seconds by the clock. Started by `scripts/campaign` with whatever Python it is told.
+Reads jobs from its standard input, one JSON object a line: words (the command line behind
+``contactsnes``), output (stem of the files of what the run prints), seconds (limit), and perhaps
+fault (a name of `planted`), signal (its number, and after how many seconds it is sent), file_size
+(most bytes of a file: a full disk), full (whether nothing can be printed). Answers each with a
+line: status (negative: killed by that signal), CPU seconds, seconds by the clock. Started by
+`scripts/campaign` with whatever Python it is told.
 """
 
+import importlib
 import json
 import os
 import resource
@@ -30,11 +34,12 @@ def start():
     import petsc4py
 
     petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler"])
-    from contactsnes.branch import accuracy, branch as run
-    from contactsnes.continuation import bifurcations
-    from contactsnes.commands import cli, session
-    from contactsnes.dynamics import overdamped  # noqa: F401  imported once, before all forks
+    from contactsnes.commands import session
 
+    # all that runs import, once, before all forks
+    for name in ("branch.accuracy", "branch.branch", "commands.cli", "continuation.bifurcations",
+                 "dynamics.overdamped"):
+        importlib.import_module(f"contactsnes.{name}")
     session.solver_options()
 
 
@@ -69,7 +74,8 @@ def child(job):
 
 
 def run(job):
-    """Fork, wait for the limit of CPU time, and on a busy machine a few times as long; exit status and CPU seconds."""
+    """Fork, wait for the limit of CPU time, and on a busy machine a few times as long; exit status
+    and CPU seconds."""
     signals = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
     signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     begin, process = time.monotonic(), os.fork()
@@ -100,7 +106,8 @@ def run(job):
 
 
 def wait(process, begin, seconds, sent=None):
-    """Exit status and CPU seconds of a child, which is killed when its time is over (then -SIGKILL)."""
+    """Exit status and CPU seconds of a child, which is killed when its time is over (then
+    -SIGKILL)."""
     pause = 0.001
     while True:
         done, status, usage = os.wait4(process, os.WNOHANG)
@@ -123,7 +130,8 @@ def main():
     start()
     print("ready", file=answers, flush=True)
     for line in sys.stdin:
-        print(json.dumps(dict(zip(("status", "seconds", "clock"), run(json.loads(line))))), file=answers, flush=True)
+        print(json.dumps(dict(zip(("status", "seconds", "clock"), run(json.loads(line))))),
+              file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""What the figures beyond the paper's share: runs at a held normal force, and what is read off them."""
-
-from contactsnes import reference
-from contactsnes.interface.elasticity import rigid_stiffness
+"""What the figures beyond the paper's share: runs at a held normal force, and what is read off
+them."""
 
 from observed import onset, sheared_part
 from runs import FINER, PERIOD, Run, half_width, points
+
+from contactsnes import reference
+from contactsnes.interface.elasticity import rigid_stiffness
 
 HEIGHT = 2000.0
 SLIPPED = 40.0
@@ -12,23 +13,33 @@ SLIPPED = 40.0
 
 
 def held(name, force, steps=50, start=None, slipped=SLIPPED, **scene):
-    """A contact that is pressed to a normal force and sheared to gross sliding and beyond while that force is held.
+    """A contact that is pressed to a normal force and sheared to gross sliding and beyond while
+    that force is held.
 
-    steps : the least number of points of the shear; start : displacement of the top to begin at (default: a contact at about W = 0.8);
+    steps : the least number of points of the shear; start : displacement of the top to begin at
+        (default: a contact at about W = 0.8);
     slipped : displacement left to slip in at the end, in units of delta_t
     """
     scene = {"tangential_maugis": 1.0, "residual_friction": 0.5, **scene}
-    period, height, poisson = scene.get("period", PERIOD), scene.get("height", HEIGHT), scene.get("poisson", 0.5)
-    strength = reference.peak_tangential_traction(scene["tangential_maugis"]) * (2 * half_width(max(force, 0.8)) + 2.0)
-    end = reference.driven_displacement(3 * strength + slipped / scene["tangential_maugis"], strength, period, height, poisson)
+    period = scene.get("period", PERIOD)
+    height = scene.get("height", HEIGHT)
+    poisson = scene.get("poisson", 0.5)
+    strength = reference.peak_tangential_traction(scene["tangential_maugis"]) * (
+        2 * half_width(max(force, 0.8)) + 2.0)
+    end = reference.driven_displacement(3 * strength + slipped / scene["tangential_maugis"],
+                                        strength, period, height, poisson)
     if start is None:
         normal = rigid_stiffness(poisson, height)[0]
-        start = reference.jkr_line_approach(reference.jkr_line_half_width(0.8, period), period) + 0.8 / (period * normal)
-    return Run(name, {
-        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": scene.get("points") or points(0, **scene),
-        "load_start": f"normal_displacement={start:.6g}", "load_path": f"normal_force={force:g}; tangential_displacement={end:.6g}",
-        "load_stop": "pull_off", "continuation_initial_step": f"0.25,{end / steps / 2:.4g}",
-        "continuation_largest_step": f"1.5,{end / steps:.4g}", "continuation_stability": "sign"})
+        start = reference.jkr_line_approach(reference.jkr_line_half_width(0.8, period),
+                                            period) + 0.8 / (period * normal)
+    return Run(name, {**{f"scene_{key}": value for key, value in scene.items()},
+                      "scene_points": scene.get("points") or points(0, **scene),
+                      "load_start": f"normal_displacement={start:.6g}",
+                      "load_path": f"normal_force={force:g}; tangential_displacement={end:.6g}",
+                      "load_stop": "pull_off",
+                      "continuation_initial_step": f"0.25,{end / steps / 2:.4g}",
+                      "continuation_largest_step": f"1.5,{end / steps:.4g}",
+                      "continuation_stability": "sign"})
 
 
 def finer(run):
@@ -37,7 +48,8 @@ def finer(run):
 
 
 def grid_change(results, run):
-    """Relative changes of (force at the onset, area there, area before shear) from a run to the same one on twice the points."""
+    """Relative changes of (force at the onset, area there, area before shear) from a run to the
+    same one on twice the points."""
     found = [results[one.name] for one in (run, finer(run))]
     coarse, fine = ((strength(record), onset(record).area, unsheared(record)) for record in found)
     return tuple(abs(a / b - 1) for a, b in zip(coarse, fine))
@@ -46,8 +58,9 @@ def grid_change(results, run):
 def refined(results, run, where):
     """A sentence on what twice the points change."""
     force, area, before = grid_change(results, run)
-    return (f"Twice the points change the onset's force by {force:.0e} of itself, the areas there and before shear by {area:.0e} and "
-            f"{before:.0e} ({where}).")
+    return (f"Twice the points change the onset's force by {force:.0e} of "
+            f"itself, the areas there and before shear by {area:.0e} "
+            f"and {before:.0e} ({where}).")
 
 
 def percent(ratio):
@@ -66,6 +79,7 @@ def sliding(record):
 
 
 def strength(record):
-    """Largest tangential force up to the onset of gross sliding, or up to where the contact comes off."""
+    """Largest tangential force up to the onset of gross sliding, or up to where the contact comes
+    off."""
     begun = onset(record)
     return float(record["tangential_force"].max()) if begun is None else begun.force

@@ -1,20 +1,22 @@
-"""Errors of the figures: how far curves and markers move when every run is made again on twice the points.
+"""Errors of the figures: how far curves and markers move when every run is made again on twice the
+points.
 
-Distances are measured on the drawing, in points (1/72 inch), where a line has a width: what moves less cannot be seen.
+Distances are measured on the drawing, in points (1/72 inch), where a line has a width: what moves
+less cannot be seen.
 """
 
 import numpy as np
+from statement import evaluated
 
 from contactsnes.output.tables import markdown
-
-from statement import evaluated
 
 MOST = 300
 """Vertices of a curve at which its distance from the other is taken, at most."""
 
 
 def drawn_distance(figure, finer):
-    """(largest distance of a curve or marker of one figure from the same one of the other, in points; its width in points).
+    """(largest distance of a curve or marker of one figure from the same one of the other, in
+    points; its width in points).
 
     ValueError where the figures do not have the same curves.
     """
@@ -22,16 +24,19 @@ def drawn_distance(figure, finer):
         one.draw_without_rendering()
     worst = (0.0, 1.0)
     for first, second in zip(_all_axes(figure), _all_axes(finer), strict=True):
-        lines = [[line for line in axes.lines if line.get_transform() == axes.transData] for axes in (first, second)]
+        lines = [[line for line in axes.lines if line.get_transform() == axes.transData]
+                 for axes in (first, second)]
         if len(lines[0]) != len(lines[1]):
             raise ValueError("the two figures have different curves")
         # Both in the coordinates of the first one's axes, whose limits may differ.
         scale = 72.0 / figure.dpi
         box = first.get_window_extent()
         for line, other in zip(*lines):
-            here, there = (first.transData.transform(np.column_stack(one.get_data(orig=False)).astype(float)) for one in (line, other))
+            here, there = (first.transData.transform(
+                np.column_stack(one.get_data(orig=False)).astype(float)) for one in (line, other))
             away = scale * distance(here[_inside(here, box)], there[np.isfinite(there).all(axis=1)])
-            width = line.get_linewidth() if line.get_linestyle() not in ("None", "") else line.get_markersize()
+            width = (line.get_linewidth() if line.get_linestyle() not in ("None", "")
+                     else line.get_markersize())
             worst = max(worst, (away, width), key=lambda pair: pair[0] / pair[1])
     return worst
 
@@ -47,7 +52,8 @@ def _inside(points, box):
 
 
 def distance(points, curve):
-    """Largest distance of points (n, 2) from the polyline through others (m, 2); 0 for none, infinity from an empty one."""
+    """Largest distance of points (n, 2) from the polyline through others (m, 2); 0 for none,
+    infinity from an empty one."""
     if not len(points):
         return 0.0
     if not len(curve):
@@ -65,7 +71,8 @@ def distance(points, curve):
 
 
 def movement(draw, results, finer):
-    """What the table says of a figure: how far it moves, and that over the width of what moves. ``draw`` : function of results."""
+    """What the table says of a figure: how far it moves, and that over the width of what moves.
+    ``draw`` : function of results."""
     drawn = [evaluated(draw, one) for one in (results, finer)]
     missing = next((why for figure, why in drawn if figure is None), None)
     if missing:
@@ -76,4 +83,5 @@ def movement(draw, results, finer):
 
 def figure_table(movements):
     """Lines of a table of ``movements``, figure -> `movement`."""
-    return markdown(["figure", "largest movement of a curve or marker", ""], [[figure, *moved] for figure, moved in movements.items()])
+    return markdown(["figure", "largest movement of a curve or marker", ""],
+                    [[figure, *moved] for figure, moved in movements.items()])

@@ -1,15 +1,16 @@
-"""Figure 3: contact area for several thresholds of the gap below which there is contact, and what e delta_n means.
+"""Figure 3: contact area for several thresholds of the gap below which there is contact, and what e
+delta_n means.
 
-(a) From the fields of one run of normal loading at lambda_n = 10; (b) the law, and a rectangle of the same work and height.
+(a) From the fields of one run of normal loading at lambda_n = 10; (b) the law, and a rectangle of
+the same work and height.
 """
 
 import numpy as np
-
-from contactsnes import reference
-
 from observed import profile, width_below
 from runs import PERIOD, pressed
 from style import AREA, panels, shades
+
+from contactsnes import reference
 
 THRESHOLDS = (0.0, 1.0, np.e, 5.0, 8.0, 10.0)
 NEEDED = (pressed(10),)
@@ -28,7 +29,8 @@ def draw(results):
     for threshold, colour in zip(THRESHOLDS, shades(len(THRESHOLDS))):
         forces, found = widths(record, threshold)
         name = "e" if threshold == np.e else f"{threshold:g}\\,"
-        left.plot(forces, found, color=colour, label=f"tresh $= {name}\\delta_n$" if threshold else "tresh $= 0$")
+        left.plot(forces, found, color=colour, label=f"tresh $= {name}\\delta_n$" if threshold
+                  else "tresh $= 0$")
     a = np.linspace(reference.jkr_line_pull_off(PERIOD)[0], 6.7, 200)
     left.plot(reference.jkr_line_load(a, PERIOD), 2 * a, "k--", linewidth=0.8, label="JKR")
     left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA)
@@ -37,7 +39,8 @@ def draw(results):
     law = gap * np.exp(-gap)
     right.plot(gap, law, "C0")
     right.fill_between(gap, 0, law, where=gap >= 0, color="C0", alpha=0.25)
-    right.fill_between([0, np.e], 0, np.exp(-1), facecolor="none", edgecolor="C1", hatch="///", linewidth=0.8)
+    right.fill_between([0, np.e], 0, np.exp(-1), facecolor="none", edgecolor="C1", hatch="///",
+                       linewidth=0.8)
     right.plot([np.e, 4.0], [np.exp(-1)] * 2, ":", color="0.4", linewidth=0.8)
     right.annotate(r"$\sigma_{\max}$", (4.1, np.exp(-1)), va="center")
     right.annotate(r"e$\,\delta_n$", (np.e, -0.05), ha="center", va="center")

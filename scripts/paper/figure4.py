@@ -1,17 +1,18 @@
-"""Figure 4: normal loading for three normal Maugis parameters, with JKR's solution and Maugis and Dugdale's.
+"""Figure 4: normal loading for three normal Maugis parameters, with JKR's solution and Maugis and
+Dugdale's.
 
-(a) Contact area over the normal load, the inset zoomed in; (b) pressures at a load of 10.4. Both solutions are those of the periodic
-cell, exact (dotted: Maugis and Dugdale's); dashed in (a) is JKR's isolated contact, wider than that with neighbours by less than the line.
-The inset of (b) is an edge of the contact.
+(a) Contact area over the normal load, the inset zoomed in; (b) pressures at a load of 10.4. Both
+solutions are those of the periodic cell, exact (dotted: Maugis and Dugdale's); dashed in (a) is
+JKR's isolated contact, wider than that with neighbours by less than the line. The inset of (b) is
+an edge of the contact.
 """
 
 import numpy as np
-
-from contactsnes import reference
-
 from observed import profile
 from runs import NORMAL, PERIOD, pressed
 from style import AREA, panels
+
+from contactsnes import reference
 
 PRESSURE_LOAD = 10.4
 COLOURS = dict(zip(NORMAL, ("C0", "C1", "C2")))
@@ -19,7 +20,8 @@ NEEDED = tuple(pressed(maugis) for maugis in NORMAL)
 
 
 def maugis_curve(maugis):
-    """(normal forces, contact widths 2c) of Maugis and Dugdale's line contact in the cell, from pull-off on."""
+    """(normal forces, contact widths 2c) of Maugis and Dugdale's line contact in the cell, from
+    pull-off on."""
     least = reference.maugis_line_pull_off(maugis, PERIOD)[0]
     forces = least + (27.5 - least) * np.linspace(1e-4, 1, 50) ** 2
     return forces, 2 * reference.maugis_line(forces, maugis, PERIOD)[1]
@@ -35,10 +37,12 @@ def draw(results):
     for axes in (left, inset):
         for maugis in NORMAL:
             record = results[f"pressed-n{maugis}"]
-            axes.plot(record["normal_force"], record["contact_area"], color=COLOURS[maugis], label=f"$\\lambda_n = {maugis}$")
+            axes.plot(record["normal_force"], record["contact_area"], color=COLOURS[maugis],
+                      label=f"$\\lambda_n = {maugis}$")
             axes.plot(*theory[maugis], ":", color=COLOURS[maugis], linewidth=1.1)
         axes.plot(reference.jkr_line_load(a, PERIOD), 2 * a, "k", linewidth=0.8, label="JKR")
-        axes.plot(reference.jkr_line_load(alone), 2 * alone, "--", color="C4", linewidth=0.7, label="JKR, isolated")
+        axes.plot(reference.jkr_line_load(alone), 2 * alone, "--", color="C4", linewidth=0.7,
+                  label="JKR, isolated")
     left.plot([], [], ":", color="0.3", linewidth=1.1, label="Maugis-Dugdale")
     left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, xlim=(-3, 28), ylim=(0, 14))
     inset.set(xlim=(9.8, 11), ylim=(8.7, 9.4))
@@ -53,11 +57,14 @@ def draw(results):
             record = results[f"pressed-n{maugis}"]
             point = int(np.argmin(np.abs(record["normal_force"] - PRESSURE_LOAD)))
             x, _, _, traction, _ = profile(record, point)
-            axes.plot(x, -traction * maugis, color=COLOURS[maugis], label=f"$\\lambda_n = {maugis}$")
+            axes.plot(x, -traction * maugis, color=COLOURS[maugis],
+                      label=f"$\\lambda_n = {maugis}$")
             inner, outer = reference.maugis_line(PRESSURE_LOAD, maugis, PERIOD)
             x = np.linspace(-1.15 * outer, 1.15 * outer, 2001)
-            axes.plot(x, reference.maugis_line_pressure(x, inner, outer, maugis, PERIOD), ":", color=COLOURS[maugis], linewidth=1.1)
-        axes.plot(within, reference.jkr_line_pressure(within, half, PERIOD), "r--", linewidth=0.9, label="JKR")
+            axes.plot(x, reference.maugis_line_pressure(x, inner, outer, maugis, PERIOD), ":",
+                      color=COLOURS[maugis], linewidth=1.1)
+        axes.plot(within, reference.jkr_line_pressure(within, half, PERIOD), "r--", linewidth=0.9,
+                  label="JKR")
         axes.axhline(0, color="0.7", linewidth=0.4, zorder=0)
     right.plot([], [], ":", color="0.3", linewidth=1.1, label="Maugis-Dugdale")
     right.set(xlabel=r"$x/\beta$", ylabel=r"$p_n\,R/(E^*\beta)$", xlim=(-6, 6), ylim=(-8, 2.6))

@@ -1,17 +1,18 @@
-"""Figure 7: decay of the contact area with the tangential force until the onset of sliding, for several normal forces.
+"""Figure 7: decay of the contact area with the tangential force until the onset of sliding, for
+several normal forces.
 
-A row for each tangential parameter (the paper shows the first), a column for each law. Dotted black: w_t = tau_max a_r; red: the
-same with tau_fit, fitted to the onsets (dots; open where the onset is stable). Crosses: the largest force of a slip front that
-leaves the residual friction behind (`reference.front_onset`), where a front is short enough.
+A row for each tangential parameter (the paper shows the first), a column for each law. Dotted
+black: w_t = tau_max a_r; red: the same with tau_fit, fitted to the onsets (dots; open where the
+onset is stable). Crosses: the largest force of a slip front that leaves the residual friction
+behind (`reference.front_onset`), where a front is short enough.
 """
 
 import numpy as np
-
-from contactsnes import reference
-
 from observed import onset, peel
 from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
 from style import AREA, FORCE, LAW_NAMES, panels, shades
+
+from contactsnes import reference
 
 
 def loads(maugis):
@@ -19,21 +20,25 @@ def loads(maugis):
     return MORE_LOADS[::-2] if maugis == 10 else MORE_LOADS[::-1]
 
 
-NEEDED = tuple(sheared(law, maugis, force, fields="all" if force == 25 and law != "mcgarry" else "none")
-               for maugis in TANGENTIAL for law in LAWS for force in loads(maugis))
+NEEDED = tuple(sheared(law, maugis, force, fields="all" if force == 25 and law != "mcgarry"
+                       else "none") for maugis in TANGENTIAL for law in LAWS
+               for force in loads(maugis))
 
 
 def front_onset(results, maugis, force):
-    """Force at which a slip front runs through with tau_inf = tau_max/2, and the half width that sticks then, of a contact at a normal
-    force; the width of the friction is that of the sliding state, the same for every tangential parameter."""
-    sliding = results[f"half-t1-w{force:g}"]["tangential_force"][-1] / (0.5 * reference.peak_tangential_traction(1.0))
+    """Force at which a slip front runs through with tau_inf = tau_max/2, and the half width that
+    sticks then, of a contact at a normal force; the width of the friction is that of the sliding
+    state, the same for every tangential parameter."""
+    sliding = results[f"half-t1-w{force:g}"]["tangential_force"][-1] / (
+        0.5 * reference.peak_tangential_traction(1.0))
     traction = 0.5 * reference.peak_tangential_traction(maugis)
     stick, largest = reference.front_onset(0.5 * sliding, traction, reference.front_work(0.5))
     return largest, stick
 
 
 def onset_line(results, law, maugis):
-    """(tau_fit, half width of its 95 % interval, largest relative distance of an onset from the line, onsets).
+    """(tau_fit, half width of its 95 % interval, largest relative distance of an onset from the
+    line, onsets).
 
     Least squares of w_t = tau_fit a_r through the origin.
     """
@@ -58,20 +63,25 @@ def draw(results):
                 one.plot(*peel(record), color=colour, label=f"{force:g}")
                 if law == "half" and maugis >= 1 and onset(record):
                     estimate = front_onset(results, maugis, force)[0]
-                    one.plot(estimate, onset(record).area, "x", color="r", markersize=5, markeredgewidth=0.8, zorder=5)
+                    one.plot(estimate, onset(record).area, "x", color="r", markersize=5,
+                             markeredgewidth=0.8, zorder=5)
             for begun in found:
-                one.plot(begun.force, begun.area, "o", color="k", markersize=3.5, markerfacecolor="k" if begun.unstable else "w", zorder=4)
+                one.plot(begun.force, begun.area, "o", color="k", markersize=3.5,
+                         markerfacecolor="k" if begun.unstable else "w", zorder=4)
             areas = np.array([0, 19])
             one.plot(peak * areas, areas, "k:", linewidth=0.9)
             one.plot(slope * areas, areas, "r-", linewidth=0.8)
-            one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])), ylim=(0, 19 if maugis == TANGENTIAL[0] else 13.5))
+            one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])),
+                    ylim=(0, 19 if maugis == TANGENTIAL[0] else 13.5))
             if maugis == TANGENTIAL[0]:
                 one.set_title(LAW_NAMES[law])
-            one.annotate(f"$\\lambda_t = {maugis:g}$\n$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),
-                         xycoords="axes fraction", ha="right", fontsize=6.5, bbox={"facecolor": "w", "edgecolor": "none", "pad": 1})
+            one.annotate(f"$\\lambda_t = {maugis:g}$\n$\\tau_{{fit}} = "
+                         f"{slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),
+                         xycoords="axes fraction", ha="right", fontsize=6.5,
+                         bbox={"facecolor": "w", "edgecolor": "none", "pad": 1})
         line[0].set_ylabel(AREA)
     for one in axes[-1]:
         one.set_xlabel(FORCE)
-    axes[0, 0].legend(title=r"$w_n/w_{n,r}$", fontsize=5.5, title_fontsize=5.5, ncols=4, loc="upper left", columnspacing=0.8,
-                      handlelength=1.2)
+    axes[0, 0].legend(title=r"$w_n/w_{n,r}$", fontsize=5.5, title_fontsize=5.5, ncols=4,
+                      loc="upper left", columnspacing=0.8, handlelength=1.2)
     return figure

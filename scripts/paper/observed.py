@@ -10,7 +10,8 @@ from contactsnes.interface.laws.coupled import SLIP
 
 
 class Onset(NamedTuple):
-    """Where gross sliding begins: the index of the point, whether by a fold, and the values there."""
+    """Where gross sliding begins: the index of the point, whether by a fold, and the values
+    there."""
 
     point: int
     unstable: bool
@@ -26,10 +27,12 @@ def sheared_part(record):
 
 
 def onset(record):
-    """Onset of gross sliding: the fold from which the whole contact goes on to slide, or the first point of gross sliding.
+    """Onset of gross sliding: the fold from which the whole contact goes on to slide, or the first
+    point of gross sliding.
 
-    Folds that lead to a state in which some of the contact still sticks are passed over; at one where a run was told to stop, the
-    onset is taken to be. None where the run ends before. The error of the force is what it changed by in the last step, 0 at a fold.
+    Folds that lead to a state in which some of the contact still sticks are passed over; at one
+    where a run was told to stop, the onset is taken to be. None where the run ends before. The
+    error of the force is what it changed by in the last step, 0 at a fold.
     """
     folds = np.flatnonzero((record["event"] == "fold") & (record["fold_kind"] == "sliding"))
     slid = np.flatnonzero(record["event"] == "gross_sliding")
@@ -44,8 +47,10 @@ def onset(record):
 def _at(record, point, unstable):
     force = record["tangential_force"]
     # Along the length of a branch events are located exactly.
-    error = 0.0 if unstable or "-continuation_type arclength" in record.options else abs(force[point] - force[point - 1])
-    return Onset(int(point), unstable, record["tangential_displacement"][point], force[point], record["contact_area"][point], error)
+    error = (0.0 if unstable or "-continuation_type arclength" in record.options
+             else abs(force[point] - force[point - 1]))
+    return Onset(int(point), unstable, record["tangential_displacement"][point], force[point],
+                 record["contact_area"][point], error)
 
 
 def peel(record):
@@ -57,7 +62,8 @@ def peel(record):
 
 
 def area_at(record, force):
-    """Contact area at a tangential force before the onset, by a monotone cubic through the points."""
+    """Contact area at a tangential force before the onset, by a monotone cubic through the
+    points."""
     forces, areas = peel(record)
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(forces)) > 0])
     return float(PchipInterpolator(forces[rising], areas[rising])(force))
@@ -72,7 +78,8 @@ def pressed_area(record, forces):
 
 
 class PowerLaw(NamedTuple):
-    """A fit a = a_0 - factor w^exponent: its values, and the half width of the exponent's 95 % confidence interval."""
+    """A fit a = a_0 - factor w^exponent: its values, and the half width of the exponent's 95 %
+    confidence interval."""
 
     area: float
     factor: float
@@ -85,10 +92,11 @@ class PowerLaw(NamedTuple):
 
 
 def power_law(forces, areas, share=0.5):
-    """The power law that fits the decay of the area best, from zero force to where a share of what is lost is lost.
+    """The power law that fits the decay of the area best, from zero force to where a share of what
+    is lost is lost.
 
-    What is lost in all is the area at zero force minus the least one before the onset. Least squares in the area, with the
-    area at zero force fixed, since it is known.
+    What is lost in all is the area at zero force minus the least one before the onset. Least
+    squares in the area, with the area at zero force fixed, since it is known.
     """
     lost = areas[0] - areas
     early = np.flatnonzero((lost <= share * lost.max()) & (forces > 0))
@@ -96,21 +104,30 @@ def power_law(forces, areas, share=0.5):
     if early.size < 4:
         raise ValueError("fewer than four points to fit")
     x, y = forces[early], lost[early]
-    (factor, exponent), spread = curve_fit(lambda w, k, n: k * w ** n, x, y, p0=(y[-1] / x[-1] ** 2, 2.0))
+    (factor, exponent), spread = curve_fit(lambda w, k, n: k * w ** n, x, y,
+                                           p0=(y[-1] / x[-1] ** 2, 2.0))
     return PowerLaw(areas[0], factor, exponent, 1.96 * float(np.sqrt(spread[1, 1])), x[-1])
 
 
 def profile(record, point):
-    """(x, gap in delta_n, slip in delta_t, normal traction, tangential traction) of a point whose fields are kept."""
+    """(x, gap in delta_n, slip in delta_t, normal traction, tangential traction) of a point whose
+    fields are kept."""
     displacement, traction = record.field("displacement", point), record.field("traction", point)
     gap = (record.initial_gap + displacement[0]) * record.scene["normal_maugis"]
     if len(displacement) == 1:
         return record.coordinates[0], gap, np.zeros_like(gap), traction[0], np.zeros_like(gap)
-    return record.coordinates[0], gap, displacement[1] * record.scene["tangential_maugis"], traction[0], traction[1]
+    return (
+        record.coordinates[0],
+        gap,
+        displacement[1] * record.scene["tangential_maugis"],
+        traction[0],
+        traction[1],
+    )
 
 
 def width_below(x, gap, threshold):
-    """Length where a gap is below a threshold; the edges are interpolated linearly between nodes."""
+    """Length where a gap is below a threshold; the edges are interpolated linearly between
+    nodes."""
     below = gap < threshold
     edges = np.flatnonzero(below[1:] != below[:-1])
     if not edges.size:

@@ -1,36 +1,40 @@
-"""Onset of sliding over the plane of both Maugis parameters, at a held normal force, for two residual frictions.
+"""Onset of sliding over the plane of both Maugis parameters, at a held normal force, for two
+residual frictions.
 
-A row for each residual friction, a cell for each run: full dots slide from a fold, open ones gradually (the last node slips past
-the law's peak), crosses come off before. (a, d) Force at the onset over tau_max times the area before shear. (b, e) Share of the
-area lost in all that is lost before the onset. (c, f) Distance of the force from the nearer of two estimates; lines: where each is
-off by 5 %, where both are equal, and where adhesion is of too long a range for JKR.
+A row for each residual friction, a cell for each run: full dots slide from a fold, open ones
+gradually (the last node slips past the law's peak), crosses come off before. (a, d) Force at the
+onset over tau_max times the area before shear. (b, e) Share of the area lost in all that is lost
+before the onset. (c, f) Distance of the force from the nearer of two estimates; lines: where each
+is off by 5 %, where both are equal, and where adhesion is of too long a range for JKR.
 """
 
-from functools import lru_cache
+import functools
 
 import numpy as np
-from matplotlib.colors import LogNorm
-from scipy.optimize import brentq, minimize_scalar
-from scipy.special import lambertw
-
-from contactsnes import reference
-
 from beyond import HEIGHT, finer, grid_change, unsheared
+from matplotlib.colors import LogNorm
 from observed import onset
 from runs import PERIOD, Run, half_width, points
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import lambertw
 from style import panels
+
+from contactsnes import reference
 
 FORCE, RESIDUALS = 0.8, (0.5, 1.0)
 NORMAL, TANGENTIAL = (0.3, 0.55, 1, 1.8, 3, 5.5, 10), (0.1, 0.2, 0.5, 1, 2, 5, 10)
 SLID = 5
-"""Tangential parameter of the runs from which the sliding contact is read: there slip has taken all adhesion."""
+"""Tangential parameter of the runs from which the sliding contact is read: there slip has taken all
+adhesion."""
 STEPS = {1: 60, 5: 40, 10: 80}
-"""Tangential parameter -> least number of points of the shear, where it is not 25: long steps pass over small folds, and fronts take many
-small ones."""
+"""Tangential parameter -> least number of points of the shear, where it is not 25: long steps pass
+over small folds, and fronts take many small ones."""
 WITHIN = 5.0
 """Distance of an estimate up to which it holds, percent."""
-MARKERS = {"fold": {"marker": "o", "color": "k", "markeredgecolor": "w", "markeredgewidth": 0.3, "markersize": 4.5},
-           "gradual": {"marker": "o", "color": "k", "markerfacecolor": "w", "markeredgewidth": 0.7, "markersize": 4},
+MARKERS = {"fold": {"marker": "o", "color": "k", "markeredgecolor": "w", "markeredgewidth": 0.3,
+                    "markersize": 4.5}, "gradual": {"marker": "o", "color": "k",
+                                                    "markerfacecolor": "w", "markeredgewidth": 0.7,
+                                                    "markersize": 4},
            "no onset": {"marker": "x", "color": "k", "markersize": 4}}
 COLOURS = {"uniform": "C0", "front": "C2"}
 CAPTION = "Onset of sliding over the plane of both Maugis parameters, at a held normal force of 0.8"
@@ -43,22 +47,35 @@ def name(residual, normal, tangential):
 
 def run(residual, normal, tangential):
     """Shear at the held normal force until beyond the onset."""
-    scene = {"normal_maugis": float(normal), "tangential_maugis": float(tangential), "residual_friction": residual}
-    half, peak = half_width(FORCE) + 0.75 / np.sqrt(normal), reference.peak_tangential_traction(tangential)
+    scene = {"normal_maugis": float(normal), "tangential_maugis": float(tangential),
+             "residual_friction": residual}
+    half = half_width(FORCE) + 0.75 / np.sqrt(normal)
+    peak = reference.peak_tangential_traction(tangential)
     strength = min(2 * peak * half, 2 * residual * peak * half + reference.ligament_force(half))
-    end, steps = reference.driven_displacement(3 / tangential, strength, PERIOD, HEIGHT), STEPS.get(tangential, 25)
-    return Run(name(residual, normal, tangential), {
-        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": points(2048, **scene),
-        "load_start": f"normal_displacement={reference.jkr_line_approach(half_width(FORCE), PERIOD):.4g}",
-        "load_path": f"normal_force={FORCE:g}; tangential_displacement={end:.6g}",
-        "load_stop": "pull_off", "continuation_initial_step": f"0.25,{end / steps / 4:.4g}",
-        "continuation_largest_step": f"1.5,{end / steps:.4g}", "continuation_stability": "sign",
-        # Along its length a branch tells exactly where a compliant interface slides; a stiff one's is too long for that.
-        **({"continuation_type": "arclength"} if tangential <= 1 else {})})
+    end = reference.driven_displacement(3 / tangential, strength, PERIOD, HEIGHT)
+    steps = STEPS.get(tangential, 25)
+    return Run(
+        name(residual, normal, tangential),
+        {
+            **{f"scene_{key}": value for key, value in scene.items()},
+            "scene_points": points(2048, **scene),
+            "load_start": "normal_displacement="
+                          f"{reference.jkr_line_approach(half_width(FORCE), PERIOD):.4g}",
+            "load_path": f"normal_force={FORCE:g}; tangential_displacement={end:.6g}",
+            "load_stop": "pull_off",
+            "continuation_initial_step": f"0.25,{end / steps / 4:.4g}",
+            "continuation_largest_step": f"1.5,{end / steps:.4g}",
+            "continuation_stability": "sign",
+            # Along its length a branch tells exactly where a compliant interface slides; a stiff
+            # one's is too long for that.
+            **({"continuation_type": "arclength"} if tangential <= 1 else {}),
+        },
+    )
 
 
 REFINED = (0.5, 0.3, 0.1), (0.5, 1, 1), (0.5, 10, 2)
-NEEDED = (*(run(residual, normal, tangential) for tangential in TANGENTIAL[::-1] for normal in NORMAL for residual in RESIDUALS),
+NEEDED = (*(run(residual, normal, tangential) for tangential in TANGENTIAL[::-1]
+            for normal in NORMAL for residual in RESIDUALS),
           *(finer(run(*case)) for case in REFINED))
 
 
@@ -71,42 +88,50 @@ def record_of(results, residual, normal, tangential):
 
 
 def each(results, value):
-    """Array (residual frictions, tangential, normal parameters) of a number of each case, nan where it is None."""
-    found = [[[value(results, residual, normal, tangential) for normal in NORMAL] for tangential in TANGENTIAL] for residual in RESIDUALS]
+    """Array (residual frictions, tangential, normal parameters) of a number of each case, nan where
+    it is None."""
+    found = [[[value(results, residual, normal, tangential) for normal in NORMAL]
+              for tangential in TANGENTIAL] for residual in RESIDUALS]
     return np.array(found, dtype=float)
 
 
 def slid(results, normal):
-    """(area, width of the friction: force over traction) of the sliding contact, the same for all tangential laws."""
+    """(area, width of the friction: force over traction) of the sliding contact, the same for all
+    tangential laws."""
     last = results[name(0.5, normal, SLID)]
-    return last["contact_area"][-1], last["tangential_force"][-1] / (0.5 * reference.peak_tangential_traction(SLID))
+    return last["contact_area"][-1], last["tangential_force"][-1] / (
+        0.5 * reference.peak_tangential_traction(SLID))
 
 
 def front(results, residual, normal, tangential):
-    """Force of the slip front that runs through, or of friction on the whole sliding contact where there is no such front."""
+    """Force of the slip front that runs through, or of friction on the whole sliding contact where
+    there is no such front."""
     traction = residual * reference.peak_tangential_traction(tangential)
-    return reference.front_onset(0.5 * slid(results, normal)[1], traction, max(reference.front_work(residual), 0.0), PERIOD)[1]
+    return reference.front_onset(0.5 * slid(results, normal)[1], traction,
+                                 max(reference.front_work(residual), 0.0), PERIOD)[1]
 
 
 def gripping_width(slip, normal):
-    """Width of the friction of a contact that slips as a whole by b ranges: that of Maugis and Dugdale for the adhesion exp(-b^2), times
-    exp(-gap) where tension opens it: within a by the law's own rise, gap exp(-gap) = tension, beyond by the opening at a crack's tip."""
+    """Width of the friction of a contact that slips as a whole by b ranges: that of Maugis and
+    Dugdale for the adhesion exp(-b^2), times exp(-gap) where tension opens it: within a by the
+    law's own rise, gap exp(-gap) = tension, beyond by the opening at a crack's tip."""
     left = float(reference.fading_work(slip))
     maugis = normal * left ** (2 / 3)
     inner, outer = reference.maugis_line(FORCE / left ** (2 / 3), maugis)
     places = (np.arange(200) + 0.5) / 200
     x = inner * np.sin(0.5 * np.pi * places)
-    tension = -reference.maugis_line_pressure(x, inner, outer, maugis) / reference.peak_normal_traction(maugis)
+    tension = -reference.maugis_line_pressure(x, inner, outer,
+                                              maugis) / reference.peak_normal_traction(maugis)
     gap = -lambertw(-np.clip(tension, 0.0, 1.0) / np.e).real
     held = np.mean(np.exp(-gap) * 0.5 * np.pi * np.cos(0.5 * np.pi * places)) * inner
     return 2 * left ** (1 / 3) * (held + np.mean(np.exp(-np.e * places ** 1.5)) * (outer - inner))
 
 
-@lru_cache(maxsize=None)
+@functools.cache
 def uniform_unit(normal):
     """Largest force of a contact that slips as a whole, over the tangential parameter."""
-    found = minimize_scalar(lambda slip: -slip * np.exp(-slip ** 2) * gripping_width(slip, normal), bounds=(0.2, np.sqrt(0.5)),
-                            method="bounded", options={"xatol": 1e-4})
+    found = minimize_scalar(lambda slip: -slip * np.exp(-slip ** 2) * gripping_width(slip, normal),
+                            bounds=(0.2, np.sqrt(0.5)), method="bounded", options={"xatol": 1e-4})
     return -2 * found.fun
 
 
@@ -116,8 +141,8 @@ def uniform(normal, tangential):
 
 
 def maps(results):
-    """Name -> array of what is drawn: the force at the onset over tau_max times the area, the share of the area lost before,
-    percent from uniform slip and from the front, whether it is a fold."""
+    """Name -> array of what is drawn: the force at the onset over tau_max times the area, the share
+    of the area lost before, percent from uniform slip and from the front, whether it is a fold."""
     def begun(value):
         def of_case(results, residual, normal, tangential):
             record = record_of(results, residual, normal, tangential)
@@ -131,13 +156,23 @@ def maps(results):
         return (whole - found.area) / (whole - area)
 
     return {
-        "force": begun(lambda found, residual, normal, tangential, record:
-                       found.force / (reference.peak_tangential_traction(tangential) * unsheared(record))),
+        "force": begun(
+            lambda found, residual, normal, tangential, record: (
+                found.force / (reference.peak_tangential_traction(tangential) * unsheared(record))
+            )
+        ),
         "share": begun(share),
         # Uniform slip supposes that adhesion is still there.
-        "uniform": begun(lambda *case: 100 * (case[0].force / uniform(*case[2:4]) - 1) if share(*case) < 0.9 else None),
-        "front": begun(lambda found, residual, normal, tangential, record:
-                       100 * (found.force / front(results, residual, normal, tangential) - 1)),
+        "uniform": begun(
+            lambda *case: (
+                100 * (case[0].force / uniform(*case[2:4]) - 1) if share(*case) < 0.9 else None
+            )
+        ),
+        "front": begun(
+            lambda found, residual, normal, tangential, record: (
+                100 * (found.force / front(results, residual, normal, tangential) - 1)
+            )
+        ),
         "fold": begun(lambda found, *_: found.unstable),
     }
 
@@ -148,13 +183,16 @@ def crossing(results, residual, normal):
         return uniform(normal, np.exp(log)) / front(results, residual, normal, np.exp(log)) - 1
 
     ends = np.log(TANGENTIAL[0] / 3), np.log(TANGENTIAL[-1])
-    return np.exp(brentq(difference, *ends)) if difference(ends[0]) * difference(ends[1]) < 0 else np.nan
+    return (np.exp(brentq(difference, *ends)) if difference(ends[0]) * difference(ends[1]) < 0
+            else np.nan)
 
 
 def shortest_range():
-    """Normal parameter below which adhesion is of too long a range for JKR: Maugis and Dugdale's width is larger by `WITHIN`."""
+    """Normal parameter below which adhesion is of too long a range for JKR: Maugis and Dugdale's
+    width is larger by `WITHIN`."""
     def excess(log):
-        return reference.maugis_line(FORCE, np.exp(log))[1] / reference.jkr_line_half_width(FORCE) - 1 - WITHIN / 100
+        return reference.maugis_line(FORCE, np.exp(log))[1] / reference.jkr_line_half_width(
+            FORCE) - 1 - WITHIN / 100
 
     return np.exp(brentq(excess, np.log(NORMAL[0]), np.log(NORMAL[-1])))
 
@@ -171,16 +209,22 @@ def draw(results):
     found, (figure, axes) = maps(results), panels(2, 3, height=5.2)
     nearer = np.fmin(np.abs(found["uniform"]), np.abs(found["front"]))
     looks = ((found["force"], r"onset force over $\tau_{\max} a_0$", {"cmap": "viridis"}),
-             (100 * found["share"], "area lost before, % of all lost", {"cmap": "cividis", "vmin": 0, "vmax": 100}),
-             (nearer, "from the nearer estimate, %", {"cmap": "YlOrBr", "norm": LogNorm(0.1, 30)}))
+             (100 * found["share"], "area lost before, % of all lost",
+              {"cmap": "cividis", "vmin": 0, "vmax": 100}), (nearer, "from the nearer estimate, %",
+                                                             {"cmap": "YlOrBr",
+                                                              "norm": LogNorm(0.1, 30)}))
     for column, (values, label, look) in enumerate(looks):
-        scale = {"vmin": np.nanmin(values), "vmax": np.nanmax(values), **look} if "norm" not in look else look
+        scale = {"vmin": np.nanmin(values), "vmax": np.nanmax(values),
+                 **look} if "norm" not in look else look
         for line, residual in enumerate(RESIDUALS):
             one = axes[line, column]
-            drawn = one.pcolormesh(edges(NORMAL), edges(TANGENTIAL), np.ma.masked_invalid(values[line]), **scale)
+            drawn = one.pcolormesh(edges(NORMAL), edges(TANGENTIAL),
+                                   np.ma.masked_invalid(values[line]), **scale)
             draw_markers(one, results, residual, found["fold"][line])
-            one.set(xscale="log", yscale="log", facecolor="0.9", xlim=edges(NORMAL)[[0, -1]], ylim=edges(TANGENTIAL)[[0, -1]],
-                    title=f"({'abcdef'[3 * line + column]})  $\\tau_\\infty = {'' if residual == 1 else f'{residual:g}'}\\tau_{{\\max}}$")
+            one.set(xscale="log", yscale="log", facecolor="0.9", xlim=edges(NORMAL)[[0, -1]],
+                    ylim=edges(TANGENTIAL)[[0, -1]], title=f"({'abcdef'[3 * line + column]})  "
+                    "$\\tau_\\infty = "
+                    f"{'' if residual == 1 else f'{residual:g}'}\\tau_{{\\max}}$")
             one.set_xticks([0.3, 1, 3, 10], ["0.3", "1", "3", "10"], minor=False)
             one.set_yticks([0.1, 1, 10], ["0.1", "1", "10"], minor=False)
             one.set_xticks([], minor=True)
@@ -204,14 +248,17 @@ def draw_markers(axes, results, residual, folds):
 
 def draw_theory(axes, results, found, line):
     """Where estimates hold, where they are equal, and where JKR's contact does not apply."""
-    for (estimate, colour), label in zip(COLOURS.items(), ("uniform slip", "slip front, or friction of all")):
-        values = np.ma.masked_where(np.isnan(found["fold"][line]), np.nan_to_num(np.abs(found[estimate][line]), nan=100.0))
+    for (estimate, colour), label in zip(COLOURS.items(),
+                                         ("uniform slip", "slip front, or friction of all")):
+        values = np.ma.masked_where(np.isnan(found["fold"][line]),
+                                    np.nan_to_num(np.abs(found[estimate][line]), nan=100.0))
         if values.min() < WITHIN < values.max():
             axes.contour(NORMAL, TANGENTIAL, values, levels=[WITHIN], colors=colour, linewidths=1.6)
         axes.plot([], [], color=colour, linewidth=1.6, label=f"{label}: off by {WITHIN:g} %")
-    axes.plot(NORMAL, [crossing(results, RESIDUALS[line], normal) for normal in NORMAL], "k--", linewidth=1.0,
-              label="uniform slip = slip front")
-    axes.axvline(shortest_range(), linestyle=":", color="k", linewidth=1.0, label="Maugis-Dugdale's width = 1.05 JKR's")
+    axes.plot(NORMAL, [crossing(results, RESIDUALS[line], normal) for normal in NORMAL], "k--",
+              linewidth=1.0, label="uniform slip = slip front")
+    axes.axvline(shortest_range(), linestyle=":", color="k", linewidth=1.0,
+                 label="Maugis-Dugdale's width = 1.05 JKR's")
 
 
 def legend(figure):
@@ -239,14 +286,21 @@ def compressed(symbol, places, holds, known):
 
 
 def told(holds, known):
-    """Where something holds in the plane, in words: for each set of normal parameters the tangential ones with it."""
+    """Where something holds in the plane, in words: for each set of normal parameters the
+    tangential ones with it."""
     kinds = {}
     for row, (values, there) in enumerate(zip(holds, known)):
         if values.any():
             kinds.setdefault(compressed("lambda_n", NORMAL, values, there), []).append(row)
     everywhere = np.full(len(TANGENTIAL), True)
-    return ", ".join(f"{compressed('lambda_t', TANGENTIAL, np.isin(np.arange(len(TANGENTIAL)), rows), everywhere)} with {kind}"
-                     for kind, rows in kinds.items()) or "no case"
+    numbers = np.arange(len(TANGENTIAL))
+    return (
+        ", ".join(
+            compressed("lambda_t", TANGENTIAL, np.isin(numbers, rows), everywhere) + f" with {kind}"
+            for kind, rows in kinds.items()
+        )
+        or "no case"
+    )
 
 
 def missing(results):
@@ -257,10 +311,12 @@ def missing(results):
             for normal in NORMAL:
                 record = record_of(results, residual, normal, tangential)
                 if record is None or onset(record) is None:
-                    why = "no points" if record is None else "comes off" if record["event"][-1] == "pull_off" else "ended early"
+                    why = ("no points" if record is None else "comes off"
+                           if record["event"][-1] == "pull_off" else "ended early")
                     without.append(f"{residual:g}, {normal:g}, {tangential:g}: {why}")
     return ("Every case reached an onset. " if not without
-            else "Without an onset (residual friction, lambda_n, lambda_t): " + "; ".join(without) + ". ")
+            else "Without an onset (residual friction, lambda_n, lambda_t): " + "; ".join(without)
+            + ". ")
 
 
 def level(residual):
@@ -274,53 +330,75 @@ def says(results):
     front_off, known = np.abs(found["front"]), np.isfinite(found["fold"])
     text = f"{known.sum()} onsets at W = {FORCE:g} held. " + missing(results)
     for line, residual in enumerate(RESIDUALS):
-        folds, there, lost = found["fold"][line] == 1, known[line], found["share"][line] > 0.99
+        folds = found["fold"][line] == 1
+        there = known[line]
+        lost = found["share"][line] > 0.99
         text += (f"With {level(residual)} {folds.sum()} of {there.sum()} onsets are folds"
                  + ("" if folds.sum() == there.sum() else f" ({told(folds, there)})"))
         if residual == 1:
-            text += (": the force falls with the area only, and the onset is gradual where slip has taken that before "
-                     f"({(there & ~folds & lost).sum()} cases) or takes it over a slip too long for the drive's stiffness of "
-                     f"{reference.drive_stiffness(PERIOD, HEIGHT):.4g} ({(there & ~folds & ~lost).sum()})")
-        text += (f". The force is {np.nanmin(found['force'][line]):.2f} to {np.nanmax(found['force'][line]):.2f} tau_max a_0; all the "
-                 f"area that slip takes is lost before (to 1 %) at {told(lost, there)}. ")
-    return text + theory_told(results, found, np.abs(found["uniform"]), front_off) + grid_told(results)
+            text += (": the force falls with the area only, and the onset "
+                     "is gradual where slip has taken that before "
+                     f"({(there & ~folds & lost).sum()} cases) or takes it over "
+                     "a slip too long for the drive's stiffness of "
+                     f"{reference.drive_stiffness(PERIOD, HEIGHT):.4g} "
+                     f"({(there & ~folds & ~lost).sum()})")
+        text += (f". The force is {np.nanmin(found['force'][line]):.2f} to "
+                 f"{np.nanmax(found['force'][line]):.2f} tau_max a_0; all the area "
+                 "that slip takes is lost before (to 1 %) at "
+                 f"{told(lost, there)}. ")
+    return text + theory_told(results, found, np.abs(found["uniform"]),
+                              front_off) + grid_told(results)
 
 
 def stiff_told(off):
     """From which tangential parameter on the front's estimate is within 1 %, in words."""
     worst = [np.nanmax(off[row:]) for row in range(len(TANGENTIAL))]
     first = next((row for row, value in enumerate(worst) if value < 1), None)
-    return "" if first is None else f", and within {worst[first]:.1g} % for all lambda_n from lambda_t = {TANGENTIAL[first]:g} on"
+    return ("" if first is None else f", and within {worst[first]:.1g} % for all "
+            f"lambda_n from lambda_t = {TANGENTIAL[first]:g} on")
 
 
 def theory_told(results, found, uniform_off, front_off):
     """Sentences on where the estimates hold."""
-    text = ("Two estimates: uniform slip of a Maugis-Dugdale contact of the adhesion exp(-b^2), whose friction fades as exp(-gap) where "
-            "tension opens the gap (where slip has not yet taken nine tenths of the area); and the slip front that leaves tau_inf behind "
-            "in the sliding contact, or, where no work is left for a front (tau_inf = tau_max), the friction of that contact. ")
+    text = ("Two estimates: uniform slip of a Maugis-Dugdale contact of "
+            "the adhesion exp(-b^2), whose friction fades as exp(-gap) "
+            "where tension opens the gap (where slip has not yet "
+            "taken nine tenths of the area); and the slip front that "
+            "leaves tau_inf behind in the sliding contact, or, where no "
+            "work is left for a front (tau_inf = tau_max), the "
+            "friction of that contact. ")
     for line, residual in enumerate(RESIDUALS):
         known, nearer = np.isfinite(found["fold"][line]), np.fmin(uniform_off, front_off)[line]
         neither = known & (nearer > WITHIN)
         equal = np.array([crossing(results, residual, normal) for normal in NORMAL])
-        text += (f"For {level(residual)} uniform slip is within {WITHIN:g} % at {told(uniform_off[line] < WITHIN, known)}; "
-                 f"the front at {told(front_off[line] < WITHIN, known)}{stiff_told(front_off[line])}; neither in {neither.sum()} cases")
+        text += (f"For {level(residual)} uniform slip is within {WITHIN:g} % "
+                 f"at {told(uniform_off[line] < WITHIN, known)}; the front at "
+                 f"{told(front_off[line] < WITHIN, known)}{stiff_told(front_off[line])}; "
+                 f"neither in {neither.sum()} cases")
         if neither.any():
             row, column = np.unravel_index(np.argmax(np.where(neither, nearer, -1)), neither.shape)
-            text += f", by up to {nearer[row, column]:.0f} % (lambda_n = {NORMAL[column]:g}, lambda_t = {TANGENTIAL[row]:g})"
-        text += f"; both are equal at lambda_t = {np.nanmin(equal):.2f} to {np.nanmax(equal):.2f}. " if np.isfinite(equal).any() else ". "
+            text += (f", by up to {nearer[row, column]:.0f} % (lambda_n = "
+                     f"{NORMAL[column]:g}, lambda_t = {TANGENTIAL[row]:g})")
+        text += (f"; both are equal at lambda_t = {np.nanmin(equal):.2f} to "
+                 f"{np.nanmax(equal):.2f}. " if np.isfinite(equal).any() else ". ")
     first = found["uniform"][0, 0]
     soft = [value for normal, value in zip(NORMAL, first) if normal < shortest_range()]
     begun = onset(results[name(RESIDUALS[0], NORMAL[-1], TANGENTIAL[0])])
     plain = 100 * (begun.force / reference.uniform_slip_onset(FORCE, TANGENTIAL[0], PERIOD)[1] - 1)
-    return text + (f"Below lambda_n = {shortest_range():.1f} Maugis and Dugdale's contact is wider than JKR's by more than "
-                   f"{WITHIN:g} %; there forces at lambda_t = {TANGENTIAL[0]:g} are {min(soft):+.0f} to {max(soft):+.0f} % from uniform slip "
-                   f"({level(RESIDUALS[0])}). At lambda_n = {NORMAL[-1]:g} it is {first[-1]:+.1f} %, and {plain:+.1f} % from a JKR contact "
-                   "whose friction does not fade. ")
+    return text + (f"Below lambda_n = {shortest_range():.1f} Maugis and Dugdale's "
+                   f"contact is wider than JKR's by more than {WITHIN:g} "
+                   f"%; there forces at lambda_t = {TANGENTIAL[0]:g} are "
+                   f"{min(soft):+.0f} to {max(soft):+.0f} % from uniform slip "
+                   f"({level(RESIDUALS[0])}). At lambda_n = {NORMAL[-1]:g} it "
+                   f"is {first[-1]:+.1f} %, and {plain:+.1f} % from a JKR "
+                   "contact whose friction does not fade. ")
 
 
 def grid_told(results):
     """Sentence on the errors of the grid."""
     changes = [grid_change(results, run(*case)) for case in REFINED]
     places = ", ".join(f"({normal:g}, {tangential:g})" for _, normal, tangential in REFINED)
-    return (f"Twice the points change the force at the onset by at most {max(change[0] for change in changes):.0e} of it, the area there by "
-            f"{max(change[1] for change in changes):.0e} (at {places}, {level(REFINED[0][0])}).")
+    return ("Twice the points change the force at the onset by at most "
+            f"{max(change[0] for change in changes):.0e} of it, the area there "
+            f"by {max(change[1] for change in changes):.0e} (at {places}, "
+            f"{level(REFINED[0][0])}).")

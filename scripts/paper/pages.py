@@ -1,12 +1,9 @@
 """The pages that show figures and statements: scripts/paper/README.md, and the gallery in docs."""
 
-import numpy as np
-
-from contactsnes.output.tables import markdown, write_between
-
 import cell
 import cost
 import early
+import numpy as np
 import onsets
 import poisson
 import remnant
@@ -16,6 +13,8 @@ import statements  # noqa: F401  makes the statements of the table
 from errors import figure_table
 from runs import ROOT, Finer
 from statement import evaluated, table
+
+from contactsnes.output.tables import markdown, write_between
 
 HERE = ROOT / "scripts" / "paper"
 GALLERY = ROOT / "docs" / "gallery.md"
@@ -30,25 +29,35 @@ CAPTIONS = {
     "figure6": "Figure 6: area against tangential force",
     "figure7": "Figure 7: area against tangential force, onsets of sliding",
 }
-BESIDE = {
-    "figure2": "Curves and line styles are the paper's; eqs. 3b and 5b are corrected (statements 1 and 2). For eq. 5 the two curves of the tangential "
-               "traction without an open gap coincide.",
-    "figure3": "The paper's widths converge for large thresholds, these go on to grow. The least threshold, whose contact is the overlap alone, "
-               "loses contact before pull-off.",
-    "figure4": "Maugis and Dugdale's theory and the inset in (b) are added; both theories are those of the periodic cell. Curves end at the fold "
-               "under a prescribed displacement.",
-    "figure5": "Contacts are those of the forces 25 and 0.8, not of the approaches 40 and 2, which have other forces in the cell as the paper describes it. "
-               "Sliding begins for lambda_t = 10 far beyond the range in which the others' does, not early: the drawing over the whole range "
-               "shows it. Marks in (a) have the colours of the profiles.",
-    "figure5-full": "The paper has both residual frictions in its laws, and profiles for one; this is the other one. Without a drop of friction "
-                    "sliding begins gradually unless adhesion is lost at once.",
-    "figure5-long": "The same runs, axes logarithmic.",
-    "figure6": "Onsets, theory, (c) and (d) are added. Power laws are fitted where up to a quarter of what is lost is lost: the paper does not tell its window.",
-    "figure7": "The paper shows the first row. Open circles are stable onsets, crosses an estimate that the paper does not have.",
-}
+BESIDE = {"figure2": "Curves and line styles are the paper's; eqs. 3b and "
+          "5b are corrected (statements 1 and 2). For eq. 5 the "
+          "two curves of the tangential traction without an open gap "
+          "coincide.", "figure3": "The paper's widths converge for large "
+          "thresholds, these go on to grow. The least threshold, whose "
+          "contact is the overlap alone, loses contact before pull-off.",
+          "figure4": "Maugis and Dugdale's theory and the inset in (b) are "
+          "added; both theories are those of the periodic cell. Curves "
+          "end at the fold under a prescribed displacement.",
+          "figure5": "Contacts are those of the forces 25 and 0.8, not "
+          "of the approaches 40 and 2, which have other forces in "
+          "the cell as the paper describes it. Sliding begins for "
+          "lambda_t = 10 far beyond the range in which the others' "
+          "does, not early: the drawing over the whole range shows "
+          "it. Marks in (a) have the colours of the profiles.",
+          "figure5-full": "The paper has both residual frictions in its laws, "
+          "and profiles for one; this is the other one. Without a "
+          "drop of friction sliding begins gradually unless adhesion is "
+          "lost at once.", "figure5-long": "The same runs, axes logarithmic.",
+          "figure6": "Onsets, theory, (c) and (d) are added. Power laws "
+          "are fitted where up to a quarter of what is lost is "
+          "lost: the paper does not tell its window.",
+          "figure7": "The paper shows the first row. Open circles are stable "
+          "onsets, crosses an estimate that the paper does not have.",}
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early, onsets)}
-"""Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED, draw, CAPTION and says."""
+BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early,
+                                                 onsets)}
+"""Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED,
+draw, CAPTION and says."""
 
 
 def runs_beyond():
@@ -58,43 +67,55 @@ def runs_beyond():
 
 def symbols(text):
     """Greek letters and the like of a text in Markdown."""
-    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"), ("delta_", "δ_"), ("phi_", "φ_"), ("beta", "β"), ("nu = ", "ν = "),
-                         (" +- ", " ± "), ("<~", "≲"), ("_max", "<sub>max</sub>"), ("_inf", "<sub>∞</sub>"), ("_fit", "<sub>fit</sub>"),
-                         ("_r", "<sub>r</sub>"), ("_n", "<sub>n</sub>"), ("_t", "<sub>t</sub>"), ("|", "\\|")):
+    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"), ("delta_", "δ_"),
+                         ("phi_", "φ_"), ("beta", "β"), ("nu = ", "ν = "), (" +- ", " ± "),
+                         ("<~", "≲"), ("_max", "<sub>max</sub>"), ("_inf", "<sub>∞</sub>"),
+                         ("_fit", "<sub>fit</sub>"), ("_r", "<sub>r</sub>"), ("_n", "<sub>n</sub>"),
+                         ("_t", "<sub>t</sub>"), ("|", "\\|")):
         text = text.replace(plain, shown)
     return text
 
 
 def statement_table(results, finer):
     """Lines of the table of statements."""
-    rows = [[str(number), *map(symbols, row)] for number, row in enumerate(table(results, finer), start=1)]
+    rows = [[str(number), *map(symbols, row)] for number, row in enumerate(table(results, finer),
+                                                                           start=1)]
     return markdown(["", "where", "the paper says", "measured as", "found", "verdict"], rows)
 
 
 def convergence(results, runs):
     """Lines on the convergence and stability of all points."""
-    residual, count, ends, astray, traced = 0.0, {"stable": 0, "fold": 0, "unstable": 0, "unknown": 0}, [], [], 0
+    residual = 0.0
+    count = {"stable": 0, "fold": 0, "unstable": 0, "unknown": 0}
+    ends = []
+    astray = []
+    traced = 0
     for run in runs:
         if run.name not in results or run.options.get("continuation_stability", "off") == "off":
             continue
         record = results[run.name]
         residual = max(residual, record["residual_norm"].max())
-        kinds = np.select([record["event"] == "fold", record["stable"] == 1, record["unstable_modes"] > 0], ["fold", "stable", "unstable"], "unknown")
+        kinds = np.select([record["event"] == "fold", record["stable"] == 1,
+                           record["unstable_modes"] > 0], ["fold", "stable", "unstable"], "unknown")
         for name in count:
             count[name] += int(np.sum(kinds == name))
         if run.options.get("continuation_at_fold") == "trace":
             traced += int(np.sum(kinds == "unstable"))
         else:
             places = record["tangential_displacement"][kinds == "unstable"]
-            astray += [f"{places.size} of {run.name} between {places.min():.6g} and {places.max():.6g}"] if places.size else []
+            astray += [f"{places.size} of {run.name} between {places.min():.6g} "
+                       f"and {places.max():.6g}"] if places.size else []
         if not record.complete:
             ends.append(run.name)
     astray += [f"{traced} between folds of branches that are traced"] * (traced > 0)
-    return [f"Of {sum(count.values())} points, all with a residual norm of at most {residual:.0e} ranges of the law, {count['stable']} are "
-            f"certified stable, {count['fold']} are folds, {count['unstable']} have an unstable mode"
-            + (f" ({'; '.join(astray)})" if astray else "")
-            + f", and {count['unknown']} have a mode that is neutral or was not found."
-            + (f" Runs that ended before their end: {', '.join(ends)}." if ends else "")]
+    return [f"Of {sum(count.values())} points, all with a residual norm of "
+            f"at most {residual:.0e} ranges of the law, {count['stable']} "
+            f"are certified stable, {count['fold']} are folds, "
+            f"{count['unstable']} have an unstable mode" + (f" ({'; '.join(astray)})"
+                                                                     if astray else "")
+            + f", and {count['unknown']} have a mode that is neutral or "
+            "was not found." + (" Runs that ended before their end: "
+                                   f"{', '.join(ends)}." if ends else "")]
 
 
 def beyond_figures(results):
@@ -102,7 +123,8 @@ def beyond_figures(results):
     lines = []
     for name, module in BEYOND.items():
         told, missing = evaluated(module.says, results)
-        lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "", symbols(told or f"Not told: {missing}."), ""]
+        lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "",
+                  symbols(told or f"Not told: {missing}."), ""]
     return lines
 
 
@@ -112,20 +134,40 @@ def fixed(runs):
 
 
 def write(results, runs, movements):
-    """Write both pages; ``runs`` are those of the paper's figures, ``movements`` how far these move on finer grids (`errors.movement`)."""
+    """Write both pages; ``runs`` are those of the paper's figures, ``movements`` how far these move
+    on finer grids (`errors.movement`)."""
     finer = Finer(results, fixed(runs))
     images = [f"![{caption}]({name}.png)\n\n{caption}. {symbols(BESIDE[name])}"
               for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
-    (HERE / "README.md").write_text("\n".join([
-        "# The paper, figure by figure", "",
-        "Written by `scripts/reproduce`. Lengths are in β, tangential forces in w_t,r, normal ones in w_n,r; W is the normal force.", "",
-        "## Statements", "", "Each number is told with its error bar: the change on a grid of twice the points, the step of the load in which an "
-        "event lies, or the confidence interval of a fit, whichever is largest; numbers without one are exact.", "",
-        *statement_table(results, finer), "", "## Convergence, errors and cost", "", *convergence(results, {run.name: run for run in [*runs, *runs_beyond()]}.values()), "",
-        "Errors of the grid: every run is made again on twice the points, every figure drawn from these, and both drawings compared.", "",
-        *figure_table(movements), "", *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "", "## Beyond the figures", "",
-        *beyond_figures(results)]), encoding="utf-8")
+    (HERE / "README.md").write_text("\n".join(["# The paper, figure by figure", "", "Written by "
+                                               "`scripts/reproduce`. Lengths are in β, "
+                                               "tangential forces in w_t,r, normal "
+                                               "ones in w_n,r; W is the "
+                                               "normal force.", "", "## Statements", "",
+                                               "Each number is told with its error "
+                                               "bar: the change on a grid of "
+                                               "twice the points, the step of "
+                                               "the load in which an event lies, "
+                                               "or the confidence interval of a "
+                                               "fit, whichever is largest; numbers "
+                                               "without one are exact.", "",
+                                               *statement_table(results, finer), "",
+                                               "## Convergence, errors and cost", "",
+                                               *convergence(results,
+                                                            {run.name: run
+                                                             for run in [*runs,
+                                                                         *runs_beyond()]}.values()),
+                                               "", "Errors of the grid: every run is "
+                                               "made again on twice the points, "
+                                               "every figure drawn from these, and "
+                                               "both drawings compared.", "",
+                                               *figure_table(movements), "",
+                                               *cost.report(results, runs), "", "## Figures", "",
+                                               "\n\n".join(images), "", "## Beyond the figures", "",
+                                               *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
-    gallery = [f'<img src="../scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">' for name in shown]
-    gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">' for name, module in BEYOND.items()]
+    gallery = [f'<img src="../scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">'
+               for name in shown]
+    gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">'
+                for name, module in BEYOND.items()]
     write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))

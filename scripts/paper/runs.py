@@ -1,8 +1,9 @@
 """The runs behind the figures: what each one is, how they are made, and their archives.
 
-Every run is one command, as a rule ``contactsnes run``, with the options of `Run.options`; its archive and what it said lie in the folder
-of results, and a run whose archive is complete is not made again. Lengths are in beta, normal displacements in u_n,r, tangential
-ones in u_t,r, forces in w_n,r and w_t,r, as everywhere.
+Every run is one command, as a rule ``contactsnes run``, with the options of `Run.options`; its
+archive and what it said lie in the folder of results, and a run whose archive is complete is not
+made again. Lengths are in beta, normal displacements in u_n,r, tangential ones in u_t,r, forces in
+w_n,r and w_t,r, as everywhere.
 """
 
 import os
@@ -20,8 +21,10 @@ from contactsnes.output.archive import ArchiveError, read
 from contactsnes.scene.resolution import resolution
 
 ROOT = Path(__file__).resolve().parents[2]
-LAWS = {"mcgarry": {"law": "mcgarry"}, "full": {"residual_friction": 1.0}, "half": {"residual_friction": 0.5}}
-"""Name of a law -> its options: eq. 3; eq. 5 with tau_inf = tau_max; eq. 5 with tau_inf = tau_max/2."""
+LAWS = {"mcgarry": {"law": "mcgarry"}, "full": {"residual_friction": 1.0},
+        "half": {"residual_friction": 0.5}}
+"""Name of a law -> its options: eq. 3; eq. 5 with tau_inf = tau_max; eq. 5 with tau_inf =
+tau_max/2."""
 NORMAL = (3, 10, 20)
 """Normal Maugis parameters of figure 4."""
 TANGENTIAL = (0.1, 1, 10)
@@ -39,12 +42,14 @@ FINER = "-x2"
 """End of the names of runs on twice the points."""
 
 ENDS = {0: "", 1: ", ended early", 2: ", bad input"}
-"""Exit status of a run that has come to its end -> what is told of it; with another one it was interrupted, and goes on the next time."""
+"""Exit status of a run that has come to its end -> what is told of it; with another one it was
+interrupted, and goes on the next time."""
 
 
 class Run(NamedTuple):
-    """A run: its name, its options, name -> value, and whether its grid may be refined: where it is too coarse to finish, and for a second
-    run on twice the points, which tells the errors of the grid. ``program`` is what takes the options, arguments of Python."""
+    """A run: its name, its options, name -> value, and whether its grid may be refined: where it is
+    too coarse to finish, and for a second run on twice the points, which tells the errors of the
+    grid. ``program`` is what takes the options, arguments of Python."""
 
     name: str
     options: dict
@@ -61,7 +66,8 @@ class Run(NamedTuple):
 
 
 def points(least=8192, **scene):
-    """Least power of two of points that resolves the cohesive zone of a scene, sheared where it has a tangential parameter."""
+    """Least power of two of points that resolves the cohesive zone of a scene, sheared where it has
+    a tangential parameter."""
     ratio = max(resolution(Scene(**{**scene, "points": 8192}), "tangential_maugis" in scene))
     return max(least, 2 ** (13 + int(np.ceil(np.log2(ratio) - 1e-9))))
 
@@ -72,14 +78,18 @@ def half_width(force):
 
 
 def pressed(maugis):
-    """Normal loading without shear: from above W = 25 down by the forces of the figures to pull-off, figures 3 and 4."""
+    """Normal loading without shear: from above W = 25 down by the forces of the figures to
+    pull-off, figures 3 and 4."""
     scene = {"normal_maugis": float(maugis)}
-    return Run(f"pressed-n{maugis}", {
-        **{f"scene_{name}": value for name, value in scene.items()}, "scene_points": points(**scene),
-        "load_start": "normal_displacement=40",
-        "load_path": "normal_force=25; normal_force=10.4; normal_force=0.8; normal_displacement=-8",
-        "continuation_initial_step": "0.5,0.5,0.5,0.1", "continuation_largest_step": "1.5,1.5,0.6,0.2",
-        "continuation_at_fold": "stop", "continuation_stability": "sign", "archive_fields": "all"})
+    return Run(f"pressed-n{maugis}", {**{f"scene_{name}": value for name, value in scene.items()},
+                                      "scene_points": points(**scene),
+                                      "load_start": "normal_displacement=40",
+                                      "load_path": "normal_force=25; normal_force=10.4; "
+                                      "normal_force=0.8; normal_displacement=-8",
+                                      "continuation_initial_step": "0.5,0.5,0.5,0.1",
+                                      "continuation_largest_step": "1.5,1.5,0.6,0.2",
+                                      "continuation_at_fold": "stop",
+                                      "continuation_stability": "sign", "archive_fields": "all"})
 
 
 def strength(law, maugis, force):
@@ -88,21 +98,28 @@ def strength(law, maugis, force):
     carried = reference.peak_tangential_traction(maugis) * width
     if law == "mcgarry":
         # Under pressure eq. 3 holds more than tau_max.
-        return min(1.5 * carried if maugis < 1 else carried, 1.75 * reference.ligament_force(half_width(force), PERIOD))
+        return min(1.5 * carried if maugis < 1 else carried,
+                   1.75 * reference.ligament_force(half_width(force), PERIOD))
     return carried
 
 
-def sheared(law, maugis, force, *, control="displacement", fields="none", beyond=None, suffix="", **scene):
-    """A contact that is pressed to a normal force and then sheared to gross sliding, and ``beyond`` (by default where it is cheap).
+def sheared(law, maugis, force, *, control="displacement", fields="none", beyond=None, suffix="",
+            **scene):
+    """A contact that is pressed to a normal force and then sheared to gross sliding, and ``beyond``
+    (by default where it is cheap).
 
-    control : what stays as it is normally under shear, the "displacement" (as in the paper) or the "force"
+    control : what stays as it is normally under shear, the "displacement" (as in the paper) or the
+        "force"
     """
     given, scene = scene, {"tangential_maugis": float(maugis), **LAWS[law], **scene}
-    # A rim that slips under eq. 3 is no longer kept out of the flat, and the deeper it sinks the faster its friction falls.
-    size = scene.pop("points", None) or points(**scene) * (4 if law == "mcgarry" and maugis >= 10 else 1)
+    # A rim that slips under eq. 3 is no longer kept out of the flat, and the deeper it sinks the
+    # faster its friction falls.
+    size = scene.pop("points", None) or points(**scene) * (4 if law == "mcgarry" and maugis >= 10
+                                                           else 1)
     begin, end = peeling(maugis, force), drive(scene, strength(law, maugis, force))
     # The more compliant the interface the more of the contact slips at once: smaller steps.
-    legs, steps = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"], [1.0, end / (40 if maugis >= 6 else 80 if maugis >= 1 else 120)]
+    legs = [f"normal_force={force:g}", f"tangential_displacement={end:.6g}"]
+    steps = [1.0, end / (40 if maugis >= 6 else 80 if maugis >= 1 else 120)]
     if control == "displacement":
         legs[1] = "normal_displacement=hold, " + legs[1]
     if drive(scene, begin) < 0.6 * end:
@@ -112,48 +129,75 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     if beyond is None:
         beyond = law != "mcgarry" and maugis <= 1 or fields == "all"
     name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + suffix
-    return Run(name, finer="points" not in given, options={
-        **{f"scene_{key}": value for key, value in scene.items()}, "scene_points": size,
-        "load_start": f"normal_displacement={max(2.0, reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)):.3f}",
-        "load_path": "; ".join(legs), "load_stop": "pull_off" if beyond or law == "mcgarry" and maugis <= 1 else "gross_sliding,pull_off",
-        "continuation_initial_step": ",".join(f"{min(step, 0.5):.4g}" if not leg else f"{step / 2:.4g}"
-                                              for leg, step in enumerate(steps)),
-        "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
-        "continuation_at_fold": "jump" if beyond else "stop", "archive_fields": fields,
-        # Along its length a branch tells exactly where a stable onset is; a stiff interface with a fold has too long a one.
-        **({"continuation_type": "arclength"} if law == "mcgarry" or maugis <= (3.6 if law == "full" else 1) else {}),
-        "continuation_stability": "sign"})
+    approach = reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)
+    return Run(
+        name,
+        finer="points" not in given,
+        options={
+            **{f"scene_{key}": value for key, value in scene.items()},
+            "scene_points": size,
+            "load_start": f"normal_displacement={max(2.0, approach):.3f}",
+            "load_path": "; ".join(legs),
+            "load_stop": "pull_off"
+            if beyond or law == "mcgarry" and maugis <= 1
+            else "gross_sliding,pull_off",
+            "continuation_initial_step": ",".join(
+                f"{min(step, 0.5):.4g}" if not leg else f"{step / 2:.4g}"
+                for leg, step in enumerate(steps)
+            ),
+            "continuation_largest_step": ",".join(f"{step:.4g}" for step in steps),
+            "continuation_at_fold": "jump" if beyond else "stop",
+            "archive_fields": fields,
+            # Along its length a branch tells exactly where a stable onset is; a stiff interface
+            # with a fold has too long a one.
+            **(
+                {"continuation_type": "arclength"}
+                if law == "mcgarry" or maugis <= (3.6 if law == "full" else 1)
+                else {}
+            ),
+            "continuation_stability": "sign",
+        },
+    )
 
 
 def peeling(maugis, force):
-    """A tangential force at which a contact with a stiff interface has peeled: some times its brittle strength."""
+    """A tangential force at which a contact with a stiff interface has peeled: some times its
+    brittle strength."""
     return 2.0 * reference.ligament_force(half_width(force), PERIOD)
 
 
 def drive(scene, force):
     """Tangential displacement of the top at a tangential force, without slip."""
-    return reference.driven_displacement(0.0, force, scene.get("period", PERIOD), scene.get("height", 2000.0))
+    return reference.driven_displacement(0.0, force, scene.get("period", PERIOD),
+                                         scene.get("height", 2000.0))
 
 
 def approach(displacement, **scene):
     """One point: the top approaches by a displacement."""
     suffix = "".join(f"-{name}{value:g}" for name, value in scene.items() if name != "points")
-    return Run(f"approach-{displacement:g}{suffix}", {
-        **{f"scene_{name}": value for name, value in {"points": 8192, **scene}.items()},
-        "load_start": f"normal_displacement={displacement:g}", "load_path": f"normal_displacement={displacement:g}"})
+    return Run(f"approach-{displacement:g}{suffix}",
+               {**{f"scene_{name}": value for name, value in {"points": 8192, **scene}.items()},
+                "load_start": f"normal_displacement={displacement:g}",
+                "load_path": f"normal_displacement={displacement:g}"})
 
 
 def catalogue():
     """Name -> Run of all runs, the longest first."""
-    found = [sheared(law, 10, force) for law in LAWS for force in MORE_LOADS[::-2] if (law, force) not in (("full", 25), ("half", 25))]
-    found += [sheared(law, maugis, 25, fields="all") for maugis in (10, 1, 0.1) for law in ("full", "half")]
-    found += [sheared("half", 10, 25, points=size, suffix=f"-p{size}", beyond=size == 8192) for size in (8192, 16384)]
+    found = [sheared(law, 10, force) for law in LAWS for force in MORE_LOADS[::-2]
+             if (law, force) not in (("full", 25), ("half", 25))]
+    found += [sheared(law, maugis, 25, fields="all") for maugis in (10, 1, 0.1)
+              for law in ("full", "half")]
+    found += [sheared("half", 10, 25, points=size, suffix=f"-p{size}", beyond=size == 8192)
+              for size in (8192, 16384)]
     found += [sheared(law, 10, 0.8) for law in ("full", "half")]
     found += [sheared("full", maugis, force) for maugis in MORE_TANGENTIAL[::-1] for force in LOADS]
-    found += [sheared(law, maugis, force) for law in LAWS for maugis in (1, 0.1) for force in MORE_LOADS if force != 25 or law == "mcgarry"]
-    found += [sheared("half", maugis, force, control="force") for maugis in TANGENTIAL for force in LOADS]
-    found += [sheared("half", 1, 25, control="force", suffix="-period", period=2 * PERIOD, points=16384),
-              sheared("half", 1, 25, control="force", suffix="-height", height=4000.0)]
+    found += [sheared(law, maugis, force) for law in LAWS for maugis in (1, 0.1)
+              for force in MORE_LOADS if force != 25 or law == "mcgarry"]
+    found += [sheared("half", maugis, force, control="force") for maugis in TANGENTIAL
+              for force in LOADS]
+    found += [sheared("half", 1, 25, control="force", suffix="-period", period=2 * PERIOD,
+                      points=16384), sheared("half", 1, 25, control="force", suffix="-height",
+                                             height=4000.0)]
     found += [pressed(maugis) for maugis in NORMAL[::-1]]
     found += [approach(displacement, **scene) for displacement in (40, 2)
               for scene in ({}, {"period": 139.0, "gap_offset": -1.0, "points": 16384})]
@@ -172,11 +216,14 @@ class Results:
     """
 
     def __init__(self, folder):
-        self.folder, self._read, self.asked = Path(folder), {}, None
+        self.folder = Path(folder)
+        self._read = {}
+        self.asked = None
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def __getitem__(self, name):
-        """The archive of a run, as `contactsnes.read` gives it; KeyError where there is none with points."""
+        """The archive of a run, as `contactsnes.read` gives it; KeyError where there is none with
+        points."""
         self.asked = name
         if name not in self._read:
             try:
@@ -199,13 +246,16 @@ class Results:
         return self.folder / f"{name}.h5"
 
     def lacking(self):
-        """A sentence on the run that was asked for last: that it is missing, or how it ended before what is looked for."""
+        """A sentence on the run that was asked for last: that it is missing, or how it ended before
+        what is looked for."""
         name, log = self.asked, self.path(self.asked).with_suffix(".log")
-        said = [line for line in log.read_text(encoding="utf-8").splitlines() if line.strip()] if log.is_file() else []
+        said = [line for line in log.read_text(encoding="utf-8").splitlines()
+                if line.strip()] if log.is_file() else []
         if name not in self:
             return f"the run {name} is missing" + (f" ({said[-1]})" if said else "")
         ended = "" if self[name].complete else " and ended early"
-        reason = next((line for line in reversed(said) if line.startswith("contactsnes:") or "error" in line.lower()), "")
+        reason = next((line for line in reversed(said) if line.startswith("contactsnes:")
+                       or "error" in line.lower()), "")
         return f"the run {name} is too short{ended}" + (f": {reason}" if reason else "")
 
     def done(self, run):
@@ -217,18 +267,24 @@ class Results:
         return lines[:1] == [" ".join(run.arguments())] and lines[-1].startswith("exit status")
 
     def make(self, run):
-        """Make a run, or go on with it, if need be on a grid of twice the points; (exit status, seconds)."""
-        path, began, said = self.path(run.name), time.perf_counter(), [" ".join(run.arguments())]
+        """Make a run, or go on with it, if need be on a grid of twice the points; (exit status,
+        seconds)."""
+        path = self.path(run.name)
+        began = time.perf_counter()
+        said = [" ".join(run.arguments())]
         log = path.with_suffix(".log")
         # An archive of the same scene with other steps would be taken for this run's.
         same = log.is_file() and log.read_text(encoding="utf-8").splitlines()[:1] == said
         log.write_text(said[0] + "\n", encoding="utf-8")
-        status = self._command(path, [*run.program, *run.arguments(), "-archive_resume" if same else "-archive_overwrite"], said)
+        status = self._command(path, [*run.program, *run.arguments(), "-archive_resume" if same
+                                      else "-archive_overwrite"], said)
         if status == 2 and same:
-            status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"], said)
+            status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"],
+                                   said)
         if status == 1 and run.finer:
             finer = run.on(2 * run.options["scene_points"])
-            status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"], said)
+            status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"],
+                                   said)
         if status in ENDS:
             log.write_text("\n".join([*said, f"exit status {status}", ""]), encoding="utf-8")
         self._read.pop(run.name, None)
@@ -239,17 +295,20 @@ class Results:
         """Exit status of one command of Python, whose output is added to what was said."""
         command = [sys.executable, *arguments, "-archive_file", str(path)]
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True,
+                              check=False)
         said += [done.stdout, done.stderr]
         return done.returncode
 
     def finer(self, run):
         """A run that has been made, on twice the points and without certificates."""
         size = 2 * int(self[run.name].scene["points"])
-        return run.on(size, continuation_stability="off")._replace(name=run.name + FINER, finer=False)
+        return run.on(size, continuation_stability="off")._replace(name=run.name + FINER,
+                                                                   finer=False)
 
     def make_all(self, runs, workers, say):
-        """Make the runs that are missing, several at a time; ``say`` is called with a line on each."""
+        """Make the runs that are missing, several at a time; ``say`` is called with a line on
+        each."""
         missing = [run for run in runs if not self.done(run)]
         with ThreadPoolExecutor(workers) as pool:
             futures = {pool.submit(self.make, run): run for run in missing}
@@ -257,15 +316,19 @@ class Results:
                 for count, future in enumerate(as_completed(futures), start=1):
                     status, seconds = future.result()
                     name = futures[future].name
-                    numbers = f"{self[name].points} points, {np.sum(self[name]['transforms']):.0f} transforms" if name in self else "no points"
-                    say(f"{count:3} of {len(missing)}  {name:28} {numbers}, {seconds:.1f} s{ENDS.get(status, f', status {status}')}")
+                    numbers = (f"{self[name].points} points, "
+                               f"{np.sum(self[name]['transforms']):.0f} transforms"
+                               if name in self else "no points")
+                    say(f"{count:3} of {len(missing)}  {name:28} {numbers}, "
+                        f"{seconds:.1f} s{ENDS.get(status, f', status {status}')}")
             except KeyboardInterrupt:
                 pool.shutdown(cancel_futures=True)
                 raise
 
 
 class Finer:
-    """Results of the runs on twice the points, under the names of the runs; what has no such run is as in the results themselves.
+    """Results of the runs on twice the points, under the names of the runs; what has no such run is
+    as in the results themselves.
 
     Parameters
     ----------

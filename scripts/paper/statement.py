@@ -1,4 +1,5 @@
-"""A statement of the paper in numbers: what is measured, on two grids, with its error bar, and the verdict that follows."""
+"""A statement of the paper in numbers: what is measured, on two grids, with its error bar, and the
+verdict that follows."""
 
 from typing import NamedTuple
 
@@ -7,7 +8,8 @@ import numpy as np
 from contactsnes.output.archive import ArchiveError
 
 ALL = []
-"""The statements: functions from (results, results on finer grids) to a Statement, in the order of the paper."""
+"""The statements: functions from (results, results on finer grids) to a Statement, in the order of
+the paper."""
 MISSING = (KeyError, IndexError, ArchiveError)
 """What functions of results raise where a run is missing or too short."""
 
@@ -15,7 +17,8 @@ MISSING = (KeyError, IndexError, ArchiveError)
 class Statement(NamedTuple):
     """A row of the table.
 
-    place : where in the paper; text : what it says; measure : how it is measured here; found : what comes out, with errors;
+    place : where in the paper; text : what it says; measure : how it is measured here; found : what
+        comes out, with errors;
     verdict : "confirmed", "confirmed within ...", "not confirmed", and why
     """
 
@@ -29,8 +32,10 @@ class Statement(NamedTuple):
 class Number(NamedTuple):
     """A number that is found.
 
-    label : what of, may be empty; unit : "%" for a share, which is told in percent; spread : half width of the interval in which
-    it lies apart from the error of the grid (a confidence interval, a load step); exact : whether no run is behind it
+    label : what of, may be empty; unit : "%" for a share, which is told in percent; spread : half
+        width of the interval in which
+    it lies apart from the error of the grid (a confidence interval, a load step); exact : whether
+    no run is behind it
     """
 
     label: str
@@ -41,9 +46,11 @@ class Number(NamedTuple):
 
 
 def evaluated(function, *arguments):
-    """(value of a function of results, None), or (None, what is missing): a run, its fields, or an onset that it has not reached.
+    """(value of a function of results, None), or (None, what is missing): a run, its fields, or an
+    onset that it has not reached.
 
-    What is missing is a sentence that names the run, if the results know which one they were asked for last.
+    What is missing is a sentence that names the run, if the results know which one they were asked
+    for last.
     """
     try:
         return function(*arguments), None
@@ -58,7 +65,8 @@ def evaluated(function, *arguments):
 
 
 def statement(place, text, measure):
-    """Decorator: a function of results that gives (list of Number or of (heading, list of Number), verdict) is one of the statements."""
+    """Decorator: a function of results that gives (list of Number or of (heading, list of Number),
+    verdict) is one of the statements."""
     def wrap(function):
         def row(results, finer=None):
             found, verdict = function(results)
@@ -75,16 +83,21 @@ def table(results, finer=None):
     rows = []
     for one in ALL:
         row, error = evaluated(one, results, finer)
-        rows.append(row or Statement("", one.__name__.replace("_", " "), "", f"a run is missing or too short: {error}", "open"))
+        rows.append(row or Statement("", one.__name__.replace("_", " "), "",
+                                     f"a run is missing or too short: {error}", "open"))
     return rows
 
 
 def told(found, again=None):
-    """Text of numbers with their error bars: the larger of the spread and of the change on finer grids, ``again``."""
+    """Text of numbers with their error bars: the larger of the spread and of the change on finer
+    grids, ``again``."""
     if found and isinstance(found[0], Number):
         found, again = [("", found)], None if again is None else [("", again)]
-    others = {(heading, place): number for heading, numbers in again or () for place, number in enumerate(numbers)}
-    return "; ".join(heading + ": " * bool(heading) + ", ".join(_told(number, others.get((heading, place))) for place, number in enumerate(numbers))
+    others = {(heading, place): number for heading, numbers in again or ()
+              for place, number in enumerate(numbers)}
+    return "; ".join(heading + ": " * bool(heading)
+                     + ", ".join(_told(number, others.get((heading, place)))
+                                 for place, number in enumerate(numbers))
                      for heading, numbers in found)
 
 
@@ -93,15 +106,21 @@ def _told(number, other):
     if other is not None:
         error = max(error, abs(other.value - number.value))
     known = number.exact or other is not None or number.spread > 0.0
-    return number.label + ": " * bool(number.label) + with_error(number.value, error, number.unit) + ("" if known else " ± ?")
+    return (number.label + ": " * bool(number.label) + with_error(number.value, error, number.unit)
+            + ("" if known else " ± ?"))
 
 
 def with_error(value, error, unit=""):
-    """A value with as many digits as its error leaves it, and the error; a share in percent for the unit "%"."""
+    """A value with as many digits as its error leaves it, and the error; a share in percent for the
+    unit "%"."""
     scale = 100.0 if unit == "%" else 1.0
-    value, error, end = scale * value, scale * error, f" {unit}" * bool(unit)
+    value = scale * value
+    error = scale * error
+    end = f" {unit}" * bool(unit)
     if not error > 1e-9 * abs(value):
         return f"{value:.4g}{end}"
     whole = int(np.floor(np.log10(abs(value)))) + 1 if value else 0
     digits = int(np.clip(whole - np.floor(np.log10(error)), max(whole, 1), max(6, whole)))
-    return f"{value:#.{digits}g} ± {error:.1g}{end}".replace("e-0", "e-").replace(".e", "e").replace(". ", " ")
+    return f"{value:#.{digits}g} ± {error:.1g}{end}".replace("e-0",
+                                                             "e-").replace(".e",
+                                                                           "e").replace(". ", " ")

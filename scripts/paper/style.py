@@ -12,7 +12,8 @@ WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
 """Width of a page and of a column, inches."""
 AREA, FORCE = r"$a_r/\beta$", r"$w_t/w_{t,r}$"
 GREY = "#808080"
-LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max}$", "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
+LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max}$",
+             "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
 
 
 matplotlib.rcParams.update(STYLE)
@@ -39,7 +40,8 @@ def branch(axes, record, x, y, part=slice(None), **look):
         line, = axes.plot(horizontal[piece], vertical[piece], **look)
         if piece[0] > 0:
             jump = slice(piece[0] - 1, piece[0] + 1)
-            axes.plot(horizontal[jump], vertical[jump], color=line.get_color(), linestyle=":", linewidth=0.7)
+            axes.plot(horizontal[jump], vertical[jump], color=line.get_color(), linestyle=":",
+                      linewidth=0.7)
         look = {**look, "color": line.get_color(), "label": None}
 
 

@@ -1,7 +1,8 @@
-"""Traction-separation laws, each a class in a file of this folder, where it is found: a new file suffices.
+"""Traction-separation laws, each a class in a file of this folder, where it is found: a new file
+suffices.
 
-`LAWS` has them by name, `OPTIONS` all their options, `of` makes the one that a scene names. Objects of other classes, made
-in Python, are known by a name once they are kept.
+`LAWS` has them by name, `OPTIONS` all their options, `of` makes the one that a scene names. Objects
+of other classes, made in Python, are known by a name once they are kept.
 """
 
 import pkgutil
@@ -15,21 +16,25 @@ from .law import Law
 def _found():
     """Name -> class of every law with a name that a file of this folder defines."""
     found = {}
-    for module in sorted(entry.name for entry in pkgutil.iter_modules([str(Path(__file__).parent)])):
+    for module in sorted(entry.name
+                         for entry in pkgutil.iter_modules([str(Path(__file__).parent)])):
         own = import_module(f"{__package__}.{module}")
         for cls in vars(own).values():
-            if isinstance(cls, type) and issubclass(cls, Law) and cls.name and cls.__module__ == own.__name__:
+            if (isinstance(cls, type) and issubclass(cls, Law) and cls.name
+                and cls.__module__ == own.__name__):
                 found[cls.name] = cls
     return found
 
 
 def _options(classes):
-    """Name -> field of the options of some laws; TypeError where two laws declare one name differently."""
+    """Name -> field of the options of some laws; TypeError where two laws declare one name
+    differently."""
     found = {}
     for cls in classes:
         for name, field in cls.declared().items():
             if found.setdefault(name, field).metadata != field.metadata:
-                raise TypeError(f"the law {cls.__name__} declares -{cls.prefix}{name}, which another law declares differently")
+                raise TypeError(f"the law {cls.__name__} declares -{cls.prefix}{name}, "
+                                "which another law declares differently")
     return found
 
 
@@ -42,13 +47,15 @@ OBJECTS = {}
 
 
 def enter(name, cls):
-    """Make a class in a file of one's own, and its options, known; TypeError where another law declares one differently."""
+    """Make a class in a file of one's own, and its options, known; TypeError where another law
+    declares one differently."""
     OPTIONS.update(_options((*LAWS.values(), *OWN.values(), cls)))
     OWN[name] = cls
 
 
 def keep(law):
-    """The name by which a scene knows an object from now on: what it prints as, and a number where another one does."""
+    """The name by which a scene knows an object from now on: what it prints as, and a number where
+    another one does."""
     text, count = repr(law), 1
     while OBJECTS.setdefault(text, law) is not law:
         count += 1
@@ -62,7 +69,8 @@ def named(name):
 
 
 def of(scene):
-    """The law that a scene names, with the scene's values of its options; the same object for the same values."""
+    """The law that a scene names, with the scene's values of its options; the same object for the
+    same values."""
     if scene.law in OBJECTS:
         return OBJECTS[scene.law]
     cls = named(scene.law)

@@ -1,4 +1,5 @@
-"""Laws of the normal traction a exp(-a) that fades with slip, and of a friction that fades with the opening.
+"""Laws of the normal traction a exp(-a) that fades with slip, and of a friction that fades with the
+opening.
 
 This is the base of the paper's laws, and no law itself.
 """
@@ -8,7 +9,8 @@ import numpy as np
 from .law import Law
 
 SLIP = np.sqrt(0.5)
-"""Tangential gap at the peak of the tangential traction, in ranges: |g_t| = delta_t / sqrt 2 (eq. 4b)."""
+"""Tangential gap at the peak of the tangential traction, in ranges: |g_t| = delta_t / sqrt 2 (eq.
+4b)."""
 
 SOFTENING = np.exp(-2.0)
 """Steepest normal softening, -dt_n/da at a = 2 (dimensionless)."""
@@ -21,15 +23,20 @@ TANGENTIAL_PEAK = np.sqrt(2.0 / np.e)
 
 
 class Coupled(Law):
-    """Coupled law t_n = N(a) E(a, b), t_t = T(b) h(a) e with e = g_t / |g_t| (eqs. 3 and 5 of the paper).
+    """Coupled law t_n = N(a) E(a, b), t_t = T(b) h(a) e with e = g_t / |g_t| (eqs. 3 and 5 of the
+    paper).
 
-    N(a) = a exp(-a). Subclasses say how the normal traction fades with slip (``fading``), which T(b) holds
-    (``friction``) and whether the two are decoupled where the surfaces overlap (``decoupled_in_overlap``), and ``friction_energy``.
-    Below ``deepest`` both tractions continue linearly in a, with continuous slope.
+    N(a) = a exp(-a). Subclasses say how the normal traction fades with slip (``fading``), which
+    T(b) holds (``friction``) and whether the two are decoupled where the surfaces overlap
+    (``decoupled_in_overlap``), and ``friction_energy``. Below ``deepest`` both tractions continue
+    linearly in a, with continuous slope.
     """
 
     decoupled_in_overlap = False
-    normal_peak, softening, moving_stiffness, newton_stiffness = NORMAL_PEAK, SOFTENING, 1.5 * SOFTENING, 0.2
+    normal_peak = NORMAL_PEAK
+    softening = SOFTENING
+    moving_stiffness = 1.5 * SOFTENING
+    newton_stiffness = 0.2
 
     def fading(self, squared_slip):
         """E(b) and dE/d(b^2)."""
@@ -61,7 +68,8 @@ class Coupled(Law):
         return self._normal(a)[:2]
 
     def evaluate(self, gap, traction, tangent=None):
-        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components, nodes) at once.
+        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components,
+        nodes) at once.
 
         ``traction`` may be ``gap`` itself.
         """
@@ -78,20 +86,24 @@ class Coupled(Law):
         secant, friction_slope = self.friction(slip)
         if self.decoupled_in_overlap:
             overlap = gap[0] <= 0.0
-            fading, fading_slope = np.where(overlap, 1.0, fading), np.where(overlap, 0.0, fading_slope)
+            fading = np.where(overlap, 1.0, fading)
+            fading_slope = np.where(overlap, 0.0, fading_slope)
             pressed, pressed_slope = self._pressed(normal, normal_slope)
-            held, held_slope = np.where(overlap, pressed, held), np.where(overlap, pressed_slope, held_slope)
+            held = np.where(overlap, pressed, held)
+            held_slope = np.where(overlap, pressed_slope, held_slope)
         if tangent is not None:
             np.multiply(normal_slope, fading, out=tangent[0, 0])
             np.multiply(2.0 * normal * fading_slope, slip_vector, out=tangent[0, 1:])
             np.multiply(secant * held_slope, slip_vector, out=tangent[1:, 0])
-            self._slip_tangent(slip_vector, slip, secant * held, friction_slope * held, tangent[1:, 1:])
+            self._slip_tangent(slip_vector, slip, secant * held, friction_slope * held,
+                               tangent[1:, 1:])
         np.multiply(normal, fading, out=traction[0])
         np.multiply(secant * held, slip_vector, out=traction[1:])
         return traction
 
     def _slip_tangent(self, slip_vector, slip, secant, slope, out):
-        """T' e e + (T/b)(1 - e e), and its limit at zero slip, where both factors are the initial stiffness."""
+        """T' e e + (T/b)(1 - e e), and its limit at zero slip, where both factors are the initial
+        stiffness."""
         if len(slip_vector) == 1:
             out[0, 0] = slope
             return
@@ -101,9 +113,11 @@ class Coupled(Law):
             out[i, i] += secant
 
     def energy(self, normal_gap):
-        """Interface energy without slip, 1 - (1 + a) exp(-a) in phi_n, zero at a = 0: its derivative is N(a).
+        """Interface energy without slip, 1 - (1 + a) exp(-a) in phi_n, zero at a = 0: its
+        derivative is N(a).
 
-        Below ``deepest`` it is the integral of the linear continuation. With slip these laws have no potential.
+        Below ``deepest`` it is the integral of the linear continuation. With slip these laws have
+        no potential.
         """
         depth = np.minimum(normal_gap - self.deepest, 0.0)
         bounded = normal_gap - depth
@@ -111,13 +125,16 @@ class Coupled(Law):
         return 1.0 - (1.0 + bounded) * np.exp(-bounded) + depth * (traction + 0.5 * slope * depth)
 
     def friction_energy(self, slip):
-        """Integral of T(b) from 0 to a tangential gap b, phi_t: the energy of slip where nothing else moves."""
+        """Integral of T(b) from 0 to a tangential gap b, phi_t: the energy of slip where nothing
+        else moves."""
         return -np.expm1(-slip * slip)
 
     def potential(self, gap, work_ratio=1.0):
-        """Energy of the interface at every node, phi_n, zero where the surfaces are apart; None where there is no potential.
+        """Energy of the interface at every node, phi_n, zero where the surfaces are apart; None
+        where there is no potential.
 
-        There is one without slip, and in overlap where the law decouples there; a gap is apart from 37 ranges on.
+        There is one without slip, and in overlap where the law decouples there; a gap is apart from
+        37 ranges on.
 
         Parameters
         ----------
@@ -130,4 +147,5 @@ class Coupled(Law):
             coupled &= gap[0] > 0.0
         if np.any(slip[coupled] > 0.0):
             return None
-        return self.energy(gap[0]) - 1.0 + work_ratio * np.where(gap[0] < self.range, self.friction_energy(slip), 0.0)
+        return self.energy(gap[0]) - 1.0 + work_ratio * np.where(gap[0] < self.range,
+                                                                 self.friction_energy(slip), 0.0)

@@ -12,24 +12,29 @@ from .modified import Modified
 
 
 class Dugdale(Modified):
-    """t_n = N(a) E_r(b) where a > 0, N(a) below; friction as of the law modified, with h(a) in place of exp(-a).
+    """t_n = N(a) E_r(b) where a > 0, N(a) below; friction as of the law modified, with h(a) in
+    place of exp(-a).
 
-    N(a) = (1 - exp(-a/w)) / (1 + exp((a-c)/w)): about 1 from w to c, and a repulsion exp(-a/w) in overlap. The end c,
-    about 1 + w, makes the work of adhesion 1. h(a) falls from 1 as N does at its end.
+    N(a) = (1 - exp(-a/w)) / (1 + exp((a-c)/w)): about 1 from w to c, and a repulsion exp(-a/w) in
+    overlap. The end c, about 1 + w, makes the work of adhesion 1. h(a) falls from 1 as N does at
+    its end.
     """
 
     name, meaning = "dugdale", "constant attraction up to a gap, smoothed: Dugdale, Maugis"
-    dugdale_width: float = option(0.1, "w of the law dugdale: gap over which the attraction rises and ends",
-                                  "delta_n", minimum=0.01, maximum=1)
+    dugdale_width: float = option(0.1, "w of the law dugdale: gap over which the "
+                                  "attraction rises and ends", "delta_n", minimum=0.01,
+                                  maximum=1)
     normal_peak, softening = Law.normal_peak, Law.softening
     moving_stiffness, newton_stiffness = Law.moving_stiffness, Law.newton_stiffness
 
     @cached_property
     def end(self):
-        """c: the gap at which half of the attraction is left, of which the work of adhesion is 1."""
+        """c: the gap at which half of the attraction is left, of which the work of adhesion is
+        1."""
         width = self.dugdale_width
-        return brentq(lambda c: width * ((1.0 + math.exp(-c / width)) * math.log1p(math.exp(c / width)) - 1.0) - 1.0,
-                      0.0, 5.0, xtol=1e-15, rtol=1e-15)
+        return brentq(lambda c: width * ((1.0 + math.exp(-c / width))
+                                         * math.log1p(math.exp(c / width)) - 1.0) - 1.0, 0.0, 5.0,
+                      xtol=1e-15, rtol=1e-15)
 
     @property
     def range(self):
@@ -67,7 +72,8 @@ class Dugdale(Modified):
         """Interface energy without slip, phi_n, zero at a = 0: its derivative is N(a)."""
         width, depth = self.dugdale_width, np.minimum(normal_gap - self.deepest, 0.0)
         bounded, ratio = normal_gap - depth, math.exp(-self.end / self.dugdale_width)
-        logarithm = bounded / width + math.log1p(ratio) - np.logaddexp(0.0, (bounded - self.end) / width)
+        logarithm = bounded / width + math.log1p(ratio) - np.logaddexp(0.0,
+                                                                       (bounded - self.end) / width)
         traction, slope, _, _ = self._normal(bounded)
         whole = width * ((1.0 + ratio) * logarithm - 1.0 + np.exp(-bounded / width))
         return whole + depth * (traction + 0.5 * slope * depth)

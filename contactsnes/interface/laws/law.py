@@ -1,8 +1,10 @@
-"""The base of traction-separation laws: what a law declares, what is asked of it, and defaults of the rest.
+"""The base of traction-separation laws: what a law declares, what is asked of it, and defaults of
+the rest.
 
 Gaps and tractions are in ranges of the law: a = g_n / delta_n, b = |g_t| / delta_t, tractions in
-phi_n / delta_n and phi_t / delta_t. Arrays have the shape (components, nodes): the normal component first,
-then one or two tangential ones. Attraction is positive: the traction on the body is the negative of the law's.
+phi_n / delta_n and phi_t / delta_t. Arrays have the shape (components, nodes): the normal component
+first, then one or two tangential ones. Attraction is positive: the traction on the body is the
+negative of the law's.
 """
 
 import dataclasses
@@ -14,46 +16,56 @@ from ...options.fields import Options
 
 
 def softening(tangent):
-    """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it is positive or none is real."""
+    """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it
+    is positive or none is real."""
     (normal, opening), (weakening, slipping) = tangent
     discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
-    return np.where(discriminant >= 0.0, np.maximum(np.sqrt(np.maximum(discriminant, 0.0)) - 0.5 * (normal + slipping), 0.0), 0.0)
+    return np.where(discriminant >= 0.0, np.maximum(np.sqrt(np.maximum(discriminant, 0.0))
+                                                    - 0.5 * (normal + slipping), 0.0), 0.0)
 
 
 class Law(Options):
-    """A traction-separation law without memory: tractions follow from the gaps at a node, whatever came before.
+    """A traction-separation law without memory: tractions follow from the gaps at a node, whatever
+    came before.
 
     A subclass is made a dataclass when it is defined. Its options are class attributes made by
-    `options.fields.option`, ``-scene_`` + their names, and its parameters from Python. It has to have ``evaluate``;
-    tractions vanish at no gap and no slip, attract where a > 0 without slip, and repel where a < 0.
-    All else has defaults: what follows from the tractions is found from them by sampling.
+    `options.fields.option`, ``-scene_`` + their names, and its parameters from Python. It has to
+    have ``evaluate``; tractions vanish at no gap and no slip, attract where a > 0 without slip, and
+    repel where a < 0. All else has defaults: what follows from the tractions is found from them by
+    sampling.
 
     Attributes
     ----------
-    name : what ``-scene_law`` calls it; a class of its own file in this folder without one is a base of others
+    name : what ``-scene_law`` calls it; a class of its own file in this folder without one is a
+        base of others
     meaning : what the help says of it
     slip_options : names of options that change nothing without slip
     range : normal gap, in ranges, beyond which the law counts as zero
     deepest : normal gap, in ranges, below which tractions are only continued
     repulsion : overlap, in ranges, over which the repulsion grows by a factor e
     opening_range, slip_range : gap and slip, in ranges, within which it is sampled
-    gap_corners, slip_corners : normal gaps and slips, in ranges, across which the tangent or its slope jumps
+    gap_corners, slip_corners : normal gaps and slips, in ranges, across which the tangent or its
+        slope jumps
     odd : whether a slip the other way has the other traction, and the same normal one
     """
 
     prefix = "scene_"
     name, meaning = "", ""
     slip_options = ()
-    range, deepest, repulsion = 37.0, -30.0, 1.0
+    range = 37.0
+    deepest = -30.0
+    repulsion = 1.0
     opening_range, slip_range = 5.0, 6.0
     gap_corners, slip_corners = (), ()
     odd = True
 
     def __init_subclass__(cls, **options):
         super().__init_subclass__(**options)
-        own = {name: value for name, value in vars(cls).items() if isinstance(value, dataclasses.Field)}
+        own = {name: value for name, value in vars(cls).items()
+               if isinstance(value, dataclasses.Field)}
         annotations = dict(vars(cls).get("__annotations__", {}))
-        cls.__annotations__ = {**{name: type(value.default) for name, value in own.items()}, **annotations}
+        cls.__annotations__ = {**{name: type(value.default) for name, value in own.items()},
+                               **annotations}
         dataclasses.dataclass(eq=False)(cls)
         for name, value in own.items():
             if value.default is dataclasses.MISSING or not value.metadata:
@@ -66,11 +78,14 @@ class Law(Options):
         return {field.name: field for field in fields}
 
     def evaluate(self, gap, traction, tangent=None):
-        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components, nodes) at once.
+        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components,
+        nodes) at once.
 
-        ``traction`` may be ``gap`` itself. With one component there is no slip. The traction is returned.
+        ``traction`` may be ``gap`` itself. With one component there is no slip. The traction is
+        returned.
         """
-        raise NotImplementedError(f"the law {type(self).__name__} has no evaluate(gap, traction, tangent=None)")
+        raise NotImplementedError(
+            f"the law {type(self).__name__} has no evaluate(gap, traction, tangent=None)")
 
     def traction(self, gap, out=None):
         """Tractions t(g) at every node.
@@ -87,7 +102,8 @@ class Law(Options):
         return self.evaluate(gap, np.empty_like(gap) if out is None else out)
 
     def tangent(self, gap, out=None):
-        """Consistent tangent dt_i / dg_j at every node, array (components, components, nodes), dimensionless."""
+        """Consistent tangent dt_i / dg_j at every node, array (components, components, nodes),
+        dimensionless."""
         count, nodes = gap.shape
         out = np.empty((count, count, nodes)) if out is None else out
         self.evaluate(gap, np.empty_like(gap), out)
@@ -100,7 +116,8 @@ class Law(Options):
         return traction[0], tangent[0, 0]
 
     def potential(self, gap, work_ratio=1.0):
-        """Energy of the interface at every node, phi_n, zero where the surfaces are apart; None where there is no potential.
+        """Energy of the interface at every node, phi_n, zero where the surfaces are apart; None
+        where there is no potential.
 
         Parameters
         ----------
@@ -119,7 +136,8 @@ class Law(Options):
 
     @cached_property
     def _slipped(self):
-        """Largest friction at no gap, the slip there (the least one), and the steepest fall of it."""
+        """Largest friction at no gap, the slip there (the least one), and the steepest fall of
+        it."""
         slip = np.linspace(0.0, self.slip_range, 60001)
         gap = np.array([np.zeros_like(slip), slip])
         traction, slope = self.traction(gap)[1], self.tangent(gap)[1, 1]
@@ -152,47 +170,57 @@ class Law(Options):
         return self._slipped[2]
 
     def coupled_softening(self, normal_maugis, tangential_maugis):
-        """Steepest softening of gap and slip together: minus the smallest real eigenvalue of the scaled tangent where a > 0.
+        """Steepest softening of gap and slip together: minus the smallest real eigenvalue of the
+        scaled tangent where a > 0.
 
         Slip weakens adhesion and opening weakens friction: that alone softens. Units of E*/beta.
         """
         known = vars(self).setdefault("_coupled_softenings", {})
         if (normal_maugis, tangential_maugis) not in known:
             scale = np.array([normal_maugis, tangential_maugis])
-            gaps = np.array(np.meshgrid(np.linspace(1e-9, self.opening_range, 201), np.linspace(0.0, 3.0, 121))).reshape(2, -1)
+            gaps = np.array(np.meshgrid(np.linspace(1e-9, self.opening_range, 201),
+                                        np.linspace(0.0, 3.0, 121))).reshape(2, -1)
             tangent = self.tangent(gaps) * np.multiply.outer(scale, scale)[..., None]
             known[normal_maugis, tangential_maugis] = float(np.max(softening(tangent)))
         return known[normal_maugis, tangential_maugis]
 
     @property
     def certain(self):
-        """Normal gap, in ranges, that every node outside a window must have: 30 of 37, where a exp(-a) is below 1e-11 of its peak."""
+        """Normal gap, in ranges, that every node outside a window must have: 30 of 37, where a
+        exp(-a) is below 1e-11 of its peak."""
         return 30.0 * self.range / 37.0
 
     # The regularised gap
 
     @property
     def moving_stiffness(self):
-        """kappa of the regularised gap in which states are moved along a branch or from grid to grid, phi_n/delta_n^2."""
+        """kappa of the regularised gap in which states are moved along a branch or from grid to
+        grid, phi_n/delta_n^2."""
         return 1.5 * self.softening
 
     @property
     def newton_stiffness(self):
-        """kappa of the regularised gap in which Newton's steps are taken by default, phi_n/delta_n^2."""
+        """kappa of the regularised gap in which Newton's steps are taken by default,
+        phi_n/delta_n^2."""
         return self.moving_stiffness
 
     def regularised(self, gap, stiffness):
-        """w = a + N(a) / stiffness of a normal gap (nodes), ranges of the law: in overlap it is a traction, no logarithm of one.
+        """w = a + N(a) / stiffness of a normal gap (nodes), ranges of the law: in overlap it is a
+        traction, no logarithm of one.
 
         Single-valued for a stiffness above ``softening``.
         """
         return gap + self.normal(gap)[0] / stiffness
 
     def gap_of_regularised(self, target, stiffness):
-        """The normal gap a (nodes) with a + N(a) / stiffness = target, pointwise by a bracketed Newton iteration."""
-        new = np.where(target < 0.0, -self.repulsion * np.log1p(-stiffness * np.minimum(target, 0.0)), target)
-        # a and w have one sign, and N(a) is at most its peak, and negative in overlap: a lies between these.
-        low, high = np.where(target > 0.0, target - self.normal_peak / stiffness, target), np.maximum(target, 0.0)
+        """The normal gap a (nodes) with a + N(a) / stiffness = target, pointwise by a bracketed
+        Newton iteration."""
+        new = np.where(target < 0.0,
+                       -self.repulsion * np.log1p(-stiffness * np.minimum(target, 0.0)), target)
+        # a and w have one sign, and N(a) is at most its peak, and negative in overlap: a lies
+        # between these.
+        low = np.where(target > 0.0, target - self.normal_peak / stiffness, target)
+        high = np.maximum(target, 0.0)
         nodes, now = np.arange(len(target)), new.copy()
         for _ in range(60):
             normal, slope = self.normal(now)
@@ -205,11 +233,13 @@ class Law(Options):
             new[nodes] = trial
             if not going.any():
                 break
-            nodes, now, target, low, high = (values[going] for values in (nodes, trial, target, low, high))
+            nodes, now, target, low, high = (values[going] for values in (nodes, trial, target, low,
+                                                                          high))
         return new
 
     def regularised_step(self, gap, step, stiffness):
-        """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) / stiffness.
+        """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) /
+        stiffness.
 
         w has no exponential in overlap: a step that would overshoot in a is moderate in w.
 
@@ -223,4 +253,5 @@ class Law(Options):
         array (nodes), ranges of the law
         """
         normal, slope = self.normal(gap)
-        return self.gap_of_regularised(gap + normal / stiffness + (1.0 + slope / stiffness) * step, stiffness) - gap
+        return self.gap_of_regularised(gap + normal / stiffness + (1.0 + slope / stiffness) * step,
+                                       stiffness) - gap

@@ -10,22 +10,29 @@ from .law import Law
 
 
 class XuNeedleman(Law):
-    """t_n = [a E + (1-q)/(r-1) (1-E) (r-a)] exp(-a), t_t = 2 b [1 + (r-q)/(q (r-1)) a] exp(-a) E e; E = exp(-b^2).
+    """t_n = [a E + (1-q)/(r-1) (1-E) (r-a)] exp(-a), t_t = 2 b [1 + (r-q)/(q (r-1)) a] exp(-a) E e;
+    E = exp(-b^2).
 
     They are derivatives of one potential where phi_t = q phi_n: with ``-scene_work_ratio`` q. As
-    published it is one formula for overlap, too, where friction turns round below a = -q (1-r)/(q-r).
-    Both tractions continue linearly in a below ``deepest``.
+    published it is one formula for overlap, too, where friction turns round below a = -q
+    (1-r)/(q-r). Both tractions continue linearly in a below ``deepest``.
     """
 
     name, meaning = "xu_needleman", "of a potential: Xu and Needleman 1993"
-    xu_needleman_q: float = option(1.0, "q of the law xu_needleman: tangential over normal work of "
-                                   "separation, as -scene_work_ratio if it is to have a potential", above=0)
-    xu_needleman_r: float = option(0.0, "r of the law xu_needleman: gap, in ranges, that is left without "
-                                   "a traction after shear", minimum=0, below=1)
+    xu_needleman_q: float = option(1.0, "q of the law xu_needleman: tangential over "
+                                   "normal work of separation, as -scene_work_ratio "
+                                   "if it is to have a potential", above=0)
+    xu_needleman_r: float = option(0.0, "r of the law xu_needleman: gap, in ranges, "
+                                   "that is left without a traction after shear",
+                                   minimum=0, below=1)
     slip_options = ("xu_needleman_q", "xu_needleman_r")
-    normal_peak, softening, moving_stiffness = NORMAL_PEAK, SOFTENING, 1.5 * SOFTENING
+    normal_peak = NORMAL_PEAK
+    softening = SOFTENING
+    moving_stiffness = 1.5 * SOFTENING
     newton_stiffness = 0.2
-    slip_peak, tangential_peak, slip_softening = SLIP, TANGENTIAL_PEAK, 4 * math.exp(-1.5)
+    slip_peak = SLIP
+    tangential_peak = TANGENTIAL_PEAK
+    slip_softening = 4 * math.exp(-1.5)
 
     @property
     def _shares(self):
@@ -34,7 +41,8 @@ class XuNeedleman(Law):
         return (1.0 - q) / (r - 1.0), (r - q) / (r - 1.0)
 
     def _fall(self, a, constant, linear):
-        """(constant + linear a) exp(-a) and its derivative, continued linearly below ``deepest``."""
+        """(constant + linear a) exp(-a) and its derivative, continued linearly below
+        ``deepest``."""
         depth = np.minimum(a - self.deepest, 0.0)
         bounded = a - depth
         decay = np.exp(-bounded)
@@ -66,11 +74,15 @@ class XuNeedleman(Law):
         return traction
 
     def potential(self, gap, work_ratio=1.0):
-        """Energy of the interface, phi_n, zero where it is open; above ``deepest``, and where work_ratio is q."""
-        sheared = np.any(gap[1:]) and not math.isclose(work_ratio, self.xu_needleman_q, rel_tol=1e-9)
+        """Energy of the interface, phi_n, zero where it is open; above ``deepest``, and where
+        work_ratio is q."""
+        sheared = np.any(gap[1:]) and not math.isclose(work_ratio, self.xu_needleman_q,
+                                                       rel_tol=1e-9)
         if sheared or np.any(gap[0] < self.deepest):
             return None
-        a, q, r = gap[0], self.xu_needleman_q, self.xu_needleman_r
+        a = gap[0]
+        q = self.xu_needleman_q
+        r = self.xu_needleman_r
         remnant, linear = self._shares
         fading = np.exp(-np.sum(gap[1:] ** 2, axis=0))
         return np.exp(-a) * ((1.0 - r + a) * remnant - (q + linear * a) * fading)
