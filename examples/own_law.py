@@ -26,7 +26,6 @@ class Saturating(Coupled):
 
 def main(folder="results", strengths=(0.2, 0.4)):
     """Draw tangential forces against displacements; both, for each strength."""
-    Path(folder).mkdir(exist_ok=True)
     axes = Figure().subplots()
     found = []
     load = Load("normal_displacement=2", "tangential_displacement=60")
@@ -35,6 +34,7 @@ def main(folder="results", strengths=(0.2, 0.4)):
         found.append(np.array([(point.displacements[1], point.forces[1]) for point in points]).T)
         axes.plot(*found[-1], "o-")
     axes.set(xlabel="displacement ($u_{t,r}$)", ylabel="tangential force ($w_{t,r}$)")
+    Path(folder).mkdir(exist_ok=True)
     axes.figure.savefig(Path(folder, "own_law.png"))
     return found
 

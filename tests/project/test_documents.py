@@ -235,7 +235,8 @@ def test_every_column_is_told_of():
 @pytest.mark.parametrize("script", WRITERS)
 def test_marks_of_a_script_stand_once_on_its_page(script):
     source = (ROOT / "scripts" / script).read_text(encoding="utf-8")
-    begin, end = re.search(r'^BEGIN, END = "(.*)\\n", "(.*)\\n"$', source, flags=re.M).groups()
+    marks = r'^BEGIN(?:, END)? = "(.*)\\n"(?:, |\nEND = )"(.*)\\n"$'
+    begin, end = re.search(marks, source, flags=re.M).groups()
     counts = {page.stem: (page.read_text(encoding="utf-8").count(f"{begin}\n"),
                           page.read_text(encoding="utf-8").count(f"{end}\n")) for page in PAGES}
     assert counts.pop(WRITERS[script]) == (1, 1)
