@@ -61,7 +61,7 @@ def test_error_bars_reach_the_finer_grid(run):
 
 
 def test_friction_that_saturates_is_proportional_to_its_strength(run):
-    weak, strong = run("own_law", strengths=(0.2, 0.4))
+    weak, strong = map(np.array, run("own_law", strengths=(0.2, 0.4)))
     assert np.all(np.diff(weak[1]) > 0.0) and weak[1, -1] < 1.001 * weak[1, -2]
     assert strong[1, -1] == pytest.approx(2.0 * weak[1, -1], rel=1e-3)
 
