@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .archive import ArchiveError
+from .files import ArchiveError
 from .prefixes import read
 
 WIDTH = 8.5 / 2.54  # inches

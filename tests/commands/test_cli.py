@@ -19,7 +19,7 @@ from processes import COMMAND, ENVIRONMENT, call, refused
 
 from contactsnes.commands import cli
 from contactsnes.continuation.points import NotConverged, new_points, unfinished_fold
-from contactsnes.output import archive
+from contactsnes.output import reading
 from contactsnes.scene.settings import OPTION_CLASSES
 
 SMALL = ["-scene_points", "512", "-scene_period", "40", "-scene_normal_maugis", "3"]
@@ -40,7 +40,7 @@ def start(*arguments, folder, points):
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     while process.poll() is None:
         time.sleep(0.02)
-        if (folder / "run.h5").exists() and archive.read(folder / "run.h5").points >= points:
+        if (folder / "run.h5").exists() and reading.read(folder / "run.h5").points >= points:
             break
     assert process.poll() is None, process.stderr.read()
     return process
@@ -48,7 +48,7 @@ def start(*arguments, folder, points):
 
 def ends(path):
     """Leg -> row at its end, without what it cost."""
-    record = archive.read(path)
+    record = reading.read(path)
     last = {int(leg): place for place, leg in enumerate(record["leg"])}
     costs = ("iterations", "evaluations", "transforms", "time", "residual_norm", "event",
              "fold_kind", "jump_balance")
@@ -174,7 +174,7 @@ def test_archive_that_is_in_the_way(pressed):
 
 def test_run_to_the_end(pressed):
     folder, done = pressed
-    record = archive.read(folder / "run.h5")
+    record = reading.read(folder / "run.h5")
     assert done.returncode == 0 and not done.stderr
     assert (record.complete and record["normal_displacement"][[0, -1]].tolist() == [0, 1]
             and record.warnings == [])
@@ -201,8 +201,8 @@ def test_complete_archive_is_left_as_it_is(pressed):
 def test_fields_cost_no_transforms(pressed, tmp_path):
     folder, _ = pressed
     call("run", *PRESSED, "-archive_file", "run.h5", folder=tmp_path)
-    np.testing.assert_allclose(archive.read(tmp_path / "run.h5")["transforms"],
-                               archive.read(folder / "run.h5")["transforms"])
+    np.testing.assert_allclose(reading.read(tmp_path / "run.h5")["transforms"],
+                               reading.read(folder / "run.h5")["transforms"])
 
 
 def test_options_without_effect_and_without_use(tmp_path):
@@ -237,7 +237,7 @@ def test_stop_that_was_asked_for(tmp_path):
     done = call("run", *SMALL, "-load_path", "normal_displacement=1; normal_displacement=-5",
                 "-load_stop", "pull_off", "-continuation_at_fold", "stop", "-archive_file",
                 "run.h5", folder=tmp_path)
-    record = archive.read(tmp_path / "run.h5")
+    record = reading.read(tmp_path / "run.h5")
     assert done.returncode == 0 and record.complete and record["normal_displacement"][-1] > -5
     assert (record["event"][-1] in ("fold", "pull_off")
             and f"event         {record['event'][-1]}" in done.stdout)
@@ -252,7 +252,7 @@ def test_interrupted_run_keeps_its_points(tmp_path, number):
     process = start("run", *SLOW, folder=tmp_path, points=2)
     process.send_signal(number)
     _, sentences = process.communicate()
-    record = archive.read(tmp_path / "run.h5")
+    record = reading.read(tmp_path / "run.h5")
     assert process.returncode == 128 + number and record.points >= 2 and not record.complete
     assert f"{record.points} points are in" in sentences and "-archive_resume goes on" in sentences
     assert len(sentences.splitlines()) == 1
@@ -262,13 +262,13 @@ def test_killed_run_resumes_to_the_same_result(tmp_path):
     process = start("run", *SLOW, folder=tmp_path, points=4)
     process.kill()
     process.communicate()
-    kept = archive.read(tmp_path / "run.h5")
+    kept = reading.read(tmp_path / "run.h5")
     assert kept.points >= 4 and not kept.complete
     done = call("run", *SLOW, "-archive_resume", folder=tmp_path)
     assert done.returncode == 0 and f"after point {kept.points}" in done.stdout
     assert call("run", *SLOW, "-archive_file", "once.h5", folder=tmp_path).returncode == 0
     assert_same_ends(tmp_path / "run.h5", tmp_path / "once.h5")
-    assert archive.read(tmp_path / "run.h5").points == archive.read(tmp_path / "once.h5").points
+    assert reading.read(tmp_path / "run.h5").points == reading.read(tmp_path / "once.h5").points
 
 
 def test_failed_solve_keeps_its_points(tmp_path):
@@ -276,7 +276,7 @@ def test_failed_solve_keeps_its_points(tmp_path):
     # No step can be smaller than the first one, and none can be solved in one iteration.
     done = call("run", *arguments, "-load_start", "normal_displacement=-3", "-snes_max_it", "1",
                 "-continuation_smallest_step", "0.1", folder=tmp_path)
-    record = archive.read(tmp_path / "run.h5")
+    record = reading.read(tmp_path / "run.h5")
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
     assert record.points >= 1 and not record.complete and "-archive_resume goes on" in done.stderr
 
@@ -284,7 +284,7 @@ def test_failed_solve_keeps_its_points(tmp_path):
 def test_tension_beyond_pull_off_has_no_equilibrium(tmp_path):
     done = call("run", *SMALL, "-load_path", "normal_force=-4", "-archive_file", "run.h5",
                 folder=tmp_path)
-    record = archive.read(tmp_path / "run.h5")
+    record = reading.read(tmp_path / "run.h5")
     assert (done.returncode == 1 and "no equilibrium" in done.stderr
             and "Traceback" not in done.stderr), done.stderr
     assert (record["event"][-1] == "fold" and record["fold_kind"][-1] == "pull_off"
@@ -294,7 +294,7 @@ def test_tension_beyond_pull_off_has_no_equilibrium(tmp_path):
 def test_shear_beyond_what_sliding_carries_has_no_equilibrium(tmp_path):
     done = call("run", *SHEARED, "-load_path", "normal_force=2; tangential_force=6",
                 "-archive_file", "run.h5", folder=tmp_path)
-    record = archive.read(tmp_path / "run.h5")
+    record = reading.read(tmp_path / "run.h5")
     assert (done.returncode == 1 and "no equilibrium" in done.stderr
             and "Traceback" not in done.stderr), done.stderr
     assert (record["event"][-1] == "fold" and record["fold_kind"][-1] == "sliding"
@@ -308,8 +308,8 @@ def test_run_that_was_killed_during_its_jump(tmp_path):
     with h5py.File(tmp_path / "run.h5", "r+") as file:
         file.attrs["complete"] = False
     done = call("run", *SHEARED, "-archive_file", "run.h5", "-archive_resume", folder=tmp_path)
-    events = archive.read(tmp_path / "run.h5")["event"].tolist()
-    assert done.returncode == 0 and events == archive.read(tmp_path / "once.h5")["event"].tolist()
+    events = reading.read(tmp_path / "run.h5")["event"].tolist()
+    assert done.returncode == 0 and events == reading.read(tmp_path / "once.h5")["event"].tolist()
     assert events.count("fold") == events.count("jump") == 1
     assert_same_ends(tmp_path / "run.h5", tmp_path / "once.h5")
 

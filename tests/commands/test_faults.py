@@ -23,7 +23,10 @@ from contactsnes.interface import gap as geometry
 from contactsnes.options import database as options
 from contactsnes.options import files
 from contactsnes.options.fields import InputError
-from contactsnes.output import archive
+from contactsnes.output.archive import Archive
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column
+from contactsnes.output.reading import read
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import OPTION_CLASSES, Form, Scene
 from contactsnes.system import devices, streams
@@ -73,7 +76,7 @@ def test_closed_and_full_outputs_lose_no_points(tmp_path):
         done = shell(f"CONTACTSNES run STILL -archive_file {number}.h5 {target}", tmp_path)
         assert done.returncode == status and "Traceback" not in done.stderr
         assert ("standard output cannot be written" in done.stderr) == ("2>" not in target)
-        assert archive.read(tmp_path / f"{number}.h5").complete
+        assert read(tmp_path / f"{number}.h5").complete
     one_sentence(shell("CONTACTSNES --help > /dev/full", tmp_path), 1, "No space left")
 
 
@@ -148,7 +151,7 @@ def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
         assert (process.returncode == 128 + number and "Traceback" not in shown
                 and len(shown.splitlines()) <= 1), shown
         if (tmp_path / f"{wait}.h5").exists():
-            archive.read(tmp_path / f"{wait}.h5")
+            read(tmp_path / f"{wait}.h5")
 
 
 # Files of options, names and folders
@@ -189,12 +192,12 @@ def test_names_that_no_file_can_have(tmp_path):
     loop.symlink_to(loop)
     os.mkfifo(fifo)
     for path in (loop, fifo, tmp_path, Path(os.devnull), tmp_path / ("a" * 300), Path("a\0b")):
-        with pytest.raises(archive.ArchiveError):
-            archive.read(path)
-        for make in (archive.Archive.create, archive.Archive.resume):
-            with pytest.raises(archive.ArchiveError):
+        with pytest.raises(ArchiveError):
+            read(path)
+        for make in (Archive.create, Archive.resume):
+            with pytest.raises(ArchiveError):
                 make(path, scene={}, options="", versions={}, columns={},
-                     **({"overwrite": True} if make == archive.Archive.create else {}))
+                     **({"overwrite": True} if make == Archive.create else {}))
 
 
 def test_a_folder_that_is_gone(tmp_path):
@@ -210,11 +213,11 @@ def test_a_full_disk_ends_a_run_with_its_points(tmp_path):
             "-archive_fields all -archive_file run.h5")
     done = shell(f"ulimit -f 260; CONTACTSNES run STILL {path} > /dev/null", tmp_path)
     one_sentence(done, 1, "cannot be written (File too large)", "-archive_resume goes on")
-    points = archive.read(tmp_path / "run.h5").points
+    points = read(tmp_path / "run.h5").points
     assert (points and f"{points} points are in" in done.stderr
             and os.listdir(tmp_path) == ["run.h5"])
     assert shell(f"CONTACTSNES run STILL {path} -archive_resume", tmp_path).returncode == 0
-    assert archive.read(tmp_path / "run.h5").complete
+    assert read(tmp_path / "run.h5").complete
 
 
 def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
@@ -268,7 +271,7 @@ def test_heights_that_jump_at_the_seam_are_told(tmp_path):
              "of the cell, 63 times the typical step between "
              "neighbours, 0.0007813")
     assert (words in done.stderr and done.stderr.startswith("contactsnes: warning")
-            and words in archive.read(tmp_path / "run.h5").warnings[0])
+            and words in read(tmp_path / "run.h5").warnings[0])
 
 
 # Damaged archives
@@ -277,9 +280,9 @@ def test_heights_that_jump_at_the_seam_are_told(tmp_path):
 def test_damaged_archives_are_refused_or_read_right(tmp_path):
     """Flipped bits, cut ends and holes: whatever they hit, there is a sentence, or nothing that
     counts has changed."""
-    columns = {"leg": archive.Column("", "i8"), "normal_force": archive.Column("w_n,r"),
-               "event": archive.Column("", "i1", ("none", "fold"))}
-    whole = archive.Archive.create(tmp_path / "run.h5",
+    columns = {"leg": Column("", "i8"), "normal_force": Column("w_n,r"),
+               "event": Column("", "i1", ("none", "fold"))}
+    whole = Archive.create(tmp_path / "run.h5",
                                    scene={"normal_maugis": 1.0, "law": "modified"}, options="-a 1",
                                    versions={}, columns=columns, fields="all",
                                    coordinates=(np.arange(16.0),), initial_gap=np.ones(16))
@@ -288,7 +291,7 @@ def test_damaged_archives_are_refused_or_read_right(tmp_path):
         whole.append({"leg": number, "normal_force": 2.5 * number, "event": "fold"}, {"load": 1.0},
                      field, -field)
     content = (tmp_path / "run.h5").read_bytes()
-    good = archive.read(tmp_path / "run.h5")
+    good = read(tmp_path / "run.h5")
     random = np.random.default_rng(1)
     refused = 0
     for _ in range(15):
@@ -302,11 +305,11 @@ def test_damaged_archives_are_refused_or_read_right(tmp_path):
             bad[place] ^= 1 << random.integers(8)
         (tmp_path / "bad.h5").write_bytes(bad)
         try:
-            found = archive.read(tmp_path / "bad.h5")
+            found = read(tmp_path / "bad.h5")
             assert found.points == 3 and all(np.array_equal(found[name], good[name])
                                              for name in good) and found.scene == good.scene
             assert np.array_equal(found.field("traction", 1), good.field("traction", 1))
-        except archive.ArchiveError as error:
+        except ArchiveError as error:
             refused += 1
             assert "bad.h5" in str(error)
     assert 2 < refused < 15
@@ -315,8 +318,8 @@ def test_damaged_archives_are_refused_or_read_right(tmp_path):
 def test_a_number_changed_anywhere_is_damage(tmp_path):
     """In any column, of any point, in what no point changes, and in fields, which are read for
     themselves."""
-    columns = {name: archive.Column("") for name in ("approach", "normal_force", "stable")}
-    made = archive.Archive.create(tmp_path / "run.h5", scene={}, options="", versions={},
+    columns = {name: Column("") for name in ("approach", "normal_force", "stable")}
+    made = Archive.create(tmp_path / "run.h5", scene={}, options="", versions={},
                                   columns=columns, fields="all", coordinates=(np.arange(4.0),),
                                   initial_gap=np.ones(4))
     for value in (1.0, 2.0):
@@ -324,37 +327,37 @@ def test_a_number_changed_anywhere_is_damage(tmp_path):
                     np.full((1, 4), -value))
     names = [*(f"branch/{name}" for name in columns), "fields/x", "fields/initial_gap",
              "fields/displacement", "fields/traction", "runs/first"]
-    assert archive.read(tmp_path / "run.h5").field("displacement", 1).max() == 2.0
+    assert read(tmp_path / "run.h5").field("displacement", 1).max() == 2.0
     for name, place in ((name, place) for name in names for place in ((0,) if name == "runs/first"
                                                                       else (0, 1))):
         bad = tmp_path / "bad.h5"
         bad.write_bytes((tmp_path / "run.h5").read_bytes())
         with h5py.File(bad, "r+") as file:
             file[name][place] = 7.0
-        with pytest.raises(archive.ArchiveError, match="is damaged"):
-            archive.read(bad).field(name[7:] if name in ("fields/displacement", "fields/traction")
+        with pytest.raises(ArchiveError, match="is damaged"):
+            read(bad).field(name[7:] if name in ("fields/displacement", "fields/traction")
                                     else "displacement", place)
 
 
 def test_a_changed_number_is_damage(tmp_path):
-    columns = {"normal_force": archive.Column("w_n,r"),
-               "event": archive.Column("", "i1", ("none", "fold"))}
+    columns = {"normal_force": Column("w_n,r"),
+               "event": Column("", "i1", ("none", "fold"))}
     for name, change in (("row",
                           lambda file: file["branch/normal_force"].write_direct(np.array([1.0]))),
                          ("frame", lambda file: file["scene"].attrs.modify("poisson", 0.25)),
                          ("unit", lambda file: file["branch/event"].attrs.modify("unit", "m"))):
         path = tmp_path / f"{name}.h5"
-        made = archive.Archive.create(path, scene={"poisson": 0.5}, options="", versions={},
+        made = Archive.create(path, scene={"poisson": 0.5}, options="", versions={},
                                       columns=columns)
         made.append({"normal_force": 2.0, "event": "none"}, {})
-        archive.read(path)
+        read(path)
         with h5py.File(path, "r+") as file:
             change(file)
-        for attempt in (archive.read,
-                        lambda path: archive.Archive.resume(path, scene={"poisson": 0.5},
+        for attempt in (read,
+                        lambda path: Archive.resume(path, scene={"poisson": 0.5},
                                                             options="", versions={},
                                                             columns=columns)):
-            with pytest.raises(archive.ArchiveError, match="is damaged"):
+            with pytest.raises(ArchiveError, match="is damaged"):
                 attempt(path)
 
 

@@ -21,7 +21,7 @@ from contactsnes.dynamics import modes  # noqa: E402
 from contactsnes.dynamics.modes import ACCURATE, NEUTRAL  # noqa: E402
 from contactsnes.dynamics.stability import Overdamped, Stability  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
-from contactsnes.output.archive import read as read_archive  # noqa: E402
+from contactsnes.output.reading import read as read_archive  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 

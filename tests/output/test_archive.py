@@ -12,9 +12,12 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes.output import archive as module
-from contactsnes.output import resuming
-from contactsnes.output.archive import Archive, ArchiveError, Column, read
+from contactsnes.output import archive as writing
+from contactsnes.output import files, resuming
+from contactsnes.output.archive import Archive
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column, Layout
+from contactsnes.output.reading import read
 
 COLUMNS = {
     "leg": Column("", "i8"),
@@ -28,7 +31,7 @@ X = np.linspace(-5, 5, 32, endpoint=False)
 @pytest.fixture(autouse=True)
 def no_children(monkeypatch):
     """Archives that are whole are read a thousand times here: not in a child process first."""
-    monkeypatch.setattr(module, "failure", lambda read: "")
+    monkeypatch.setattr(files, "failure", lambda read: "")
 
 
 def content(**changed):
@@ -362,7 +365,7 @@ def test_a_file_that_is_taken_away_stops_the_run(tmp_path):
 
 
 def test_a_reader_that_keeps_the_file_open_does_not_stop_the_run(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "_PATIENCE", 0.0)
+    monkeypatch.setattr(files, "PATIENCE", 0.0)
     archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
     append(archive, 2)
     with h5py.File(archive.path) as reader:
@@ -384,15 +387,15 @@ def test_two_runs_cannot_write_one_archive(tmp_path):
 def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
     archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
     append(archive, 3)
-    put = Archive._put
+    put = Layout.put
 
-    def interrupted(self, file, row, state, fields):
-        put(self, file, row, state, {})
-        file.attrs.modify("points", self.points)
+    def interrupted(self, file, point, row, state, fields):
+        put(self, file, point, row, state, {})
+        file.attrs.modify("points", archive.points)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(Archive, "_put", interrupted)
+        patch.setattr(Layout, "put", interrupted)
         append(archive, 1)
     assert check(archive.path, "all").points == 3
     append(archive, 1)
@@ -464,7 +467,7 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
     recorders = []
     counts = []
     stored = []
-    opened = module._open
+    opened = files.opened
 
     def recording(name, mode):
         if mode == "r":
@@ -473,7 +476,7 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         return h5py.File(recorders[-1], mode, libver="earliest", rdcc_nbytes=0)
 
     with monkeypatch.context() as patch:
-        patch.setattr(module, "_open", recording)
+        patch.setattr(writing, "opened", recording)
         append(archive, 1)
     assert len(recorders) == 1
     for content in recorders[0].prefixes(before):

@@ -6,7 +6,9 @@ import pytest
 from matplotlib.image import imread
 
 from contactsnes.output import figures as plots
-from contactsnes.output.archive import Archive, ArchiveError, Column
+from contactsnes.output.archive import Archive
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law

@@ -16,7 +16,7 @@ petsc4py.init([])
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
-from contactsnes.output import archive, resuming  # noqa: E402
+from contactsnes.output import reading, resuming  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
@@ -219,7 +219,7 @@ def test_heights_that_have_changed_are_refused(rough):
             and len(done.stderr.splitlines()) == 1)
     assert (rough / "run.h5").read_bytes() == before
     digest = resuming.checksum(np.load(rough / "heights.npy"))
-    assert archive.read(rough / "run.h5").scene["heights_sha256"] == digest == resuming.checksum(
+    assert reading.read(rough / "run.h5").scene["heights_sha256"] == digest == resuming.checksum(
         np.loadtxt(rough / "same.txt"))
 
 
@@ -241,7 +241,7 @@ def test_legs_that_are_done_must_be_the_same(rough):
 def test_other_ways_to_solve_are_taken_told_and_stored(rough, tmp_path):
     """Another name of the heights, another tolerance, another form, and one leg more."""
     shutil.copytree(rough, tmp_path / "copy")
-    known = archive.read(rough / "run.h5").points
+    known = reading.read(rough / "run.h5").points
     done = run(*ROUGH, "-scene_geometry_file", "same.txt", "-load_path",
                f"{PATH[1]}; normal_displacement=0.5", "-snes_atol", "1e-11", "-contact_symmetry",
                "off", folder=tmp_path / "copy")
@@ -251,7 +251,7 @@ def test_other_ways_to_solve_are_taken_told_and_stored(rough, tmp_path):
     assert [line.split()[4] for line in told] == ["-contact_symmetry", "-load_path",
                                                   "-scene_geometry_file", "-snes_atol"]
     assert told[3].endswith("-snes_atol is 1e-11, before that not given")
-    record = archive.read(tmp_path / "copy" / "run.h5")
+    record = reading.read(tmp_path / "copy" / "run.h5")
     assert (record.complete and record["normal_displacement"][-1] == 0.5
             and record["residual_norm"][known:].max() <= 1e-11)
     assert [run.first for run in record.runs] == [0, known]

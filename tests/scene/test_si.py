@@ -22,7 +22,8 @@ from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.options.fields import InputError, as_text  # noqa: E402
 from contactsnes.output import figures as plots
 from contactsnes.output import prefixes
-from contactsnes.output.archive import Archive, Column  # noqa: E402
+from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.layout import Column  # noqa: E402
 from contactsnes.scene import units as si  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps, attributes  # noqa: E402

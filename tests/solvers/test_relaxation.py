@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from contactsnes.contact.forms import DisplacementForm, ForceForm
 from contactsnes.contact.problem import Contact
 from contactsnes.interface.laws import Law
-from contactsnes.output import archive
+from contactsnes.output import reading
 from contactsnes.scene.settings import Scene
 from contactsnes.solvers.motion import Motion
 from contactsnes.solvers.stepping import DampedVerlet, FastInertial, FireOptions, VerletOptions
@@ -437,7 +437,7 @@ def newton_archive(tmp_path_factory):
     folder = tmp_path_factory.mktemp("newton") / "run"
     done = run(ROOT / "options" / "newton.opts", folder)
     assert done.returncode == 0, done.stderr
-    return archive.read(folder / "run.h5")
+    return reading.read(folder / "run.h5")
 
 
 def test_each_method_has_a_file_with_each_kind_of_masses():
@@ -450,7 +450,7 @@ def test_a_file_of_options_archives_what_newtons_method_does(name, newton_archiv
     done = run(FILES[name], tmp_path / "run", "-snes_monitor", "ascii:monitor", "-snes_view",
                "ascii:view")
     assert done.returncode == 0 and "unused" not in done.stderr, done.stderr
-    found = archive.read(tmp_path / "run" / "run.h5")
+    found = reading.read(tmp_path / "run" / "run.h5")
     assert found.points == newton_archive.points and set(found) == set(newton_archive)
     costs = ("iterations", "evaluations", "transforms", "time", "residual_norm")
     for column in found:
