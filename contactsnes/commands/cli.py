@@ -245,7 +245,7 @@ def plot(arguments):
     except SystemExit as stop:
         return stop.code
     os.environ.pop("MPLBACKEND", None)  # as in a comparison
-    from ..output import figures
+    from ..output.figures import plot as figures
 
     for path in asked.archives:
         try:

@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from contactsnes.output import figures as plots
 from contactsnes.output.archive import Archive
+from contactsnes.output.figures import data, loads, profiles, words
+from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
+from contactsnes.output.prefixes import read
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law
@@ -145,7 +147,7 @@ def check_images(figures):
 def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
     line_archive(tmp_path / "run.h5", rows)
-    figures = plots.plot(tmp_path / "run.h5")
+    figures = plot(tmp_path / "run.h5")
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
                                                                 "shear")]
     assert figures.skipped == {"maps": "the interface has one dimension"}
@@ -155,7 +157,7 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
 def test_normal_loading_has_no_tangential_figures(tmp_path):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in loading()])
     (tmp_path / "figures").mkdir()
-    figures = plots.plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
+    figures = plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
     assert names_of(figures) == ["run-approach.pdf", "run-approach.png"]
     assert all(file.parent.name == "figures" and file.stat().st_size > 1000
                for file in figures.files)
@@ -165,7 +167,7 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
 
 def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
-    figures = plots.plot(tmp_path / "run.h5", points=[0, -1])
+    figures = plot(tmp_path / "run.h5", points=[0, -1])
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
                                                                 "shear")]
     assert figures.skipped == {"approach": "the normal load does not move"}
@@ -176,34 +178,34 @@ def test_normal_load_under_shear_is_part_of_the_approach(tmp_path):
     rows = [jkr(half_width) for half_width in (2, 4, 6.3)] + shear(count=5)[1:5]
     unloading = [{**rows[-1], **jkr(half_width)} for half_width in (4, 2)]
     for name, last in (("held", []), ("unloaded", unloading)):
-        record = plots.read(archive_of(tmp_path / f"{name}.h5",
+        record = read(archive_of(tmp_path / f"{name}.h5",
                                        [(row, ()) for row in rows + last]).path)
-        curve = plots.draw_approach(record).axes[0].lines[0].get_xdata()
+        curve = loads.draw_approach(record).axes[0].lines[0].get_xdata()
         assert len(curve) == (record.points if last else 3)
 
 
 @pytest.mark.parametrize("fields", ["none", "last"])
 def test_an_archive_of_one_point_has_figures(tmp_path, fields):
     line_archive(tmp_path / "run.h5", [jkr(6.3)], fields)
-    figures = plots.plot(tmp_path / "run.h5")
+    figures = plot(tmp_path / "run.h5")
     assert names_of(figures) == ["run-approach.png"] + ["run-profiles.png"] * (fields == "last")
     check_images(figures)
 
 
 def test_shear_begins_where_the_tangential_load_does(tmp_path):
     rows = [jkr(2), jkr(4), jkr(6.3), *shear()[1:]]
-    record = plots.read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
-    assert plots.shear(record) == ("", slice(2, None))
-    figure = plots.draw_area(record)
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
+    assert data.shear(record) == ("", slice(2, None))
+    figure = loads.draw_area(record)
     start = figure.axes[0].lines[0].get_xydata()[0]
     assert tuple(start) == (0, 12.6)
 
 
 def test_jumps_are_dashed_between_the_fold_and_the_point_after_it(tmp_path):
-    record = plots.read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
     fold, jump = (int(np.flatnonzero(record["event"] == name)[0]) for name in ("fold", "jump"))
     assert jump == fold + 1
-    axes = plots.draw_area(record).axes[0]
+    axes = loads.draw_area(record).axes[0]
     (dashed,) = [line for line in axes.lines if line.get_linestyle() == "--"]
     assert np.array_equal(dashed.get_xdata(), record["tangential_force"][fold : jump + 1])
     for line in axes.lines:
@@ -215,8 +217,8 @@ def test_jumps_are_dashed_between_the_fold_and_the_point_after_it(tmp_path):
 
 def test_profiles_are_those_of_the_chosen_points_near_the_contact(tmp_path):
     line_archive(tmp_path / "run.h5", shear())
-    record = plots.read(tmp_path / "run.h5")
-    figure = plots.draw_profiles(record, [0, 10])
+    record = read(tmp_path / "run.h5")
+    figure = profiles.draw_profiles(record, [0, 10])
     gap, pressure, traction = figure.axes
     assert len(gap.lines) == 3  # two points and the zero
     assert np.array_equal(gap.lines[1].get_ydata(),
@@ -228,25 +230,25 @@ def test_profiles_are_those_of_the_chosen_points_near_the_contact(tmp_path):
 
 def test_points_are_chosen_among_those_stored(tmp_path):
     line_archive(tmp_path / "run.h5", [jkr(3), *shear(count=10)])
-    record = plots.read(tmp_path / "run.h5")
-    chosen = plots.choose_points(record, None)
+    record = read(tmp_path / "run.h5")
+    chosen = data.choose_points(record, None)
     events = list(record["event"])
     assert chosen[0] == 1 and chosen[-1] == record.points - 1 and len(chosen) == 5
     assert {events.index("fold"), events.index("jump")} <= set(chosen)
-    assert plots.choose_points(record, [2, -1]) == [2, record.points - 1]
+    assert data.choose_points(record, [2, -1]) == [2, record.points - 1]
     with pytest.raises(ArchiveError, match="no fields of point 99; it has those of points 0 to"):
-        plots.plot(tmp_path / "run.h5", points=[99])
+        plot(tmp_path / "run.h5", points=[99])
 
 
 def test_bad_input(tmp_path):
     archive_of(tmp_path / "run.h5", [])
     with pytest.raises(ArchiveError, match="no points"):
-        plots.plot(tmp_path / "run.h5")
+        plot(tmp_path / "run.h5")
     archive_of(tmp_path / "one.h5", [(jkr(2), ())])
     with pytest.raises(ArchiveError, match="does not exist"):
-        plots.plot(tmp_path / "one.h5", output=tmp_path / "absent")
+        plot(tmp_path / "one.h5", output=tmp_path / "absent")
     with h5py.File(tmp_path / "other.h5", "w"), pytest.raises(ArchiveError):
-        plots.plot(tmp_path / "other.h5")
+        plot(tmp_path / "other.h5")
 
 
 @pytest.mark.parametrize(
@@ -261,7 +263,7 @@ def test_bad_input(tmp_path):
     ],
 )
 def test_labels_have_symbol_and_unit(unit, text):
-    assert plots.label("force", "W", unit) == text
+    assert words.label("force", "W", unit) == text
 
 
 def test_loads_of_rounding_are_none_in_titles():
@@ -270,4 +272,4 @@ def test_loads_of_rounding_are_none_in_titles():
 
     record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
                     event=np.array(["none", "jump", "none"]))
-    assert plots.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
+    assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
