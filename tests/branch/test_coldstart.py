@@ -19,8 +19,9 @@ from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.dynamics import jumps
-from contactsnes.grid.cell import Grid, Window  # noqa: E402
+from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.grid.transfer import resampled  # noqa: E402
+from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
 
 PAPER = {}

@@ -16,8 +16,8 @@ from contactsnes.contact.balance import Balance, Response
 from contactsnes.contact.even_form import EvenForm, Symmetry
 from contactsnes.contact.states import State
 from contactsnes.grid.boxes import Spots, convolution
-from contactsnes.grid.cell import Window
 from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
+from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import tangential_legs
 

@@ -23,7 +23,7 @@ from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.forms import DisplacementForm, ForceForm
 from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
-from contactsnes.grid.cell import Window
+from contactsnes.grid.windows import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
 from contactsnes.solvers.preconditioners import CoreZone

@@ -12,7 +12,8 @@ from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, Contact
 from contactsnes.grid import boxes as spots
 from contactsnes.grid.boxes import Spots, SpotsConvolution
-from contactsnes.grid.cell import Convolution, Grid, Operator, Window, enclosing, transform_cost
+from contactsnes.grid.cell import Convolution, Grid, Operator, transform_cost
+from contactsnes.grid.windows import Window, enclosing
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps
 from contactsnes.solvers.preconditioners import CoreZone

@@ -9,7 +9,7 @@ from contactsnes.contact import edges as following
 from contactsnes.contact import states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.continuation.natural import lagrange_weights
-from contactsnes.grid.cell import Window
+from contactsnes.grid.windows import Window
 from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps
 

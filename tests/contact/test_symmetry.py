@@ -17,9 +17,10 @@ from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
 from contactsnes.contact.states import State
 from contactsnes.dynamics import jumps
-from contactsnes.grid.cell import Convolution, Grid, Window
+from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.even import Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
 from contactsnes.grid.transfer import smooth
+from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
 from contactsnes.solvers.preconditioners import CoreOptions, zone
 

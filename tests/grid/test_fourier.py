@@ -9,17 +9,10 @@ import pytest
 import scipy.fft
 
 from contactsnes.grid.boxes import Spots
-from contactsnes.grid.cell import (
-    Convolution,
-    Grid,
-    Operator,
-    Transform,
-    Window,
-    enclosing,
-    transform_cost,
-)
+from contactsnes.grid.cell import Convolution, Grid, Operator, Transform, transform_cost
 from contactsnes.grid.contours import crossings
 from contactsnes.grid.transfer import smooth
+from contactsnes.grid.windows import Window, enclosing
 
 LINE, PLANE = Grid((48,), (12.0,)), Grid((20, 36), (5.0, 12.0))
 BOXES = [

@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0, j1, jv
 
-from contactsnes.grid.cell import Convolution, Grid, Operator, Window
+from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.windows import Window
 from contactsnes.interface.elasticity import Body, layer_compliance
 from contactsnes.interface.unbounded import free_space
 

@@ -17,7 +17,8 @@ from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
-from contactsnes.grid.cell import Window, transform_cost  # noqa: E402
+from contactsnes.grid.cell import transform_cost  # noqa: E402
+from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.interface.laws.coupled import Coupled  # noqa: E402
 from contactsnes.options.database import read_file, unused_options  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
