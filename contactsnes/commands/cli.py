@@ -23,12 +23,12 @@ from ..contact.balance import CONVERGENCE
 from ..options.database import (
     database,
     database_text,
-    help_text,
     petsc_arguments,
     read,
     unused_options,
 )
 from ..options.fields import InputError, nearest
+from ..options.help import help_text
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS

@@ -9,7 +9,8 @@ that both found.
 import numpy as np
 
 from ..output.tables import write_csv, write_hdf5
-from .comparison import CONVERGED, COUNTS, ELSEWHERE, ERRORS, FAILED
+from .comparison import CONVERGED, COUNTS, ELSEWHERE, FAILED
+from .targets import ERRORS
 
 COLUMNS = {"stage": "", "method": "", "family": "", "points": "", "found": "", "elsewhere": "",
            "failed": "", "failed_at": "", "reason": "", "transforms": "real FFTs of the cell",

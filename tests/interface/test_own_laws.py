@@ -301,7 +301,8 @@ def test_names_of_files_and_classes_are_checked(written, tmp_path):
 
 
 def test_the_databases_law_brings_its_options(written, kept_options):
-    from contactsnes.options.database import check_names, help_text, install, read
+    from contactsnes.options.database import check_names, install, read
+    from contactsnes.options.help import help_text
 
     name = written()
     install({"scene_law": name, "scene_drag_strength": "0.7"})

@@ -10,6 +10,7 @@ import pytest
 
 from contactsnes.options import database as options
 from contactsnes.options.fields import InputError, Options, as_text, option
+from contactsnes.options.help import help_text
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import OPTION_CLASSES, Form, Output, Scene, Steps
 
@@ -290,7 +291,7 @@ def test_unused_options_of_petsc_are_found(petsc):
 # Help
 
 def test_help_has_every_option_with_unit_default_and_range():
-    text = " ".join(options.help_text([CoreOptions], width=100).split())
+    text = " ".join(help_text([CoreOptions], width=100).split())
     for cls in (*OPTION_CLASSES, CoreOptions):
         for field in dataclasses.fields(cls):
             rule = field.metadata
@@ -302,12 +303,12 @@ def test_help_has_every_option_with_unit_default_and_range():
 @pytest.mark.parametrize("width", [60, 80, 132])
 def test_help_fits_the_terminal(width, monkeypatch):
     monkeypatch.setenv("COLUMNS", str(width))
-    assert max(map(len, options.help_text().splitlines())) <= width
+    assert max(map(len, help_text().splitlines())) <= width
 
 
 def test_help_and_arguments_work_before_petsc_starts():
     script = ("import sys\nfrom contactsnes.options import database as "
-              "options\nfrom contactsnes.scene import settings\noptions.help_text(); "
+              "options, help\nfrom contactsnes.scene import settings\nhelp.help_text(); "
               "options.petsc_arguments(['-a', '1'])\nassert not "
               "any(name.startswith('petsc4py') for name in sys.modules)")
     subprocess.run([sys.executable, "-c", script], check=True)

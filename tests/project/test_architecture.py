@@ -2,6 +2,8 @@
 how long things may be."""
 
 import ast
+import re
+import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -12,9 +14,10 @@ import pytest
 import contactsnes
 
 PACKAGE = Path(contactsnes.__path__[0])
-LONGEST_FILE, LONGEST_FUNCTION = 350, 60
-LONGER = {"output.figures": 484, "output.archive": 560}
-"""Files that hold one thing of many like parts: figures, the safety of one file format."""
+ROOT = PACKAGE.parent
+LONGEST_FILE, LONGEST_FUNCTION, LONGEST_LINE, MEDIAN = 300, 40, 100, 6
+"""Lines of a file and a function of the package, columns of a line anywhere, and lines of half of
+the functions, their docstrings not counted."""
 
 
 class Room(NamedTuple):
@@ -241,8 +244,7 @@ def test_only_the_command_line_prints(name):
 @every_file
 def test_files_are_short(name):
     lines = len(FILES[name].read_text(encoding="utf-8").splitlines())
-    assert (lines <= LONGER.get(name, LONGEST_FILE)), (f"{name}.py has {lines} lines: "
-                                                       "find what can stand on its own")
+    assert lines <= LONGEST_FILE, f"{name}.py has {lines} lines: find what can stand on its own"
 
 
 @every_file
@@ -250,6 +252,44 @@ def test_functions_are_short(name):
     lengths = {full: node.end_lineno - node.lineno + 1 for full, node in definitions(TREES[name])
                if not isinstance(node, ast.ClassDef)}
     assert not {full: length for full, length in lengths.items() if length > LONGEST_FUNCTION}
+
+
+def body_lines(node):
+    """Lines of a function's body, its docstring not counted."""
+    body = node.body[1:] if ast.get_docstring(node) else node.body
+    return body[-1].end_lineno - body[0].lineno + 1 if body else 0
+
+
+def test_most_functions_are_shorter():
+    lengths = [body_lines(node) for tree in TREES.values() for _, node in definitions(tree)
+               if not isinstance(node, ast.ClassDef)]
+    assert statistics.median(lengths) <= MEDIAN
+
+
+def programs():
+    """Every file of Python in the package, the tests, scripts with and without suffix, examples and
+    options."""
+    for folder in ("contactsnes", "tests", "scripts", "examples", "options"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix == ".py" or not path.suffix and path.is_file() and re.match(
+                    "#!.*python", path.read_text(encoding="utf-8").split("\n", 1)[0]):
+                yield path
+
+
+PROGRAMS = {path.relative_to(ROOT).as_posix(): path for path in programs()}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_lines_are_short(name):
+    lines = PROGRAMS[name].read_text(encoding="utf-8").splitlines()
+    long = [number for number, line in enumerate(lines, start=1) if len(line) > LONGEST_LINE]
+    assert not long, f"longer than {LONGEST_LINE} columns: lines {long}"
+
+
+def test_programs_without_suffix_are_checked_as_python():
+    settings = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    scripts = [name for name, path in PROGRAMS.items() if not path.suffix]
+    assert len(scripts) > 5 and not [name for name in scripts if f'"{name}"' not in settings]
 
 
 @every_file

@@ -1,4 +1,16 @@
-"""The figures of an archive, those that make sense for what it holds."""
+"""The figures of an archive, those that make sense for what it holds.
+
+- ``RUN-shear.png``: tangential force and contact area against tangential displacement
+- ``RUN-area.png``: contact area against tangential force
+- ``RUN-approach.png``: normal force against normal displacement, unsheared if it stays put
+  under shear
+- ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions
+  along y = 0)
+- ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
+  to three points
+
+The shear's figures begin where the tangential load begins.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +38,6 @@ class Figures(NamedTuple):
 def plot(path, output=None, pdf=False, points=None):
     """Draw the figures that an archive has data for.
 
-    - ``RUN-shear.png``: tangential force and contact area against tangential displacement
-    - ``RUN-area.png``: contact area against tangential force
-    - ``RUN-approach.png``: normal force against normal displacement, unsheared if it stays put
-      under shear
-    - ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions
-      along y = 0)
-    - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
-      to three points
-
-    The shear's figures begin where the tangential load begins.
-
     Parameters
     ----------
     path : path of the archive
@@ -63,19 +64,23 @@ def plot(path, output=None, pdf=False, points=None):
     if not folder.is_dir():
         raise ArchiveError(
             f"The folder of the figures, {folder}, does not exist: create it or name another.")
-    figures = Figures([], {})
     chosen = choose_points(record, points)
+    figures = Figures([], {})
     with matplotlib.rc_context(STYLE):
-        for name, draw in (("shear", draw_shear), ("area", draw_area), ("approach", draw_approach),
-                           ("profiles", lambda record: draw_profiles(record, chosen)),
-                           ("maps", lambda record: draw_maps(record, chosen))):
+        for name, draw in _kinds(chosen).items():
             try:
                 figure = draw(record)
             except NothingToShow as reason:
                 figures.skipped[name] = str(reason)
                 continue
             for suffix in (".png", ".pdf") if pdf else (".png",):
-                file = folder / f"{Path(path).stem}-{name}{suffix}"
-                figure.savefig(file)
-                figures.files.append(file)
+                figures.files.append(folder / f"{Path(path).stem}-{name}{suffix}")
+                figure.savefig(figures.files[-1])
     return figures
+
+
+def _kinds(chosen):
+    """Name -> function of a record that draws a figure, or raises NothingToShow."""
+    return {"shear": draw_shear, "area": draw_area, "approach": draw_approach,
+            "profiles": lambda record: draw_profiles(record, chosen),
+            "maps": lambda record: draw_maps(record, chosen)}
