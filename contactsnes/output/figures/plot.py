@@ -49,13 +49,11 @@ def plot(path, output=None, pdf=False, points=None):
     Returns
     -------
     Figures
-        Files, and reasons for figures that were skipped.
 
     Raises
     ------
     ArchiveError
-        If the archive cannot be read or has no points, the folder is missing, or a chosen point has
-        no fields.
+        If there is no archive, no point, no field of a chosen point, or no such folder.
     """
     record = read(path)
     folder = Path(path).parent if output is None else Path(output)
