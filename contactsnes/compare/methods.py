@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple
 
 from ..options.database import split_arguments
 from ..options.fields import InputError, Options, option
-from ..options.files import is_option, read_file
+from ..options.files import folders, is_option, read_file
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ def split(arguments):
 
 
 def files_at_hand():
-    """The methods in the folder options/ of the current folder or, failing that, of a checkout;
-    newton.opts first."""
-    for folder in (Path("options"), Path(__file__).resolve().parents[1] / "options"):
+    """The methods in the folder options/ of the current folder or, failing that, those that come
+    with the package; newton.opts first."""
+    for folder in (Path("options"), *folders()):
         paths = [path for path in sorted(folder.glob("*.opts")) if is_method(path)]
         if paths:
             return sorted(paths, key=lambda path: path.stem != "newton")

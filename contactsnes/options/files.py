@@ -1,5 +1,6 @@
 """Files of options as the arguments that they stand for."""
 
+import difflib
 import os
 import re
 from pathlib import Path
@@ -21,13 +22,38 @@ def is_option(argument):
     return False
 
 
+def folders():
+    """The folder of the scenes and methods that come with the package: beside its modules where it
+    is installed, options/ of a checkout; a list of one, empty where it is missing."""
+    package = Path(__file__).resolve().parents[1]
+    found = (package / "scenes", package.parent / "options")
+    return [folder for folder in found if any(folder.glob("*.opts"))][:1]
+
+
+def located(path):
+    """The path of a file of options: a bare name that is no file of the working folder is that of a
+    file that comes with the package, if there is one."""
+    if os.path.basename(path) == str(path) and not os.path.isfile(path):
+        return next((folder / path for folder in folders() if os.path.isfile(folder / path)), path)
+    return path
+
+
+def _alike(path):
+    """Up to three files of options whose names are like that of a file that is missing."""
+    folder, name = os.path.split(path)
+    names = {file.stem: file.name for place in folders() for file in place.glob("*.opts")}
+    names |= {file.stem: os.path.join(folder, file.name) for file in Path(folder).glob("*.opts")}
+    return [names[found] for found in difflib.get_close_matches(Path(name).stem, sorted(names))]
+
+
 def read_file(path, above=()):
     """The arguments that a file of options stands for: a list of names, each with its value if it
     has one.
 
     PETSc's syntax: an option and its value a line, # comments, values with blanks in quotes,
     -prefix_push and -prefix_pop; the lines of another file that is named by -options_file stand in
-    its place. InputError names file and line. The prefix has to be popped by the end, so that it
+    its place. A bare name may be that of a file that comes with the package. InputError names file
+    and line. The prefix has to be popped by the end, so that it
     does not leak.
 
     Parameters
@@ -35,16 +61,9 @@ def read_file(path, above=()):
     path : path of the file
     above : paths of the files that name this one
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-        if "\0" in text or not Path(path).is_file():
-            raise ValueError
-        key = os.path.realpath(path)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise InputError(f"the options file '{path}' cannot be read ({reason}): "
-                         "give a file of lines '-option value'") from None
-    if key in map(os.path.realpath, above):
+    path = located(path)
+    text = _text(path)
+    if os.path.realpath(path) in map(os.path.realpath, above):
         raise InputError(f"the options file '{path}' includes itself by "
                          f"-options_file ({' -> '.join(map(str, (*above, path)))}): take "
                          "out one of these lines")
@@ -54,6 +73,21 @@ def read_file(path, above=()):
         raise InputError(f"the options file '{path}' has unequal numbers of "
                          "-prefix_push and -prefix_pop: close each push")
     return with_files(arguments, (*above, path))
+
+
+def _text(path):
+    """The text of a file of options; InputError, with the names of files that may be meant."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        if "\0" in text or not Path(path).is_file():
+            raise ValueError
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        alike = _alike(path) if isinstance(error, FileNotFoundError) else []
+        advice = (f"did you mean {' or '.join(alike)}?" if alike
+                  else "give a file of lines '-option value'")
+        raise InputError(f"the options file '{path}' cannot be read ({reason}): {advice}") from None
+    return text
 
 
 def refuse_circles(text):

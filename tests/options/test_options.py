@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from contactsnes.options import database as options
+from contactsnes.options import files
 from contactsnes.options.fields import InputError, Options, as_text, option
 from contactsnes.options.help import help_text
 from contactsnes.scene.load import Load
@@ -110,6 +111,29 @@ def test_file_that_cannot_be_read_is_an_error_that_names_it(tmp_path):
         with pytest.raises(InputError, match="cannot be read") as error:
             options.read_file(path)
         assert str(path) in str(error.value)
+
+
+def test_a_bare_name_is_that_of_a_file_that_comes_with_the_package(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (folder,) = files.folders()
+    assert files.read_file("newton.opts") == files.read_file(folder / "newton.opts")
+    (tmp_path / "newton.opts").write_text("-own 1\n")
+    assert files.read_file("newton.opts") == ["-own", "1"]
+    (tmp_path / "other.opts").write_text("-options_file fire.opts\n")
+    assert files.read_file("other.opts") == files.read_file(folder / "fire.opts")
+
+
+@pytest.mark.parametrize("name, words", [("cylindr.opts", "did you mean cylinder.opts"),
+                                         ("options/cylinder.opts", "did you mean cylinder.opts?"),
+                                         ("own/one.opts", "did you mean own/ones.opts"),
+                                         ("qzx.opts", "give a file of lines")])
+def test_a_file_that_is_nowhere_is_told_with_names_like_it(tmp_path, monkeypatch, name, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "ones.opts").write_text("")
+    with pytest.raises(InputError, match="cannot be read") as error:
+        files.read_file(name)
+    assert words in str(error.value) and str(tmp_path) not in str(error.value)
 
 
 def test_petsc_starts_with_files_and_command_line(tmp_path):

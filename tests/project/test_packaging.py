@@ -1,0 +1,101 @@
+"""Wheels and source distributions: what is in them, and that they bring the scenes and methods of
+options/ along."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import ROOT
+
+import contactsnes
+
+pytest.importorskip("wheel")
+
+SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", "contactsnes",
+           "options")
+SCENES = {path.name for path in (ROOT / "options").glob("*.opts")}
+MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "contactsnes").rglob("*.py")}
+
+
+def run(*words, folder):
+    """What a program writes; it has to end well."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run([*map(str, words)], cwd=folder, env=environment, capture_output=True,
+                          text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def built(sources, folder):
+    """The wheel of a tree, built without a network."""
+    run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation",
+        "--wheel-dir", folder, sources, folder=folder)
+    (found,) = Path(folder).glob("*.whl")
+    return found
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """A copy of what a distribution is made of."""
+    folder = tmp_path_factory.mktemp("sources")
+    for name in SOURCES:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name,
+                            ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / name, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(sources, tmp_path_factory):
+    """A wheel by way of a source distribution."""
+    folder = tmp_path_factory.mktemp("distribution")
+    run(sys.executable, "setup.py", "--quiet", "sdist", "--dist-dir", folder, folder=sources)
+    (packed,) = folder.glob("*.tar.gz")
+    with tarfile.open(packed) as archive:
+        archive.extractall(folder)
+    return built(folder / packed.name.removesuffix(".tar.gz"), folder)
+
+
+def test_distributions_bring_modules_and_scenes_along(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+    scenes = {name.rsplit("/", 1)[1] for name in names if name.startswith("contactsnes/scenes/")}
+    assert scenes >= SCENES and MODULES <= names
+    others = {name.split("/")[0] for name in names} - {"contactsnes"}
+    assert [name for name in others if not name.endswith(".dist-info")] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("editable", [False, True])
+def test_an_installed_program_finds_its_scenes(wheel, sources, tmp_path, editable):
+    """In an environment of its own that sees the packages of this one, from any folder."""
+    place = tmp_path / "environment"
+    venv.create(place, with_pip=False)
+    python = place / "bin" / "python"
+    (library,) = place.glob("lib/python*/site-packages")
+    paths = [path for path in sys.path if path and Path(path).is_dir()
+             and not Path(contactsnes.__file__).is_relative_to(path)]
+    library.joinpath("base.pth").write_text("\n".join(paths), encoding="utf-8")
+    target = ["--editable", sources] if editable else [wheel]
+    run(python, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+        "--force-reinstall", "--no-index", *target, folder=tmp_path)
+    home = run(python, "-c", "import contactsnes; print(contactsnes.__file__)", folder=tmp_path)
+    assert Path(home.strip()).is_relative_to(sources if editable else place)
+    command = (python, "-m", "contactsnes")
+    told = run(*command, "info", "cylinder.opts", "fire.opts", folder=tmp_path)
+    assert "force form" in told
+    run(*command, "run", "cylinder.opts", "-scene_points", "512", "-scene_normal_maugis", "2",
+        "-load_path", "normal_displacement=1", "-archive_file", "run.h5", folder=tmp_path)
+    assert np.max(contactsnes.read(tmp_path / "run.h5")["normal_displacement"]) == 1.0
+    run(*command, "compare", "cylinder.opts", "newton.opts", "-scene_points", "512",
+        "-scene_normal_maugis", "2", "-load_path", "normal_displacement=1", "-compare_repeats", "1",
+        folder=tmp_path)
