@@ -201,7 +201,15 @@ def create_branch(settings, log=lambda sentence: None):
 
 def create_watch(settings, branch, progress, missed):
     """What estimates the errors of a run's points (``accuracy.Watch``); None where nobody asks for
-    them."""
+    them.
+
+    Parameters
+    ----------
+    settings : Settings
+    branch : Branch of the scene
+    progress : Progress, which is told
+    missed : tuple, coarser grids that have missed the accuracy
+    """
     from ..branch.accuracy import Watch
 
     return Watch(branch, settings.auto, progress, missed) if settings.estimates else None

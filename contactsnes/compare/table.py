@@ -139,43 +139,57 @@ def _line(row, width):
 
 
 def save(comparison, stem, attributes):
-    """Write the table to STEM.csv, and table, results of all points and histories to STEM.h5."""
+    """Write the table to STEM.csv, and table, results of all points and histories to STEM.h5.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    stem : path without suffix
+    attributes : mapping, attributes of the root of STEM.h5
+    """
     table = rows(comparison)
     write_csv(f"{stem}.csv", COLUMNS, table)
+    write_hdf5(f"{stem}.h5", {"format": "contactsnes comparison 1", "name": comparison.name,
+                              "base": comparison.base, "passes": comparison.passes,
+                              "path_failure": comparison.path_failure, **attributes},
+               _content(comparison, table))
+
+
+def _content(comparison, table):
+    """What a file keeps of a comparison, as nested mappings, and of its table."""
     targets, methods = comparison.targets, comparison.methods
     results = [comparison.results[method.name] for method in methods]
+    return {"table": {name: ([row[name] for row in table], unit)
+                      for name, unit in COLUMNS.items()},
+            "methods": {"name": [method.name for method in methods],
+                        "family": [method.family for method in methods],
+                        "options": ["\n".join(f"-{name} {value}".strip()
+                                              for name, value in method.entries.items())
+                                    for method in methods]},
+            "points": {"stage": [target.stage for target in targets],
+                       "load": [comparison.loads(target) for target in targets],
+                       "residual_norm": ([target.point.residual_norm for target in targets],
+                                         "ranges of the law")},
+            "results": _results(results),
+            "histories": {str(place): {"title": watched_title(comparison, place),
+                                       **{str(number): line[place].history()
+                                          for number, line in enumerate(results)
+                                          if line[place].histories}}
+                          for place in comparison.watched}}
 
+
+def _results(results):
+    """Arrays (methods, points) of what became of them, counts, errors and times."""
     def everywhere(value):
         return [[value(result) for result in line] for line in results]
 
-    content = {"table": {name: ([row[name] for row in table], unit)
-                         for name, unit in COLUMNS.items()},
-               "methods": {"name": [method.name for method in methods],
-                           "family": [method.family for method in methods],
-                           "options": ["\n".join(f"-{name} {value}".strip()
-                                                 for name, value in method.entries.items())
-                                       for method in methods]},
-               "points": {"stage": [target.stage for target in targets],
-                          "load": [comparison.loads(target) for target in targets],
-                          "residual_norm": ([target.point.residual_norm for target in targets],
-                                            "ranges of the law")},
-               "results": {"outcome": everywhere(lambda result: result.outcome),
-                           "reason": everywhere(lambda result: result.reason),
-                           **{name: everywhere(lambda result,
-                                               name=name: result.counts.get(name, -1))
-                              for name in COUNTS},
-                           **{name: everywhere(lambda result, i=i: result.errors[i])
-                              for i, name in enumerate(ERRORS)},
-                           "time": (_padded([[result.times for result in line]
-                                             for line in results]), "s")},
-               "histories": {str(place): {"title": watched_title(comparison, place),
-                                          **{str(number): line[place].history()
-                                             for number, line in enumerate(results)
-                                             if line[place].histories}}
-                             for place in comparison.watched}}
-    write_hdf5(f"{stem}.h5", {"format": "contactsnes comparison 1", "name": comparison.name,
-                              "base": comparison.base, "passes": comparison.passes,
-                              "path_failure": comparison.path_failure, **attributes}, content)
+    return {"outcome": everywhere(lambda result: result.outcome),
+            "reason": everywhere(lambda result: result.reason),
+            **{name: everywhere(lambda result, name=name: result.counts.get(name, -1))
+               for name in COUNTS},
+            **{name: everywhere(lambda result, i=i: result.errors[i])
+               for i, name in enumerate(ERRORS)},
+            "time": (_padded([[result.times for result in line] for line in results]), "s")}
 
 
 def _padded(times):

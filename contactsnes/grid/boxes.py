@@ -84,14 +84,18 @@ class Spots:
         return np.tile(self.parts[0].rim(), len(self.parts))
 
     def area_below(self, values, level):
-        """Length or area where values (nodes) lie below a level, as that of a window in each
-        box."""
+        """Length or area where values (nodes) lie below a level, the sum of all boxes."""
         return sum(part.area_below(own.reshape(-1), level)
                    for part, own in zip(self.parts, self.box(values)))
 
     def at_level(self, values, level, fields):
-        """Fields (components, nodes) where values (nodes) cross a level, as those of a window in
-        each box."""
+        """Fields where values cross a level, (components, crossings), of one box after another.
+
+        Parameters
+        ----------
+        values, fields : arrays (nodes,) and (components, nodes) over the window
+        level : float, unit of the values
+        """
         both = self.box(np.concatenate([values[None], fields]))
         return np.concatenate([part.at_level(own[0].reshape(-1), level,
                                              own[1:].reshape(len(fields), -1))
@@ -103,8 +107,13 @@ class Spots:
 
 
 def of_boxes(grid, start, shape):
-    """The window of a shape at a first node, or that of several boxes at some (boxes,
-    directions)."""
+    """The window of one box or, where there are several first nodes, of several.
+
+    Parameters
+    ----------
+    grid : Grid
+    start, shape : first node, (directions,) or (boxes, directions); nodes of each box
+    """
     return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
 
 
@@ -131,8 +140,7 @@ def in_words(window):
 
 
 class SpotsConvolution:
-    """Product of a circulant operator of the cell with fields on several boxes: as
-    `cell.Convolution`.
+    """Product of a circulant operator of the cell with fields on several boxes.
 
     Parameters
     ----------
@@ -168,8 +176,13 @@ class SpotsConvolution:
         return found
 
     def apply(self, values, out, transposed=False):
-        """out (components, nodes) = operator, or its transpose, times values (components, nodes),
-        perhaps the same array."""
+        """Write the operator, or its transpose, times values to out, which is returned.
+
+        Parameters
+        ----------
+        values, out : arrays (components, nodes), perhaps the same one
+        transposed : bool, whether the transpose is meant
+        """
         self._real[self._inside] = self.window.box(values)
         self.transform.forward()
         self._sums[...] = 0.0
@@ -188,7 +201,14 @@ class SpotsConvolution:
 
 
 def convolution(window, operator, count):
-    """The product of an operator with fields on a window, of one box or several."""
+    """The product of an operator with fields on a window, of one box or several.
+
+    Parameters
+    ----------
+    window : Window or Spots
+    operator : Operator on the cell
+    count : int, number of components
+    """
     return (SpotsConvolution if len(window.parts) > 1 else Convolution)(window, operator, count)
 
 
@@ -208,6 +228,12 @@ def fitting(grid, mask, margin):
     Boxes are made around connected nodes and joined, the pair with the smallest common box first,
     until one is left; of all these windows the one whose products with the Jacobian are predicted
     to be cheapest is taken, by `cost`.
+
+    Parameters
+    ----------
+    grid : Grid
+    mask : array of bool over the cell
+    margin : float, part of a box's extent by which it is widened on each side
     """
     one = enclosing(grid, mask, margin)
     if np.count_nonzero(mask) > 0.5 * one.size:

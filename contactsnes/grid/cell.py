@@ -19,6 +19,12 @@ class Transform:
     Plans are estimated, not measured: what was fastest on a busy machine would decide the last
     bits. Write to ``real``, call ``forward``, work on ``spectrum``, call ``backward``, read
     ``real`` again: it is overwritten, its padding too, and ``spectrum`` does not survive.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction
+    count : int, number of arrays
     """
 
     def __init__(self, grid, shape, count):
@@ -96,11 +102,25 @@ class Grid:
         return np.add.reduce(values, axis=-1) / self.size
 
     def maximum(self, values, where=True, initial=-np.inf):
-        """Largest value over all nodes and components."""
+        """Largest value over all nodes and components.
+
+        Parameters
+        ----------
+        values : array (components, nodes)
+        where : mask of what counts, to broadcast
+        initial : float, what is found where nothing counts
+        """
         return np.max(values, initial=initial, where=where)
 
     def minimum(self, values, where=True, initial=np.inf):
-        """Smallest value over all nodes and components."""
+        """Smallest value over all nodes and components.
+
+        Parameters
+        ----------
+        values : array (components, nodes)
+        where : mask of what counts, to broadcast
+        initial : float, what is found where nothing counts
+        """
         return np.min(values, initial=initial, where=where)
 
     def inner(self, first, second):
@@ -164,7 +184,15 @@ class Operator:
 
     def between(self, key, extents, circle, offset):
         """The block on a circle for the response of a box of given extents to another, ``offset``
-        nodes before it."""
+        nodes before it.
+
+        Parameters
+        ----------
+        key : (i, j), components of the block
+        extents : nodes of either box in each direction
+        circle : points of the circle in each direction
+        offset : nodes from the second box to the first in each direction
+        """
         lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
                                  np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
                 for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
@@ -199,8 +227,13 @@ class Convolution:
                          else np.empty_like(self.transform.spectrum[:, :self._rows()]))
 
     def apply(self, values, out, transposed=False):
-        """out (components, nodes) = operator, or its transpose, times values (components, nodes),
-        perhaps the same array."""
+        """Write the operator, or its transpose, times values to out, which is returned.
+
+        Parameters
+        ----------
+        values, out : arrays (components, nodes), perhaps the same one
+        transposed : bool, whether the transpose is meant
+        """
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
         plan.forward()

@@ -49,6 +49,11 @@ def at_level(values, level, fields):
     (components, crossings).
 
     Cubic between two nodes that have neighbours in the box.
+
+    Parameters
+    ----------
+    values, fields : arrays (*box) and (components, *box)
+    level : float, unit of the values
     """
     found = []
     for axis in range(values.ndim):

@@ -170,6 +170,12 @@ class Cosines:
     waves are those of the cell (type I, circle of 2 m - 2 points). Otherwise the fields go on oddly
     beyond the last point (types III and II, circle of 4 m points, on which waves of odd number
     only): the same as zeros there for a convolution that is padded, and faster.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction from the axis outwards
+    count : int, number of arrays
     """
 
     def __init__(self, grid, shape, count):
@@ -222,7 +228,14 @@ class Cosines:
 
 class EvenConvolution:
     """Product of an even circulant operator of the cell with even fields on an even window: as
-    `cell.Convolution`."""
+    `cell.Convolution`.
+
+    Parameters
+    ----------
+    window : EvenWindow
+    operator : Operator on the cell, even
+    count : int, number of components
+    """
 
     def __init__(self, window, operator, count):
         self.window = window
@@ -247,8 +260,13 @@ class EvenConvolution:
         return plan.spectrum[0] / plan.gain
 
     def apply(self, values, out, transposed=False):
-        """out (components, nodes) = operator times values (components, nodes), perhaps the same
-        array; it is its transpose."""
+        """Write the operator times values to out, which is returned.
+
+        Parameters
+        ----------
+        values, out : arrays (components, nodes), perhaps the same one
+        transposed : bool, of no effect: the operator is its transpose
+        """
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
         plan.forward()

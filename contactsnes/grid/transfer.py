@@ -38,7 +38,13 @@ def _line(start, extent, total):
 
 def resampled(grid, finer, fields):
     """Fields (components, *grid) on the finer grid, with the same waves except the coarse one's
-    shortest."""
+    shortest.
+
+    Parameters
+    ----------
+    grid, finer : Grid
+    fields : array (components, *grid)
+    """
     count, half = len(fields), grid.shape[-1] // 2
     source, target = Transform(grid, grid.shape, count), Transform(finer, finer.shape, count)
     source.real[...] = fields
@@ -57,6 +63,12 @@ def smooth(window, values, width):
     Three running means: no transform, and a cost that does not depend on the width. Periodic in
     directions that the window fills; in others the values on its border continue outwards, in an
     even window as their mirror images. Each box of several for itself.
+
+    Parameters
+    ----------
+    window : Window, Spots or EvenWindow
+    values : array (..., nodes)
+    width : float, standard deviation, beta
     """
     box = window.box(values)
     first = box.ndim - len(window.shape)
@@ -80,7 +92,14 @@ def smooth(window, values, width):
 
 def extent(mask, axis, margin=0):
     """Slice along an axis that holds every True of a mask and a margin of nodes; all of the axis if
-    that does not fit."""
+    that does not fit.
+
+    Parameters
+    ----------
+    mask : array of bool
+    axis : int
+    margin : int, nodes
+    """
     line = np.flatnonzero(mask.any(axis=tuple(i for i in range(mask.ndim) if i != axis)))
     first, after = (line[0] - margin, line[-1] + 1 + margin) if line.size else (0, 0)
     return (slice(int(first), int(after)) if 0 <= first and after <= mask.shape[axis]

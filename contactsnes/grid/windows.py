@@ -107,7 +107,13 @@ class Window:
 
     def at_level(self, values, level, fields):
         """Fields (components, nodes) where values (nodes) cross a level between nodes, (components,
-        crossings)."""
+        crossings).
+
+        Parameters
+        ----------
+        values, fields : arrays (nodes,) and (components, nodes) over the window
+        level : float, unit of the values
+        """
         values, *fields = ringed(self.box(np.concatenate([values[None], fields])), self.closed)
         return at_level(values, level, np.array(fields))
 
@@ -126,6 +132,12 @@ def enclosing(grid, mask, margin):
     Wider on a side by two nodes and the part ``margin`` of its extent. A direction in which padding
     would not be shorter than the cell is taken whole. Without any node: two by two nodes at the
     cell's middle.
+
+    Parameters
+    ----------
+    grid : Grid
+    mask : array of bool over the cell
+    margin : float, part of the extent
     """
     start, shape = [], []
     for axis, total in enumerate(grid.shape):

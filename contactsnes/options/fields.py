@@ -92,8 +92,14 @@ def number(text, convert=float):
 
 
 def nearest(name, names, cutoff=0.4):
-    """The one of `names` that looks most like `name`, or an empty text where none is as alike as
-    `cutoff` (0 to 1)."""
+    """The one of some names that looks most like a name, or an empty text where none does.
+
+    Parameters
+    ----------
+    name : str
+    names : iterable of str
+    cutoff : float, 0 to 1, how alike names have to be
+    """
     return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
 
 
@@ -118,7 +124,14 @@ def _single(value, rule):
 
 
 def checked(name, value, rule):
-    """The value of option `name`, or InputError."""
+    """The value of option `name`, or InputError.
+
+    Parameters
+    ----------
+    name : str, with its dash, for the sentence
+    value : number, text, bool or a sequence of them
+    rule : mapping, the metadata of the option's field
+    """
     if isinstance(value, str) and (rule["also"](value) if rule["also"] else value == rule["word"]):
         return value
     several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")

@@ -78,7 +78,13 @@ class Archive:
 
     @classmethod
     def create(cls, path, *, overwrite=False, **content):
-        """New archive without points; `content` as for the class.
+        """New archive without points.
+
+        Parameters
+        ----------
+        path : path of the file, in an existing folder
+        overwrite : bool, whether to replace an archive
+        content : as for the class
 
         Raises
         ------

@@ -128,6 +128,11 @@ def has_more(options, other_options, event):
     """Whether a path that ended at a point with an event goes on by other options.
 
     Either that event was its end and is no more, or it has more legs now.
+
+    Parameters
+    ----------
+    options, other_options : text of the options there and here
+    event : str, that of the last point
     """
     before, now = entries(options), entries(other_options)
     return not _ends(now, event) and (_ends(before, event) or len(legs(now)) > len(legs(before)))

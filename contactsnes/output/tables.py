@@ -19,7 +19,14 @@ def markdown(heading, rows):
 
 def write_between(path, begin, end, text):
     """Put a text between two marks of a file, each of which stands there once; ValueError
-    otherwise."""
+    otherwise.
+
+    Parameters
+    ----------
+    path : path of the file
+    begin, end : str, the marks
+    text : str, what takes the place of all between them
+    """
     content = Path(path).read_text(encoding="utf-8")
     if content.count(begin) != 1 or content.count(end) != 1:
         raise ValueError(
@@ -30,7 +37,14 @@ def write_between(path, begin, end, text):
 
 def write_csv(path, columns, rows):
     """Write a table with one line a row (a mapping), its heading the names of the columns; numbers
-    in full."""
+    in full.
+
+    Parameters
+    ----------
+    path : path of the file
+    columns : iterable of their names
+    rows : iterable of mappings, column -> value
+    """
     def write(partial):
         with open(partial, "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(columns), extrasaction="ignore", lineterminator="\n")

@@ -88,7 +88,13 @@ def fields(record, chosen):
 
 def contact_region(coordinates, gaps, tractions):
     """Limits in each direction of where the law acts, with a margin, and a gap above which it does
-    not."""
+    not.
+
+    Parameters
+    ----------
+    coordinates : tuple of one or two arrays (nodes,)
+    gaps, tractions : lists of arrays over the nodes, one a point: gap and normal traction
+    """
     peak = np.max(np.abs(tractions))
     acts = np.abs(tractions) > 1e-2 * peak if peak > 0 else np.ones(np.shape(gaps), bool)
     limits = []

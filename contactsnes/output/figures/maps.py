@@ -97,7 +97,16 @@ def draw_row(figure, line, record, row, gaps):
 
 
 def draw_map(axes, record, values, colormap, norm):
-    """Image of values on the nodes of a two-dimensional grid."""
+    """Image of values on the nodes of a two-dimensional grid.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    record : Readable
+    values : array (x, y)
+    colormap : str
+    norm : matplotlib.colors.Normalize, in the unit of the values
+    """
     x, y = record.coordinates
     half = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     extent = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
@@ -105,7 +114,14 @@ def draw_map(axes, record, values, colormap, norm):
 
 
 def draw_edge(axes, record, gap):
-    """Line where the contact ends, if the scene says at which gap."""
+    """Line where the contact ends, if the scene says at which gap.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    record : Readable
+    gap : array (x, y), unit of the initial gap
+    """
     if np.min(gap) < record.contact_gap < np.max(gap):
         axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="white",
                      linewidths=1.4)

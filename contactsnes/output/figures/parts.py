@@ -9,8 +9,16 @@ from .words import column_label, word
 
 
 def draw_branch(axes, record, x, y, part, shown=EVENTS):
-    """Draw column `y` against column `x` at `part` (slice) of the points: jumps dashed, events and
-    start marked."""
+    """Draw a column against another: jumps dashed, events and start marked.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    record : Readable
+    x, y : str, names of columns
+    part : slice of the points
+    shown : names of the events that are marked
+    """
     horizontal = record[x][part]
     vertical = record[y][part]
     events = record["event"][part]
@@ -38,7 +46,14 @@ def pieces(events):
 
 def draw_inset(axes, record, part):
     """Inset, above a rising curve, of several events where they crowd at its lower end; whether
-    there is need of it."""
+    there is need of it.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    record : Readable
+    part : slice of the points
+    """
     events, x, y = (record[name][part] for name in ("event", "approach", "normal_force"))
     at = events != "none"
     crowded = all(np.max(values[at], initial=values[0]) - np.min(values) < 0.2 * np.ptp(values)
@@ -79,7 +94,14 @@ def kinds(record, part):
 
 
 def place_legend(axes, handles, title=None):
-    """A legend above the axes, where it can hide nothing."""
+    """A legend above the axes, where it can hide nothing.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    handles : list of its entries
+    title : str, optional
+    """
     longest = max(len(handle.get_label()) for handle in handles)
     columns = min(len(handles), 3 if longest < 14 else 2)
     axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,

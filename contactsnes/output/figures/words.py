@@ -62,8 +62,15 @@ def tangential(symbol, axis):
 
 
 def label(words, symbol, unit, between=" "):
-    """Label in a figure: words, and a symbol over its scale ($2a/\\beta$) or before its SI unit in
-    brackets."""
+    """Label in a figure: words, and a symbol over its scale ($2a/\beta$) or before its SI unit in
+    brackets.
+
+    Parameters
+    ----------
+    words, symbol : str, the symbol in LaTeX
+    unit : str, as in the archive
+    between : str, what separates words and symbol
+    """
     scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
     scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
     scale = re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)
