@@ -321,5 +321,5 @@ def test_help_tells_of_the_options_of_a_law_in_a_file(written, monkeypatch):
 
     monkeypatch.setattr(cli, "told", lambda text: text)
     monkeypatch.setattr(cli, "begin_petsc", lambda words: None)
-    assert "-scene_drag_strength" in cli._help_on_options(["-scene_law", written(), "-help"])
-    assert "-scene_law" in cli._help_on_options(["nowhere.opts", "-help"])
+    assert "-scene_drag_strength" in cli.info(["-scene_law", written(), "-help"])
+    assert "-scene_law" in cli.info(["nowhere.opts", "-help"])

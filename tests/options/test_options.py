@@ -163,16 +163,16 @@ def test_petsc_starts_with_files_and_command_line(tmp_path):
 
 def test_database_keeps_whole_values_and_marks_nothing_used(petsc):
     path = "; ".join(f"normal_force={value}" for value in range(300))
-    petsc["Contactsnes_long"] = path
+    petsc["ksp_Contactsnes_long"] = path
     petsc["contactsnes_odd"] = "a -b # (c) d"
     petsc["contactsnes_flag"] = ""
     found = options.database()
-    assert (found["contactsnes_long"] == path and found["contactsnes_odd"] == "a -b # (c) d"
+    assert (found["ksp_contactsnes_long"] == path and found["contactsnes_odd"] == "a -b # (c) d"
             and found["contactsnes_flag"] == "")
     assert "b" not in found
-    assert not options._used("contactsnes_long")
-    petsc.getString("contactsnes_long")
-    assert options._used("contactsnes_long")
+    assert "-ksp_contactsnes_long" in options.unused_options()
+    petsc.getString("ksp_contactsnes_long")
+    assert "-ksp_contactsnes_long" not in options.unused_options()
 
 
 def test_database_text_is_an_options_file(petsc, tmp_path):

@@ -20,9 +20,9 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.observables import Measurement, frame, table  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.options.fields import InputError, as_text  # noqa: E402
-from contactsnes.output import figures as plots
 from contactsnes.output import prefixes
 from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.figures.words import label  # noqa: E402
 from contactsnes.output.layout import Column  # noqa: E402
 from contactsnes.scene import units as si  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -471,7 +471,9 @@ def test_figures_have_prefixes_whose_values_are_those_of_the_archive(archives):
 
 def test_fields_in_figures_have_prefixes(archives):
     dimension, mine, plain = archives
-    beta, gap = mine._scales["beta"], mine._scales["u_n,r"]
+    scales = si.sizes(mine.scene, *(mine.scene[f"{end}_maugis"]
+                                    for end in ("normal", "tangential")))
+    beta, gap = scales["beta"], scales["u_n,r"]
     for axis, other, name in zip(mine.coordinates, plain.coordinates, "xy"):
         np.testing.assert_allclose(axis * FACTORS[mine.units[name]], other * beta, rtol=1e-9)
     np.testing.assert_allclose(mine.initial_gap * FACTORS[mine.units["initial_gap"]],
@@ -479,7 +481,7 @@ def test_fields_in_figures_have_prefixes(archives):
     assert mine.contact_gap * FACTORS[mine.units["initial_gap"]] == pytest.approx(
         2.718281828 * 0.131e-6, rel=1e-9)
     assert plain.contact_gap == pytest.approx(0.2718281828)
-    for name, sizes in (("displacement", (gap, mine._scales["u_t,r"])),
+    for name, sizes in (("displacement", (gap, scales["u_t,r"])),
                         ("traction", (0.03 / 0.131e-6, 0.03 / 1.31e-6))):
         factors = [FACTORS[unit] for unit in mine.units[name].split("; ")]
         assert mine.field(name, 1).shape == plain.field(name, 1).shape
@@ -490,8 +492,8 @@ def test_fields_in_figures_have_prefixes(archives):
 
 
 def test_labels_have_units_in_brackets():
-    assert plots.label("contact length", "2a", "mm") == "contact length $2a$ (mm)"
-    assert (plots.label("", "A", "mm²") == "$A$ (mm²)" and plots.label("normal force", "W_n", "N/m")
+    assert label("contact length", "2a", "mm") == "contact length $2a$ (mm)"
+    assert (label("", "A", "mm²") == "$A$ (mm²)" and label("normal force", "W_n", "N/m")
             == "normal force $W_n$ (N/m)")
 
 
