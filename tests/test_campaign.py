@@ -76,10 +76,12 @@ def test_the_laws_have_their_peaks_and_works_of_separation():
     apart = physics.tractions(law("modified"), a, np.zeros((1, a.size)))[0]
     assert apart.max() == pytest.approx(math.exp(-1), rel=1e-6)
     assert 0.001 * np.sum(apart) == pytest.approx(1.0, rel=1e-6)
-    sheared = physics.tractions(law("modified", residual_friction=0.5), np.zeros(b.size), b[None])[1]
+    half = law("modified", residual_friction=0.5)
+    sheared = physics.tractions(half, np.zeros(b.size), b[None])[1]
     assert (sheared.max() == pytest.approx(physics.PEAK, rel=1e-6)
             and sheared[-1] == pytest.approx(0.5 * physics.PEAK, rel=1e-6))
-    assert np.allclose(np.gradient(physics.potential(law("modified"), a), a)[1:-1], apart[1:-1], atol=1e-6)
+    slope = np.gradient(physics.potential(half, a), a)
+    assert np.allclose(slope[1:-1], apart[1:-1], atol=1e-6)
 
 
 # What it finds
