@@ -19,7 +19,7 @@ _HOMES = {"Scene": "scene.settings", "Load": "scene.load", "Steps": "scene.setti
           "Law": "interface.laws.law", "Contact": "contact.problem", "Branch": "branch.branch",
           "NotConverged": "continuation.points", "NoEquilibrium": "continuation.points",
           "observe": "contact.observables", "table": "contact.observables",
-          "Archive": "output.archive", "read": "output.archive", "plot": "output.figures",}
+          "Archive": "output.archive", "read": "output.reading", "plot": "output.figures.plot",}
 
 __all__ = ["reference", *_HOMES]
 

@@ -18,16 +18,15 @@ def main(folder="results", lost=0.05, points=1024):
     Path(folder).mkdir(exist_ok=True)
     scene = Scene(normal_maugis=3.0, residual_friction=0.5, points=points, period=60.0)
     branch = Branch(scene, Load(path="normal_force=5; tangential_displacement=800"))
-    steps = iter(branch)
     found = []
-    whole = None
-    while not found or found[-1][1] > (1.0 - lost) * whole:
-        point = next(steps)  # nothing further is computed before it is asked for
+    for point in branch:  # nothing further is computed before it is asked for
         numbers = branch.observe(point)
         if point.leg < 2:  # the leg that shears
             whole = numbers["contact_area"]
         else:
             found.append((numbers["tangential_force"], numbers["contact_area"]))
+            if found[-1][1] <= (1.0 - lost) * whole:
+                break
     axes = Figure(layout="constrained").subplots()
     axes.plot(*zip((0.0, whole), *found), "o-")
     axes.axhline((1.0 - lost) * whole, ls=":")

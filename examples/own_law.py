@@ -6,7 +6,6 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from contactsnes import Branch, Load, Scene, option
@@ -21,22 +20,19 @@ class Saturating(Coupled):
     slip_peak = 1.0
 
     def friction(self, slip):
-        return self.strength / np.sqrt(1 + slip**2), self.strength / np.sqrt(1 + slip**2)**3
+        return self.strength / (1 + slip**2)**0.5, self.strength / (1 + slip**2)**1.5
 
 
 def main(folder="results", strengths=(0.2, 0.4)):
     """Draw tangential forces against displacements; both, for each strength."""
-    Path(folder).mkdir(exist_ok=True)
-    axes = Figure().subplots()
-    found = []
+    axes = Figure().add_subplot(xlabel="displacement ($u_{t,r}$)", ylabel="force ($w_{t,r}$)")
     load = Load("normal_displacement=2", "tangential_displacement=60")
     for law in map(Saturating, strengths):
         _, *points = Branch(Scene(points=128, period=20, height=80, normal_maugis=1), load, law=law)
-        found.append(np.array([(point.displacements[1], point.forces[1]) for point in points]).T)
-        axes.plot(*found[-1], "o-")
-    axes.set(xlabel="displacement ($u_{t,r}$)", ylabel="tangential force ($w_{t,r}$)")
+        axes.plot(*zip(*((point.displacements[1], point.forces[1]) for point in points)), "o-")
+    Path(folder).mkdir(exist_ok=True)
     axes.figure.savefig(Path(folder, "own_law.png"))
-    return found
+    return [line.get_data() for line in axes.lines]
 
 
 if __name__ == "__main__":

@@ -12,18 +12,16 @@ from matplotlib.figure import Figure
 from contactsnes import Branch, Load, Scene
 
 
-def main(folder="results", points=1024, period=60.0):
+def main(folder="results", points=1024, cell=60.0):
     """Draw the figure; contact areas, and how many spots each point has."""
-    x = (np.arange(points) - points // 2) * period / points
-    heights = 2.0 * np.cos(6 * np.pi * x / period) + np.cos(2 * np.pi * x / period)
+    x = (np.arange(points) - points // 2) * cell / points
+    heights = 2.0 * np.cos(6 * np.pi * x / cell) + np.cos(2 * np.pi * x / cell)
     Path(folder).mkdir(exist_ok=True)
-    np.save(file := Path(folder, "bumps.npy"), heights)
-    scene = Scene(geometry="file", geometry_file=str(file), points=points, period=period,
-                  normal_maugis=2.0)
+    np.save(file := f"{folder}/bumps.npy", heights)
+    scene = Scene(geometry="file", geometry_file=file, points=points, period=cell, normal_maugis=2)
     branch = Branch(scene, Load(start="normal_displacement=-2", path="normal_displacement=1"))
     (above, below) = Figure(layout="constrained").subplots(2)
-    areas = []
-    spots = []
+    areas, spots = [], []
     for point in branch:
         areas.append(branch.observe(point)["contact_area"])
         gap = branch.contact.extended(point.state)[0] + branch.contact.initial_gap

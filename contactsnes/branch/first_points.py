@@ -13,8 +13,8 @@ import numpy as np
 from ..contact import states
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
-from ..grid.cell import Window
 from ..grid.transfer import extent, interpolation, resampled
+from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.snes import COLD
 

@@ -29,7 +29,7 @@ from ..options.database import (
     unused_options,
 )
 from ..options.fields import InputError, nearest
-from ..output.archive import ArchiveError, WriteError
+from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS
 from ..system.streams import Interrupts, standard_streams
@@ -245,7 +245,7 @@ def plot(arguments):
     except SystemExit as stop:
         return stop.code
     os.environ.pop("MPLBACKEND", None)  # as in a comparison
-    from ..output import figures
+    from ..output.figures import plot as figures
 
     for path in asked.archives:
         try:

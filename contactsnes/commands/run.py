@@ -18,7 +18,9 @@ from ..continuation.points import (
 )
 from ..options.database import database, database_text, unused_options
 from ..output import resuming
-from ..output.archive import Archive, ArchiveError, Column
+from ..output.archive import Archive
+from ..output.files import ArchiveError
+from ..output.layout import Column
 from ..scene import settings as scenes
 from . import summary
 from .progress import Progress

@@ -17,7 +17,7 @@ from ..compare import methods
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError
 from ..options.files import refuse_circles
-from ..output.archive import read as read_archive
+from ..output.reading import read as read_archive
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES

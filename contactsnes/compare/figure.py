@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..output.figures import STYLE
+from ..output.figures.style import STYLE
 from ..output.tables import read_hdf5
 
 WIDTH, PANEL = 17.0 / 2.54, 4.6 / 2.54

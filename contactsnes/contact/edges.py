@@ -5,9 +5,9 @@ import numpy as np
 from scipy import ndimage
 
 from ..grid.boxes import MOST
-from ..grid.cell import Window
 from ..grid.contours import crossings
 from ..grid.transfer import extent
+from ..grid.windows import Window
 from .states import NEAR, State, combined, normal_gap, onto, wider
 
 SUPPORT = 12

@@ -16,7 +16,8 @@ from scipy.fft import next_fast_len
 from scipy.optimize import brentq
 
 from ..continuation.points import NotConverged
-from ..grid.cell import Operator, Window
+from ..grid.cell import Operator
+from ..grid.windows import Window
 from ..interface import laws
 from ..interface.unbounded import free_space
 from ..options.fields import InputError

@@ -90,6 +90,10 @@ class Measurement:
                                          + self.contact.initial_gap)
         return float(smallest / self.contact.ranges[0])
 
+    def maximum_pressure(self):
+        """Largest compressive normal traction, p_n,r."""
+        return float(self.grid.maximum(-self.traction[0], initial=0.0))
+
     def maximum_tangential_gap(self):
         """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
         if self.components == 1:
@@ -192,74 +196,98 @@ def _in_units(row, size, unit):
 def _scaled_table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the scene's own
     units."""
-    plane = scene.dimension == 2
-    ends, force_units = ((("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)")) if plane
-                         else (("",), ("w_n,r", "w_t,r")))
+    return {**_loads(scene), **_energies(scene), **_contact(scene), **_costs(scene),
+            **_CERTIFICATES}
+
+
+def _loads(scene):
+    """Rows of the leg, of displacements and forces."""
+    ends, (normal, tangential) = ((("_x", "_y"), ("R phi_n", "R sqrt(phi_n phi_t)"))
+                                  if scene.dimension == 2 else (("",), ("w_n,r", "w_t,r")))
     rows = {"leg": Observable(lambda m: m.point.leg, "leg", "", "i8"),
-            "normal_displacement": Observable(lambda m: m.component(m.point.displacements, 0),
-                                              "$D$", "u_n,r"),
-            "normal_force": Observable(lambda m: m.component(m.point.forces, 0), "$W_n$",
-                                       force_units[0])}
+            "normal_displacement": _displacement(0, "$D$", "u_n,r"),
+            "normal_force": _force(0, "$W_n$", normal)}
     for i, end in enumerate(ends, start=1):
-        rows[f"tangential_displacement{end}"] = Observable(
-            lambda m, i=i: m.component(m.point.displacements, i), f"$U{end}$", "u_t,r")
-        rows[f"tangential_force{end}"] = Observable(lambda m, i=i: m.component(m.point.forces, i),
-                                                    f"$W_t{end}$", force_units[1])
+        rows[f"tangential_displacement{end}"] = _displacement(i, f"$U{end}$", "u_t,r")
+        rows[f"tangential_force{end}"] = _force(i, f"$W_t{end}$", tangential)
     rows["approach"] = Observable(lambda m: -m.mean(0), "approach", "u_n,r")
     for i, end in enumerate(ends, start=1):
         rows[f"mean_tangential_displacement{end}"] = Observable(lambda m, i=i: m.mean(i),
                                                                 f"mean slip{end}", "u_t,r")
-    for name, label in (("elastic_energy", "elastic energy"),
-                        ("interfacial_energy", "energy of the interface"),
-                        ("external_work", "work of the loads"),
-                        ("interface_work", "work on the interface"),
-                        ("dissipated_work", "energy lost in jumps"),
-                        ("energy_imbalance", "error of the energy balance"),
-                        ("jump_work", "work on the interface in a jump"),
-                        ("viscous_work", "work against viscosity in a jump")):
-        rows[name] = Observable(lambda m, name=name: m.energy(name), label, energy_unit(scene))
-    rows.update({"contact_area": Observable(Measurement.contact_area, "contact area", "beta^2"
-                                            if plane else "beta"),
-                 "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),
-                 "maximum_pressure": Observable(lambda m: float(m.grid.maximum(-m.traction[0],
-                                                                               initial=0.0)),
-                                                "largest pressure", "p_n,r"),
-                 "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap,
-                                                      "largest slip", "u_t,r"),
-                 "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction,
-                                                           "largest shear traction", "p_t,r"),
-                 "residual_norm": Observable(lambda m: m.point.residual_norm, "residual",
-                                             "ranges of the law"),
-                 "largest_residual": Observable(lambda m: m.point.largest_residual,
-                                                "largest residual at a node where the law acts",
-                                                "ranges of the law")})
-    for name, unit in (("nonlinear_iterations", ""), ("linear_iterations", ""),
-                       ("function_evaluations", ""),
-                       ("transforms", f"real FFTs of the {'window' if scene.isolated else 'cell'}"),
-                       ("wall_time", "s")):
-        rows[name] = Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
-                                unit, "f8" if unit else "i8")
-    rows["resolved"] = Observable(lambda m: m.point.resolved,
-                                  "resolved by the grid (0: folds may be its own)", "", "i8")
-    rows["stable"] = Observable(lambda m: m.point.stable, "stable (1, 0, -1: not checked)", "",
-                                "i8")
-    rows["unstable_modes"] = Observable(lambda m: m.point.unstable_modes,
-                                        "unstable modes (-1: not known)", "", "i8")
-    rows["leading_eigenvalue"] = Observable(lambda m: m.point.leading_eigenvalue.real,
-                                            "leading eigenvalue", "")
-    rows["leading_eigenvalue_imaginary"] = Observable(lambda m: m.point.leading_eigenvalue.imag,
-                                                      "its imaginary part", "")
-    rows["event"] = Observable(lambda m: m.point.event, "event", "", "i8", EVENTS)
-    rows["fold_kind"] = Observable(lambda m: m.point.fold_kind, "kind of fold", "", "i8",
-                                   FOLD_KINDS)
-    rows["fold_tangents"] = Observable(lambda m: len(m.point.tangents),
-                                       "tangents of a fold (2: in a corner of the branch)", "",
-                                       "i8")
-    rows["fold_precision"] = Observable(lambda m: m.point.fold_precision,
-                                        "relative width of the bracket of a fold's load", "")
-    rows["jump_balance"] = Observable(lambda m: m.point.jump_balance,
-                                      "what tells the energy lost in a jump", "", "i8", BALANCES)
     return rows
+
+
+def _displacement(i, label, unit):
+    """The row of a component's displacement under its load."""
+    return Observable(lambda m: m.component(m.point.displacements, i), label, unit)
+
+
+def _force(i, label, unit):
+    """The row of a component's force."""
+    return Observable(lambda m: m.component(m.point.forces, i), label, unit)
+
+
+_ENERGIES = {"elastic_energy": "elastic energy", "interfacial_energy": "energy of the interface",
+             "external_work": "work of the loads", "interface_work": "work on the interface",
+             "dissipated_work": "energy lost in jumps",
+             "energy_imbalance": "error of the energy balance",
+             "jump_work": "work on the interface in a jump",
+             "viscous_work": "work against viscosity in a jump"}
+
+
+def _energies(scene):
+    """Rows of energies and works."""
+    return {name: Observable(lambda m, name=name: m.energy(name), label, energy_unit(scene))
+            for name, label in _ENERGIES.items()}
+
+
+def _contact(scene):
+    """Rows of the contact, its gaps and tractions, and of what is left of its balance."""
+    area = "beta^2" if scene.dimension == 2 else "beta"
+    return {
+        "contact_area": Observable(Measurement.contact_area, "contact area", area),
+        "minimum_gap": Observable(Measurement.minimum_gap, "smallest gap", "u_n,r"),
+        "maximum_pressure": Observable(Measurement.maximum_pressure, "largest pressure", "p_n,r"),
+        "maximum_tangential_gap": Observable(Measurement.maximum_tangential_gap, "largest slip",
+                                             "u_t,r"),
+        "maximum_tangential_traction": Observable(Measurement.maximum_tangential_traction,
+                                                  "largest shear traction", "p_t,r"),
+        "residual_norm": _told("residual_norm", "residual", "ranges of the law", "f8"),
+        "largest_residual": _told("largest_residual",
+                                  "largest residual at a node where the law acts",
+                                  "ranges of the law", "f8")}
+
+
+def _told(name, label, unit="", kind="i8", names=()):
+    """The row of a number that the point itself has."""
+    return Observable(lambda m: getattr(m.point, name), label, unit, kind, names)
+
+
+def _costs(scene):
+    """Rows of what was spent since the last point."""
+    units = {"nonlinear_iterations": "", "linear_iterations": "", "function_evaluations": "",
+             "transforms": f"real FFTs of the {'window' if scene.isolated else 'cell'}",
+             "wall_time": "s"}
+    return {name: Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
+                             unit, "f8" if unit else "i8") for name, unit in units.items()}
+
+
+_CERTIFICATES = {
+    "resolved": _told("resolved", "resolved by the grid (0: folds may be its own)"),
+    "stable": _told("stable", "stable (1, 0, -1: not checked)"),
+    "unstable_modes": _told("unstable_modes", "unstable modes (-1: not known)"),
+    "leading_eigenvalue": Observable(lambda m: m.point.leading_eigenvalue.real,
+                                     "leading eigenvalue", ""),
+    "leading_eigenvalue_imaginary": Observable(lambda m: m.point.leading_eigenvalue.imag,
+                                               "its imaginary part", ""),
+    "event": _told("event", "event", names=EVENTS),
+    "fold_kind": _told("fold_kind", "kind of fold", names=FOLD_KINDS),
+    "fold_tangents": Observable(lambda m: len(m.point.tangents),
+                                "tangents of a fold (2: in a corner of the branch)", "", "i8"),
+    "fold_precision": _told("fold_precision",
+                            "relative width of the bracket of a fold's load", kind="f8"),
+    "jump_balance": _told("jump_balance", "what tells the energy lost in a jump", names=BALANCES)}
+"""Rows of what is known of a point besides its balance."""
 
 
 def observe(contact, point):

@@ -10,8 +10,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..grid.boxes import fitting
-from ..grid.cell import Convolution, Grid, Operator, Transform, enclosing
+from ..grid.cell import Convolution, Grid, Operator, Transform
 from ..grid.even import Cosines, asymmetry
+from ..grid.windows import enclosing
 from ..interface import laws
 from ..interface.elasticity import Body
 from ..interface.gap import initial_gap, is_convex

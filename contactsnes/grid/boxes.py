@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
-from .cell import Convolution, Transform, Window, clear_padding, enclosing
+from .cell import Convolution, Transform, clear_padding
+from .windows import Window, enclosing
 
 MOST = 24
 """Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their

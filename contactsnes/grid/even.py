@@ -11,7 +11,8 @@ import numpy as np
 import pyfftw
 from scipy import fft
 
-from .cell import Grid, Window, clear_padding, transform_cost
+from .cell import Grid, clear_padding, transform_cost
+from .windows import Window
 
 UNEVEN = 1e-10
 """Largest difference of mirror images in an initial gap that counts as even, delta_n: what rounding

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..scene.units import prefix, sizes
-from . import archive
+from . import reading
 
 SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
                                                 "mean_tangential_displacement"),
@@ -19,7 +19,7 @@ RANGES_SHOWN = 10.0
 
 def read(path):
     """Archive at `path` as a `Readable`; ArchiveError if there is none."""
-    return Readable(archive.read(path))
+    return Readable(reading.read(path))
 
 
 class Readable(Mapping):
@@ -28,7 +28,7 @@ class Readable(Mapping):
 
     Parameters
     ----------
-    record : archive.Record
+    record : reading.Record
 
     Attributes
     ----------

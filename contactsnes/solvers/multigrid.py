@@ -16,8 +16,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..contact.forms import DisplacementForm
-from ..grid.cell import Window
 from ..grid.transfer import interpolation
+from ..grid.windows import Window
 from ..options.database import read
 from ..options.fields import InputError, Options, option
 

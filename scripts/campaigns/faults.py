@@ -70,7 +70,13 @@ def _pattern(text):
 def arguments(fault):
     """The tests of a fault as pytest's arguments."""
     files = (name.partition("::") for name in fault.tests.split())
-    return [f"tests/test_{file}.py{colons}{test}" for file, colons, test in files]
+    return [f"{_test_file(file)}{colons}{test}" for file, colons, test in files]
+
+
+def _test_file(name):
+    """The path of tests/ROOM/test_NAME.py in the tree."""
+    (path,) = ROOT.glob(f"tests/*/test_{name}.py")
+    return path.relative_to(ROOT).as_posix()
 
 
 def plant(fault, folder):

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contactsnes import Scene, reference
-from contactsnes.output.archive import ArchiveError, read
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.reading import read
 from contactsnes.scene.resolution import resolution
 
 ROOT = Path(__file__).resolve().parents[2]

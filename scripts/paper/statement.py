@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contactsnes.output.archive import ArchiveError
+from contactsnes.output.files import ArchiveError
 
 ALL = []
 """The statements: functions from (results, results on finer grids) to a Statement, in the order of

@@ -6,7 +6,8 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from contactsnes.output.figures import STYLE, pieces
+from contactsnes.output.figures.parts import pieces
+from contactsnes.output.figures.style import STYLE
 
 WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
 """Width of a page and of a column, inches."""

@@ -1,0 +1,146 @@
+"""Windows: boxes of the cell's nodes."""
+
+import math
+from functools import cached_property
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from .contours import area_below, at_level, crossings, ringed
+
+
+class Window:
+    """A box of the cell's nodes, which may wrap around its border, as one flat index of nodes.
+
+    Parameters
+    ----------
+    grid : the cell
+    start : first node in each direction; 0 is taken in directions that the window fills
+    shape : nodes in each direction
+    """
+
+    even = False  # whether a node stands for its mirror images, too
+
+    def __init__(self, grid, start, shape):
+        self.grid = grid
+        self.shape = tuple(int(n) for n in shape)
+        self.start = tuple(int(s) % total if n < total else 0
+                           for s, n, total in zip(start, self.shape, grid.shape))
+        self.size, self.limits = math.prod(self.shape), grid.shape
+        self.closed = tuple(n == total for n, total in zip(self.shape, grid.shape))
+
+        self._which = self.start, self.shape, grid.shape, grid.periods
+
+    def __eq__(self, other):
+        """Whether these are the same nodes of the same cell, whoever counts its transforms."""
+        return type(self) is type(other) and self._which == other._which
+
+    def __hash__(self):
+        return hash(self._which)
+
+    @property
+    def parts(self):
+        """The boxes of which the window is made: one."""
+        return (self,)
+
+    @property
+    def is_whole(self):
+        """Whether the window is the whole cell."""
+        return self.shape == self.grid.shape
+
+    @cached_property
+    def indices(self):
+        """What picks the window's nodes from a field over the cell: slices, or an open mesh if it
+        wraps around the border."""
+        if all(s + n <= total for s, n, total in zip(self.start, self.shape, self.grid.shape)):
+            return tuple(slice(s, s + n) for s, n in zip(self.start, self.shape))
+        return np.ix_(*((s + np.arange(n)) % total for s, n, total in zip(self.start, self.shape,
+                                                                          self.grid.shape)))
+
+    def coordinates(self):
+        """Coordinates of the window's nodes, beta, continued over the cell's border, to broadcast
+        over the box."""
+        axes = [(s + np.arange(n) - total // 2) * h
+                for s, n, total, h in zip(self.start, self.shape, self.grid.shape,
+                                          self.grid.spacings)]
+        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def take(self, field):
+        """Values (..., nodes) of a field (..., *grid) at the window's nodes: a view if that is the
+        whole cell."""
+        lead = field.shape[:field.ndim - len(self.shape)]
+        picked = field if self.is_whole else field[(..., *self.indices)]
+        return np.ascontiguousarray(picked).reshape(*lead, self.size)
+
+    def put(self, values, field):
+        """Write values (..., nodes) into a field (..., *grid) at the window's nodes."""
+        field[(..., *self.indices)] = values.reshape(*values.shape[:-1], *self.shape)
+
+    def box(self, values):
+        """View values (..., nodes) as (..., *box)."""
+        return values.reshape(*values.shape[:-1], *self.shape)
+
+    def rim(self):
+        """Mask of the nodes on the border of the box, in directions that the window does not
+        fill."""
+        mask = np.zeros(self.shape, dtype=bool)
+        for axis, closed in enumerate(self.closed):
+            if not closed:
+                np.moveaxis(mask, axis, 0)[[0, -1]] = True
+        return mask.reshape(-1)
+
+    def area_below(self, values, level):
+        """Length or area where values (nodes) lie below a level, its edge interpolated between
+        nodes.
+
+        Cubic in each direction. Beyond the window nothing is below; a window that is the whole cell
+        closes on itself.
+        """
+        box = self.box(values)
+        if len(self.shape) == 2:
+            return area_below(ringed(box, self.closed), level) * self.grid.node_area
+        box = np.append(box, box[0]) if self.is_whole else box
+        places, signs = crossings(box, level)
+        ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level
+                                                               else [])]
+        return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
+
+    def at_level(self, values, level, fields):
+        """Fields (components, nodes) where values (nodes) cross a level between nodes, (components,
+        crossings)."""
+        values, *fields = ringed(self.box(np.concatenate([values[None], fields])), self.closed)
+        return at_level(values, level, np.array(fields))
+
+    def circle(self):
+        """Shape of the circulant that holds a convolution of the window: padded, or the cell where
+        that is smaller."""
+        return tuple(total if 2 * n - 1 >= total
+                     else min(total, next_fast_len(2 * n - 1, real=True))
+                     for n, total in zip(self.shape, self.grid.shape))
+
+
+def enclosing(grid, mask, margin):
+    """The smallest window around the nodes where ``mask`` (over the cell) holds, cyclic, widened on
+    each side.
+
+    Wider on a side by two nodes and the part ``margin`` of its extent. A direction in which padding
+    would not be shorter than the cell is taken whole. Without any node: two by two nodes at the
+    cell's middle.
+    """
+    start, shape = [], []
+    for axis, total in enumerate(grid.shape):
+        others = tuple(i for i in range(mask.ndim) if i != axis)
+        line = np.flatnonzero(mask.any(axis=others))
+        if line.size == 0:
+            first, extent = total // 2 - 1, 2
+        else:
+            gaps = np.diff(np.append(line, line[0] + total))
+            widest = int(np.argmax(gaps))
+            first, extent = int(line[(widest + 1) % line.size]), total - int(gaps[widest]) + 1
+            wider = 2 + int(margin * extent)
+            first, extent = first - wider, extent + 2 * wider
+        if 2 * extent - 1 >= total:
+            first, extent = 0, total
+        start.append(first)
+        shape.append(extent)
+    return Window(grid, start, shape)

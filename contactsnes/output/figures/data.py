@@ -1,0 +1,99 @@
+"""What figures show of an archive: the parts of its path, the points that have fields, their
+fields."""
+
+import numpy as np
+
+from ..files import ArchiveError
+from .style import EVENTS
+
+
+class NothingToShow(Exception):
+    """A figure would be empty; the message says why."""
+
+
+def shear(record):
+    """Direction of the tangential load ('', '_x' or '_y'), and the points from where it begins
+    (slice)."""
+    axes = [axis for axis in directions(record) if np.any(record[f"tangential_force{axis}"])]
+    kind = "force" if np.isnan(record["normal_displacement"]).any() else "displacement"
+    loads = [record[f"tangential_{kind}{axis}"] for axis in axes]
+    if not any(map(np.any, loads)):
+        raise NothingToShow("there is no tangential load")
+    axis, load = max(zip(axes, loads), key=lambda pair: np.max(np.abs(pair[1])))
+    moved = np.flatnonzero(np.abs(load - load[0]) > 1e-6 * np.max(np.abs(load)))
+    return axis, slice(max(moved[0] - 1, 0) if moved.size else 0, None)
+
+
+def unsheared(record):
+    """The points before the tangential load begins; all where the normal load moves on under it
+    (slice)."""
+    try:
+        first = shear(record)[1].start
+    except NothingToShow:
+        return slice(0, None)
+    moves = np.ptp(record["normal_displacement"][first:]) > 0.1 * np.ptp(
+        record["normal_displacement"])
+    return slice(0, None if moves else first + 1)
+
+
+def directions(record):
+    """Endings of the tangential columns."""
+    return [axis for axis in ("", "_x", "_y") if f"tangential_displacement{axis}" in record]
+
+
+def varies(values):
+    """Whether values differ by more than rounding."""
+    return np.ptp(values) > 1e-6 * np.max(np.abs(values))
+
+
+def choose_points(record, points):
+    """Points of profiles and maps: those asked for, or events, begin, end, and some between, of the
+    sheared part."""
+    stored = record.field_points
+    if points is not None:
+        chosen = [point + record.points if point < 0 else point for point in points]
+        for point in chosen:
+            if point not in stored:
+                raise ArchiveError(f"{record.path} has no fields of point "
+                                   f"{point}; it has those of {describe(stored)}.")
+        return chosen
+    try:
+        stored = [point for point in stored if point >= shear(record)[1].start]
+    except NothingToShow:
+        pass
+    events = [point for point in stored if record["event"][point] in EVENTS]
+    chosen = {*stored[:1], *events[:2], *stored[-1:]}
+    spread = [stored[index] for index in np.linspace(0, len(stored) - 1,
+                                                     5).astype(int)] if stored else []
+    for point in (spread[2], spread[1], spread[3]) if stored else ():
+        chosen |= {point} if len(chosen) < 5 else set()
+    return sorted(chosen)
+
+
+def describe(stored):
+    """The points that have fields, in words."""
+    return (f"points {stored[0]} to {stored[-1]}" if stored
+            else "none (-archive_fields all keeps them)")
+
+
+def fields(record, chosen):
+    """Gap and traction at the chosen points."""
+    if not chosen:
+        raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
+    if record.initial_gap is None:
+        raise NothingToShow("the initial gap is not stored")
+    return [(record.initial_gap + record.field("displacement", point)[0],
+             record.field("traction", point)) for point in chosen]
+
+
+def contact_region(coordinates, gaps, tractions):
+    """Limits in each direction of where the law acts, with a margin, and a gap above which it does
+    not."""
+    peak = np.max(np.abs(tractions))
+    acts = np.abs(tractions) > 1e-2 * peak if peak > 0 else np.ones(np.shape(gaps), bool)
+    limits = []
+    for axis, x in enumerate(coordinates, start=1):
+        inside = x[np.any(acts, axis=tuple(other for other in range(acts.ndim) if other != axis))]
+        margin = 0.2 * (inside[-1] - inside[0]) + 2 * (x[1] - x[0])
+        limits.append((max(inside[0] - margin, x[0]), min(inside[-1] + margin, x[-1])))
+    return limits, 1.5 * np.max(np.array(gaps)[acts])

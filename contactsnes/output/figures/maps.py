@@ -1,0 +1,123 @@
+"""Figure of gap and tractions over a two-dimensional interface."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.colors import Normalize, TwoSlopeNorm
+from matplotlib.figure import Figure
+
+from .data import NothingToShow, contact_region, fields
+from .style import STYLE, WIDTH
+from .words import label, names, number
+
+
+class Row(NamedTuple):
+    """Maps of one quantity at several points: its words, symbol and unit for a label, its values at
+    each point, colours."""
+
+    text: str
+    symbol: str
+    unit: str
+    values: list
+    colormap: str
+    norm: Normalize
+
+
+def draw_maps(record, chosen):
+    """Figure of the gap, the pressure and the tangential traction over a two-dimensional
+    interface."""
+    if len(record.coordinates) < 2:
+        raise NothingToShow("the interface has one dimension")
+    chosen = chosen if len(chosen) <= 3 else [chosen[0], chosen[len(chosen) // 2], chosen[-1]]
+    maps = fields(record, chosen)
+    gaps = [gap for gap, _ in maps]
+    tractions = [traction for _, traction in maps]
+    window, ceiling = contact_region(record.coordinates, gaps, [each[0] for each in tractions])
+    shown = rows(record, gaps, tractions, ceiling)
+    width, height = np.ptp(window, axis=1)
+    panel = (WIDTH - 1.4) / max(len(chosen), 2) * height / width
+    figure = Figure((WIDTH, len(shown) * (panel + 0.1) + 0.9), layout="compressed")
+    grid = figure.subplots(len(shown), len(chosen), sharex=True, sharey=True, squeeze=False)
+    for line, row in zip(grid, shown):
+        draw_row(figure, line, record, row, gaps)
+    title, texts = names(record, chosen)
+    figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
+    for axes, text in zip(grid[0], texts):
+        axes.set(title=text, xlim=window[0], ylim=window[1])
+    for axes in grid[-1]:
+        axes.set_xlabel(label("", "x", record.units["x"]))
+    for axes in grid[:, 0]:
+        axes.set_ylabel(label("", "y", record.units["y"]))
+    return figure
+
+
+def rows(record, gaps, tractions, ceiling):
+    """What is shown of the points: gap, pressure and, where there is any, tangential traction.
+
+    Parameters
+    ----------
+    record : Readable
+    gaps : list of (x, y) arrays, one a point, units of the record
+    tractions : list of (components, x, y) arrays, one a point, units of the record
+    ceiling : float, gap above which all is of one colour
+    """
+    pressures = [-traction[0] for traction in tractions]
+    shears = [np.hypot.reduce(traction[1:]) if len(traction) > 1 else np.zeros(1)
+              for traction in tractions]
+    units = record.units["traction"].split("; ")
+    found = [Row("gap", "g_n", record.units["initial_gap"], gaps, "cividis",
+                 Normalize(np.min(gaps), ceiling)),
+             Row("pressure", "-p_n", units[0], pressures, *pressure_colours(pressures))]
+    if np.max(shears) > 0:
+        found.append(Row("tang. traction", "|p_t|", units[-1], shears, "viridis",
+                         Normalize(0, np.max(shears))))
+    return found
+
+
+def draw_row(figure, line, record, row, gaps):
+    """Draw the maps of a quantity with their bar of colours.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    line : list of axes, one a point
+    record : Readable
+    row : Row
+    gaps : list of (x, y) arrays, one a point, units of the record
+    """
+    for axes, value, gap in zip(line, row.values, gaps):
+        image = draw_map(axes, record, value, row.colormap, row.norm)
+        draw_edge(axes, record, gap)
+    bar = figure.colorbar(image, ax=list(line), label=label(row.text, row.symbol, row.unit, "\n"),
+                          aspect=12, extend="max" if row.text == "gap" else "neither")
+    if isinstance(row.norm, TwoSlopeNorm):
+        norm = row.norm
+        ticks = (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax)
+        bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+
+
+def draw_map(axes, record, values, colormap, norm):
+    """Image of values on the nodes of a two-dimensional grid."""
+    x, y = record.coordinates
+    half = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    extent = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
+    return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, norm=norm)
+
+
+def draw_edge(axes, record, gap):
+    """Line where the contact ends, if the scene says at which gap."""
+    if np.min(gap) < record.contact_gap < np.max(gap):
+        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="white",
+                     linewidths=1.4)
+        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="black",
+                     linewidths=0.6)
+
+
+def pressure_colours(pressures):
+    """Colour map and norm: compression red, attraction blue, each over its own range."""
+    low, high = np.min(pressures), np.max(pressures)
+    if low > -1e-3 * high:
+        return "Reds", Normalize(0, high or 1)
+    if high < -1e-3 * low:
+        return "Blues_r", Normalize(low, 0)
+    return "RdBu_r", TwoSlopeNorm(0, low, high)

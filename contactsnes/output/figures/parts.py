@@ -1,0 +1,86 @@
+"""Parts of figures: branches with their events, and legends."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from .data import NothingToShow
+from .style import BLUE, DASHED, EVENTS, GREY, MARKS
+from .words import column_label, word
+
+
+def draw_branch(axes, record, x, y, part, shown=EVENTS):
+    """Draw column `y` against column `x` at `part` (slice) of the points: jumps dashed, events and
+    start marked."""
+    horizontal = record[x][part]
+    vertical = record[y][part]
+    events = record["event"][part]
+    if np.isnan(horizontal).any():
+        raise NothingToShow("a half-plane under a force has no displacement as a whole")
+    dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
+    for piece in pieces(events):
+        axes.plot(horizontal[piece], vertical[piece], color=BLUE, **dots)
+        if piece[0] > 0:
+            jump = slice(piece[0] - 1, piece[0] + 1)
+            axes.plot(horizontal[jump], vertical[jump], color=BLUE, **DASHED)
+    axes.plot(horizontal[0], vertical[0], **MARKS["start"], linestyle="none", zorder=3)
+    for name in shown:
+        axes.plot(horizontal[events == name], vertical[events == name], **MARKS[name],
+                  linestyle="none", zorder=3)
+    axes.set_xlabel(column_label(record, x))
+    axes.set_ylabel(column_label(record, y))
+    axes.margins(0.06)
+
+
+def pieces(events):
+    """Indices of the points between jumps: one array for each piece of the branch."""
+    return np.split(np.arange(len(events)), np.flatnonzero(events[1:] == "jump") + 1)
+
+
+def draw_inset(axes, record, part):
+    """Inset, above a rising curve, of several events where they crowd at its lower end; whether
+    there is need of it."""
+    events, x, y = (record[name][part] for name in ("event", "approach", "normal_force"))
+    at = events != "none"
+    crowded = all(np.max(values[at], initial=values[0]) - np.min(values) < 0.2 * np.ptp(values)
+                  for values in (x, y))
+    if np.count_nonzero(at) < 3 or not crowded:
+        return False
+    inset = axes.inset_axes([0.11, 0.57, 0.34, 0.38])
+    draw_branch(inset, record, "approach", "normal_force", part)
+    limits = []
+    for values, whole in ((x[at], x), (y[at], y)):
+        margin = 0.3 * np.ptp(values) or 0.05 * np.ptp(whole)
+        limits.append((np.min(values) - margin, np.max(values) + margin))
+    inset.set(xlabel="", ylabel="", xlim=limits[0], ylim=limits[1])
+    (left, right), (low, high) = limits
+    axes.indicate_inset([left, low, right - left, high - low], edgecolor=GREY, linewidth=0.5)
+    return True
+
+
+def event_handles(record, part):
+    """Entries of the legend for the start and the events that occur."""
+    found = record["event"][part]
+    handles = [Line2D([], [], **MARKS["start"], linestyle="none", label="start" if len(found) > 1
+                      else "only point")]
+    for name in (name for name in EVENTS if name in found):
+        line = DASHED | {"color": BLUE} if name == "jump" else {"linestyle": "none"}
+        look = {**MARKS[name], **line, "markerfacecolor": MARKS[name]["color"]}
+        handles.append(Line2D([], [], **look, label=kinds(record, part) if name == "fold"
+                              else word(name)))
+    return handles
+
+
+def kinds(record, part):
+    """Folds with the kinds that occur."""
+    found = (record["fold_kind"][part][record["event"][part] == "fold"] if "fold_kind" in record
+             else [])
+    words = sorted({word(kind) for kind in found if kind})
+    return f"fold ({', '.join(words)})" if words else "fold"
+
+
+def place_legend(axes, handles, title=None):
+    """A legend above the axes, where it can hide nothing."""
+    longest = max(len(handle.get_label()) for handle in handles)
+    columns = min(len(handles), 3 if longest < 14 else 2)
+    axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,
+                borderaxespad=0.2, columnspacing=1.2, handletextpad=0.5, handlelength=1.8)

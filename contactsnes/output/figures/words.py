@@ -1,0 +1,78 @@
+"""Words, symbols and units in figures."""
+
+import re
+
+import numpy as np
+
+from .data import directions, varies
+
+
+def names(record, chosen):
+    """What tells the chosen points apart: symbol of the first load that differs, and its values
+    with the events."""
+    columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force",
+               "normal_displacement", *(f"tangential_force{axis}" for axis in directions(record))]
+    name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
+    # not what is rounding
+    loads = np.where(np.abs(record[name]) > 1e-9 * np.abs(record[name][chosen]).max(), record[name],
+                     0.0)
+    values = [(number(loads[point], 4), record["event"][point]) for point in chosen]
+    texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
+    return label("", word_and_symbol(name)[1], record.units[name]), texts
+
+
+def number(value, digits):
+    """A number with a typographic minus sign."""
+    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def word(name):
+    """An event or kind of fold in plain words."""
+    return str(name).replace("_", " " if name == "gross_sliding" else "-")
+
+
+SYMBOLS = {
+    "normal_force": ("normal force", "W_n"),
+    "approach": ("approach", r"\bar{d}"),
+    "normal_displacement": ("normal displacement", "D"),
+    "tangential_force": ("tangential force", "W_t"),
+    "tangential_displacement": ("tangential displacement", "U_t"),
+}
+
+
+def column_label(record, name):
+    """Label of a column: words, symbol and unit."""
+    unit = record.units[name]
+    if name == "contact_area":
+        return label(*(("contact area", "A") if unit.endswith(("^2", "²"))
+                       else ("contact length", "2a")), unit)
+    return label(*word_and_symbol(name), unit)
+
+
+def word_and_symbol(name):
+    """Words and symbol of a column for a label."""
+    axis = name[-2:] if name.endswith(("_x", "_y")) else ""
+    words, symbol = SYMBOLS[name.removesuffix(axis)]
+    return words, tangential(symbol[0], axis) if axis else symbol
+
+
+def tangential(symbol, axis):
+    """Symbol of a tangential quantity in a direction ('', '_x', '_y')."""
+    return f"{symbol}_{{t{axis.replace('_', ',')}}}"
+
+
+def label(words, symbol, unit, between=" "):
+    """Label in a figure: words, and a symbol over its scale ($2a/\\beta$) or before its SI unit in
+    brackets."""
+    scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
+    scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
+    scale = re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)
+    if not unit:
+        text = f"${symbol}$"
+    elif scale == unit:
+        text = f"${symbol}$ ({unit})"
+    else:
+        if " " in scale:  # a long one: on a line of its own
+            scale, between = "(" + scale.replace(" ", r"\,") + ")", "\n"
+        text = f"${symbol} / {scale}$"
+    return f"{words}{between if words else ''}{text}"

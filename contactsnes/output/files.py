@@ -1,0 +1,115 @@
+"""Files of archives: which of them can be made, opened and read, and what is said where they
+cannot."""
+
+import os
+import time
+from pathlib import Path
+
+import h5py
+
+from ..system.devices import failure, reason
+
+FORMAT = "contactsnes 1"
+PATIENCE = 1.0
+"""Seconds to wait for another program that is just reading or writing the file."""
+
+
+class ArchiveError(ValueError):
+    """An archive that cannot be written, read or continued; the message is one sentence for the
+    user."""
+
+
+class WriteError(ArchiveError):
+    """An archive that its disk does not take."""
+
+
+def opened(path, mode):
+    """Open an HDF5 file; wait a moment for other programs. Chunks pass by the cache: a row writes
+    itself only."""
+    patience = time.monotonic() + PATIENCE
+    while True:
+        try:
+            # The oldest format has no mark of being open that a kill would leave behind.
+            return h5py.File(path, mode, libver="earliest", rdcc_nbytes=0)
+        except OSError as error:
+            if "unable to lock" not in str(error) or time.monotonic() > patience:
+                raise
+        time.sleep(0.01)
+
+
+def open_archive(path):
+    """Open an archive for reading; raise if there is none."""
+    if not resolved(path).is_file():
+        raise ArchiveError(f"{path}: there is no such file.")
+    try:
+        file = opened(path, "r")
+    except OSError as error:
+        if "unable to lock" in str(error):
+            raise ArchiveError(f"{path} cannot be locked: another program is "
+                               "writing it, or its file system knows no "
+                               "locks (then set the environment's "
+                               "HDF5_USE_FILE_LOCKING=FALSE).") from error
+        raise ArchiveError(f"{path} cannot be read as an HDF5 file: {reason(error)}.") from error
+    if file.attrs.get("format") != FORMAT:
+        file.close()
+        raise ArchiveError(f"{path} is an HDF5 file, but no archive of this "
+                           f"program (attribute format = {FORMAT!r}).")
+    return file
+
+
+def safely(path, take):
+    """What a function takes from the archive at a path; ArchiveError where it is damaged, tried in
+    another process before."""
+    def taken():
+        with open_archive(path) as file:
+            return take(file)
+
+    why = failure(taken)
+    if why.startswith("ArchiveError: "):
+        raise ArchiveError(why.removeprefix("ArchiveError: "))
+    try:
+        if not why:
+            return taken()
+    except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, AttributeError,
+            UnicodeError) as error:
+        why = f"{type(error).__name__}: {error}"
+    raise ArchiveError(f"{path} is damaged ({why}): what it holds cannot be read.")
+
+
+def resolved(path):
+    """The file behind a path, since a rename would replace a symbolic link instead of it;
+    ArchiveError for what names none."""
+    try:
+        found = Path(path).resolve()
+        found.exists()
+    # too long, a loop of links, letters that no file system knows
+    except (OSError, RuntimeError, ValueError) as error:
+        raise ArchiveError(f"-archive_file is '{path}', which cannot be the "
+                           f"name of a file: {reason(error)}.") from None
+    return found
+
+
+def check_folder(path):
+    """Raise if no file can be made beside `path`."""
+    if not path.parent.is_dir():
+        raise ArchiveError(f"The folder of the archive {path} does not exist: "
+                           "create it or name another -archive_file.")
+    if not os.access(path.parent, os.W_OK):
+        raise ArchiveError(
+            f"The folder of the archive {path} cannot be written: name another -archive_file.")
+
+
+def check_new(path, overwrite):
+    """Raise if no archive can be made at `path`, or only in place of what is not to be replaced."""
+    check_folder(path)
+    if not path.exists():
+        return
+    if not path.is_file():
+        raise ArchiveError(f"{path}: there is no such file, but a "
+                           "folder or a device; name another "
+                           "-archive_file.")
+    if not overwrite:
+        raise ArchiveError(f"{path} exists: -archive_resume goes on from "
+                           "it, -archive_overwrite replaces it, another "
+                           "-archive_file leaves it alone.")
+    open_archive(path).close()  # what is no archive is not ours to destroy

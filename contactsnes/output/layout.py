@@ -1,0 +1,224 @@
+"""Groups and datasets of an archive: made empty with room for points, filled point by point, copied
+where room is lacking."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import h5py
+import numpy as np
+
+from . import checksums
+from .files import ArchiveError
+from .stored import SLOTS, field_points
+
+UNITS = {
+    "coordinates": "beta",
+    "initial_gap": "u_n,r",
+    "displacement": "u_n,r; u_t,r",
+    "traction": "p_n,r; p_t,r",
+    "mode": "",
+}
+"""Of the fields, for dimensionless scenes."""
+
+CHUNKS = 64
+"""What one node of HDF5's chunk index holds; splitting a node is not safe against a kill."""
+
+
+class Column(NamedTuple):
+    """What a column of the branch holds: its unit, its NumPy type and, of an enumeration, the names
+    of 0, 1, ..."""
+
+    unit: str
+    kind: str = "f8"
+    names: tuple[str, ...] = ()
+
+    @property
+    def stored(self):
+        """NumPy type in the file."""
+        return "i1" if self.names else self.kind
+
+
+class Layout:
+    """What an archive holds of each point, and of the grid.
+
+    Parameters
+    ----------
+    columns : mapping of a column's name to its `Column`
+    fields : {'none', 'last', 'all'}, the points whose displacement and traction are kept
+    coordinates : tuple of one or two arrays, the nodes along x (and y); fields need them
+    components : int, components of displacement and traction
+    initial_gap : array of the grid's shape, optional
+    modes : bool, whether the fields of a point include its leading mode
+    units : mapping or None, units of fields other than `UNITS`
+
+    Attributes
+    ----------
+    arrays : tuple of str, fields that are kept
+    shape : tuple of int, (components, *grid) of each field
+    """
+
+    def __init__(self, columns, fields, coordinates, components, initial_gap, modes, units):
+        if fields not in ("none", "last", "all"):
+            raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
+        if fields != "none" and not coordinates:
+            raise ArchiveError(f"Fields ({fields}) need coordinates.")
+        self.columns = {name: Column(*column) for name, column in columns.items()}
+        self.fields = fields
+        self.arrays = () if fields == "none" else ("displacement", "traction",
+                                                   *(("mode",) if modes else ()))
+        self.coordinates = dict(zip("xy", coordinates or ()))
+        self.shape = (components, *(len(array) for array in self.coordinates.values()))
+        self.initial_gap = initial_gap
+        self.units = {**UNITS, **(units or {})}
+
+    def numbers(self, row):
+        """A row, one value for each column, with enumerations as numbers."""
+        if set(row) != set(self.columns):
+            raise ArchiveError("A row has one value for each column; not so: "
+                               f"{sorted(set(row) ^ set(self.columns))}.")
+        numbers = dict(row)
+        for name, column in self.columns.items():
+            if isinstance(row[name], str):
+                if row[name] not in column.names:
+                    raise ArchiveError(
+                        f"{name} cannot be {row[name]!r}; it can be one of {column.names}.")
+                numbers[name] = column.names.index(row[name])
+        return numbers
+
+    def checked(self, given):
+        """The fields that are kept among those given, name -> array, a mode only where there is
+        one."""
+        fields = {name: given[name] for name in self.arrays
+                  if name != "mode" or given[name] is not None}
+        for name, array in fields.items():
+            if np.shape(array) != self.shape:
+                raise ArchiveError(
+                    f"{name} has the shape {np.shape(array)}; the archive keeps {self.shape}.")
+        return fields
+
+    def make(self, file, slot, chunk):
+        """Make empty groups and datasets.
+
+        Parameters
+        ----------
+        file : h5py.File
+        slot : int, bytes that a state may have; 0: no states yet
+        chunk : int, fields of so many points are allocated at once, rows of `CHUNKS` times as many
+        """
+        branch = file.create_group("branch")
+        for name, column in self.columns.items():
+            # One chunk for all rows there is room for: a new row allocates nothing.
+            made = branch.create_dataset(name, (0,), column.stored, chunks=(chunk * CHUNKS,),
+                                         maxshape=(None,))
+            made.attrs["unit"] = column.unit
+            if column.names:
+                made.attrs["names"] = list(column.names)
+        for number in range(SLOTS if slot else 0):
+            file[f"states/{number}"] = np.zeros(slot, "u1")
+        if self.coordinates:
+            self._make_grid(file.create_group("fields"), chunk)
+        sums = 1 + len(self.arrays)
+        file.create_dataset("checksums", (0, sums), "u4", chunks=(chunk * CHUNKS, sums),
+                            maxshape=(None, sums))
+
+    def _make_grid(self, group, chunk):
+        """Coordinates, initial gap and empty fields."""
+        for name, array in self.coordinates.items():
+            group[name] = array
+            group[name].attrs["unit"] = self.units["coordinates"]
+        if self.initial_gap is not None:
+            group["initial_gap"] = self.initial_gap
+            group["initial_gap"].attrs["unit"] = self.units["initial_gap"]
+        if self.fields == "last":
+            group.attrs["point"] = 0  # whose fields these are; 0 while they are being written
+        for name in self.arrays:
+            # The fill value makes a new chunk reach the file whole, before the index tells of it.
+            layout = {"chunks": (chunk, *self.shape), "maxshape": (None, *self.shape)}
+            rows, layout = (1, {}) if self.fields == "last" else (0, layout)
+            group.create_dataset(name, data=np.full((rows, *self.shape), np.nan), fillvalue=np.nan,
+                                 **layout)
+            group[name].attrs["unit"] = self.units[name]
+
+    def copy(self, old, new, states):
+        """Copy the points that count.
+
+        Parameters
+        ----------
+        old, new : h5py.File, an archive and one without points
+        states : mapping of points (from 1) to their packed states
+        """
+        points = int(old.attrs["points"])
+        for point, state in states.items():
+            new[f"states/{point % SLOTS}"][: state.size] = state
+        for name in self.columns:
+            new["branch"][name].resize((points,))
+            new["branch"][name][:] = old["branch"][name][:points]
+        for name in self.arrays:
+            if self.fields == "all":
+                new["fields"][name].resize(points, axis=0)
+            for point in range(len(new["fields"][name]) if name in old["fields"] else 0):
+                new["fields"][name][point] = old["fields"][name][point]
+        if self.fields == "last":
+            new["fields"].attrs.modify("point", old["fields"].attrs["point"])
+        self._copy_checksums(old, new, points)
+        new.attrs.modify("points", points)
+
+    def _copy_checksums(self, old, new, points):
+        """Copy the checksums of the points that count; make those that an older program did not."""
+        known = (old["checksums"][:points] if "checksums" in old
+                 else np.zeros((points, 0), "u4"))
+        sums = np.zeros((points, 1 + len(self.arrays)), "u4")
+        sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self.columns})
+        for place, point in enumerate(field_points(old)):
+            sums[point, 1:] = [checksums.of(new["fields"][name][place]) for name in self.arrays]
+        sums[:, : known.shape[1]] = known
+        new["checksums"].resize(points, axis=0)
+        new["checksums"][:] = sums
+
+    def put(self, file, point, row, state, fields):
+        """Write a point; what makes it safe is the order, held by the flushes.
+
+        Parameters
+        ----------
+        file : h5py.File
+        point : int, its number from 1
+        row : mapping of columns to numbers
+        state : array of bytes, its packed state
+        fields : mapping of fields to (components, *grid) arrays; nan where one is lacking
+        """
+        if self.fields == "last":
+            file["fields"].attrs.modify("point", 0)
+            file.flush()
+        for name in self.arrays:
+            if self.fields == "all":
+                file["fields"][name].resize(point, axis=0)
+            file["fields"][name][-1] = fields.get(name, np.nan)
+        file["checksums"].resize(point, axis=0)
+        file["checksums"][-1] = self._checksums(row, fields)
+        _put_row(file["branch"].id, point, row)
+        file[f"states/{point % SLOTS}"][: state.size] = state
+        file.flush()
+        if self.fields == "last":
+            file["fields"].attrs.modify("point", point)
+        file.attrs.modify("points", point)
+        file.flush()
+
+    def _checksums(self, row, fields):
+        """Checksums of a point: of its row, and of its fields, lacking ones included."""
+        line = {name: np.array([row[name]], column.stored) for name, column in self.columns.items()}
+        whole = (np.broadcast_to(np.asarray(fields.get(name, np.nan), "f8"), self.shape)
+                 for name in self.arrays)
+        return [checksums.rows(line)[0], *map(checksums.of, whole)]
+
+
+def _put_row(branch, point, row):
+    """Write the row of a point by HDF5's own calls: there are many columns, and this takes half the
+    time."""
+    scalar = h5py.h5s.create(h5py.h5s.SCALAR)
+    for name, value in row.items():
+        column = h5py.h5d.open(branch, name.encode())
+        column.set_extent((point,))
+        place = column.get_space()
+        place.select_hyperslab((point - 1,), (1,))
+        column.write(scalar, place, np.asarray(value, column.dtype))

@@ -1,0 +1,89 @@
+"""Archives as they are read: columns, fields, and what tells of them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from . import checksums, resuming, stored
+from .files import ArchiveError, safely
+
+
+class Record(Mapping):
+    """An archive as it was when read: a mapping of columns to arrays, of enumerations to arrays of
+    names.
+
+    Parameters
+    ----------
+    file : h5py.File, the open archive
+
+    Attributes
+    ----------
+    path : pathlib.Path
+    points : int
+    complete : bool
+    scene, versions : dict
+    options : str, of the newest run
+    runs : list of `resuming.Run`: which options made which points
+    warnings : list of str
+    units : dict, of columns, coordinates (``x``, ``y``), ``initial_gap``, ``displacement`` and
+        ``traction``
+    names : dict, names of the values of each enumeration
+    coordinates : tuple of arrays, empty if there are none
+    initial_gap : array of the grid's shape, or None
+    field_points : list of int, the points (from 0) whose displacement and traction are stored
+    """
+
+    def __init__(self, file):
+        attributes = file.attrs
+        self.path, self.points = Path(file.filename), int(attributes["points"])
+        self.complete = bool(attributes["complete"])
+        self.scene, self.options = dict(file["scene"].attrs), attributes["options"]
+        self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
+        self.runs, self.warnings = resuming.runs(file), attributes.get("warnings", "").splitlines()
+        branch, fields = file["branch"], file.get("fields", {})
+        self.units = {name: dataset.attrs["unit"] for name, dataset in [*branch.items(),
+                                                                        *fields.items()]}
+        self.names = {name: tuple(branch[name].attrs["names"]) for name in branch
+                      if "names" in branch[name].attrs}
+        self._columns = {name: branch[name][: self.points] for name in branch}
+        self.coordinates = tuple(fields[name][:] for name in "xy" if name in fields)
+        self.initial_gap = fields["initial_gap"][...] if "initial_gap" in fields else None
+        self.field_points = stored.field_points(file)
+        self._check(file)
+        for name, names in self.names.items():
+            self._columns[name] = np.array(names)[self._columns[name]]
+
+    def _check(self, file):
+        """Raise if frame or rows are not those that were written; archives of older programs cannot
+        tell."""
+        if "checksums" in file and (file.attrs["frame"] != checksums.frame(file)
+                                    or not np.array_equal(file["checksums"][: self.points, 0],
+                                                          checksums.rows(self._columns))):
+            raise ArchiveError(
+                f"{self.path} is damaged: its checksums are not those of what it holds.")
+
+    def __getitem__(self, name):
+        return self._columns[name]
+
+    def __iter__(self):
+        return iter(self._columns)
+
+    def __len__(self):
+        return len(self._columns)
+
+    def field(self, name, point):
+        """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
+        `field_points`, from the file."""
+        return safely(self.path, lambda file: stored.field(file, name, point))
+
+
+def read(path):
+    """Archive at `path` as a `Record`; also of a run that is going on or was killed.
+
+    Raises
+    ------
+    ArchiveError
+        If there is no such file, or it is no archive, or damaged.
+    """
+    return safely(path, Record)

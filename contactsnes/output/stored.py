@@ -1,0 +1,81 @@
+"""What an open archive holds of its points besides their rows: fields, and states to go on from."""
+
+import io
+
+import numpy as np
+
+from . import checksums
+from .files import ArchiveError
+
+STATES = 4
+"""States that are kept: what a predictor may extrapolate from."""
+
+SLOTS = STATES + 1
+"""One more, so that a new state never overwrites one that counts."""
+
+
+def field(file, name, point):
+    """A field of a point, (components, *grid), in an open archive.
+
+    Parameters
+    ----------
+    file : h5py.File
+    name : {'displacement', 'traction', 'mode'}
+    point : int, from 0
+
+    Raises
+    ------
+    ArchiveError
+        If the point has no fields there, or the field is not the one that was written.
+    """
+    stored = field_points(file)
+    if point not in stored:
+        raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
+    found = file["fields"][name][stored.index(point)]
+    sums = dict(zip(("displacement", "traction", "mode"),
+                    file["checksums"][point, 1:])) if "checksums" in file else {}
+    if sums.get(name, checksums.of(found)) != checksums.of(found):
+        raise ArchiveError(f"{file.filename} is damaged: the checksum of {name} "
+                           f"at point {point} is not that of what "
+                           "it holds.")
+    return found
+
+
+def field_points(file):
+    """Points (from 0) whose fields are stored, in the order of storage."""
+    points, fields = int(file.attrs["points"]), file.attrs["fields"]
+    if fields == "last":
+        point = int(file["fields"].attrs["point"])
+        return [point - 1] if 0 < point <= points else []
+    return list(range(points)) if fields == "all" else []
+
+
+def states(file, points):
+    """Packed states of the last of so many points, oldest first: point (from 1) -> bytes."""
+    kept = {}
+    for point in range(max(1, points - STATES + 1), points + 1):
+        slot = file.get(f"states/{point % SLOTS}")
+        label, size = slot[:16].view("<i8") if slot is not None else (0, 0)
+        if label == point:
+            kept[point] = slot[:size]
+    return kept
+
+
+def pack(point, state):
+    """The state of a point as bytes: point, size, and an .npz file (which has a checksum)."""
+    arrays = {name: np.asarray(value) for name, value in state.items()}
+    for name, array in arrays.items():
+        if array.dtype.hasobject:
+            raise ArchiveError(f"The state {name!r} is neither an array nor a number nor a string.")
+    buffer = io.BytesIO(bytes(16))
+    buffer.seek(16)
+    np.savez(buffer, **arrays)
+    packed = np.frombuffer(buffer.getvalue(), "u1").copy()
+    packed[:16].view("<i8")[:] = point, packed.size
+    return packed
+
+
+def unpack(packed):
+    """The state that `pack` made bytes of."""
+    with np.load(io.BytesIO(packed[16:].tobytes()), allow_pickle=False) as arrays:
+        return {name: array if array.ndim else array.item() for name, array in arrays.items()}

@@ -1,0 +1,283 @@
+"""First points by way of coarser grids: the state that the undeformed body reaches, for a fraction
+of the transforms."""
+
+import gc
+import weakref
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from petsc4py import PETSc  # noqa: E402
+
+from contactsnes import Branch, Load  # noqa: E402
+from contactsnes.branch import first_points as coldstart
+from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.dynamics import jumps
+from contactsnes.grid.cell import Grid  # noqa: E402
+from contactsnes.grid.transfer import resampled  # noqa: E402
+from contactsnes.grid.windows import Window  # noqa: E402
+from contactsnes.scene.settings import Form, Scene  # noqa: E402
+
+PAPER = {}
+SPHERE = {"dimension": 2, "points": 256, "period": 12.0, "geometry": "sphere", "normal_maugis": 4.0}
+
+
+def made(scene, log=lambda sentence: None, **form):
+    return Corrector(Contact(Scene(**scene)), Form(**form), log)
+
+
+def first(scene, control, value, **form):
+    """First point of one component, and what it cost."""
+    system = made(scene, **form)
+    point = system.start((control,), np.array([value]))
+    return system, point, system.account()
+
+
+@pytest.mark.parametrize("scene, control, value", [
+    (PAPER, DISPLACEMENT, 40.0), (PAPER, DISPLACEMENT, 7.3), (PAPER, FORCE, 11.0),
+    ({"normal_maugis": 5.0, "points": 2048, "poisson": 0.3, "height": 20.0}, DISPLACEMENT, 9.0),
+    ({"normal_maugis": 0.7, "points": 512, "period": 40.0}, DISPLACEMENT, 6.0),
+    ({"normal_maugis": 14.0, "points": 32768, "law": "mcgarry"}, DISPLACEMENT, 5.0),
+    ({"points": 12288, "period": 150.0, "gap_offset": 0.5}, FORCE, 3.0),
+    ({"points": 4608}, DISPLACEMENT, 13.0), ({**SPHERE, "normal_maugis": 6.5}, DISPLACEMENT, 2.0),
+    (SPHERE, DISPLACEMENT, 3.0), (SPHERE, FORCE, 2.0),
+    ({**SPHERE, "points": (256, 320), "period": (12.0, 14.0), "poisson": 0.2}, DISPLACEMENT, 2.5),
+    ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
+def test_the_same_state_as_on_the_grid_itself(scene, control, value):
+    system, through, cost = first(scene, control, value, symmetry="off")
+    assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,),
+                                                                  np.array([value])))) > 1
+    _, direct, own = first(scene, control, value, cascade=False, symmetry="off")
+    assert states.missed(system.contact, through.state, direct.state, largest=True) < 1e-6
+    np.testing.assert_allclose(through.forces, direct.forces, rtol=1e-7, atol=1e-7)
+    assert cost["transforms"] < own["transforms"]
+
+
+@pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40),
+                                                (PAPER, 17.0, 50),
+                                                ({**SPHERE, "points": 512}, 2.0, 40),
+                                                ({**SPHERE, "points": 512}, 4.0, 40),
+                                                ({**SPHERE, "points": 512}, 6.0, 40)])
+def test_what_a_first_point_costs(scene, value, most):
+    _, _, cost = first(scene, DISPLACEMENT, value)
+    assert cost["transforms"] <= most
+
+
+def test_all_that_is_spent_is_counted():
+    system, _, cost = first(PAPER, DISPLACEMENT, 10.0)
+    assert cost["transforms"] == pytest.approx(system.contact.grid.transforms)
+    assert (cost["nonlinear_iterations"] > 15
+            and cost["linear_iterations"] > cost["nonlinear_iterations"])
+
+
+@pytest.mark.parametrize("scene, value", [
+    # off the flat: two states may exist
+    (PAPER, -2.0),
+    # full contact is another state
+    ({"geometry": "sinusoid", "points": 2048, "normal_maugis": 4.0}, 5.0),
+    ({"geometry": "flat", "points": 2048, "normal_maugis": 4.0}, 1.0),      # no edge
+    ({"points": 1024}, 10.0),                                        # edges stick between nodes
+    (PAPER, 0.0)])
+def test_grids_are_left_alone_where_they_may_lead_elsewhere(scene, value):
+    contact = Contact(Scene(**scene))
+    start = states.undeformed(contact, (DISPLACEMENT,), np.array([value]))
+    assert coldstart.levels(contact, start) == [contact]
+
+
+@pytest.mark.parametrize("settings, options", [({"cascade": False}, {}), ({"form": "force"}, {}),
+                                               ({"first": "relaxation"}, {}),
+                                               ({}, {"snes_type": "anderson"})])
+def test_other_methods_start_on_the_grid_itself(settings, options):
+    database = PETSc.Options()
+    for name, value in options.items():
+        database.setValue(name, value)
+    try:
+        assert made(PAPER, **settings).on(Contact(Scene()), None) is None
+    finally:
+        for name in options:
+            database.delValue(name)
+
+
+def test_a_failure_on_coarse_grids_is_told_and_costs_only_time(monkeypatch):
+    def fails(contact, finer, state):
+        raise NotConverged("the coarse grid failed")
+
+    monkeypatch.setattr(coldstart, "refined", fails)
+    said = []
+    system = made({**PAPER, "points": 8192}, said.append)
+    point = system.start((DISPLACEMENT,), np.array([3.0]))
+    assert point.residual_norm <= 1e-8 and "the coarse grid failed" in said[0]
+
+
+def test_resampling_keeps_every_wave():
+    coarse, fine = Grid((16, 12), (3.0, 2.0)), Grid((32, 24), (3.0, 2.0))
+
+    def field(grid):
+        x, y = (2 * np.pi * axis / period for axis, period in zip(grid.coordinates(), grid.periods))
+        return np.array([1.5 + np.cos(7 * x - 5 * y) + np.sin(3 * y), np.sin(2 * x + 4 * y)])
+
+    np.testing.assert_allclose(resampled(coarse, fine, field(coarse)), field(fine), atol=1e-13)
+    assert coarse.transforms > 0 and fine.transforms > 0
+
+
+def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
+    sharp = Contact(Scene())
+    soft = sharp.coarse(2.5)
+    soft_again = soft.coarse(2.5)
+    assert soft.ranges[0] == sharp.ranges[0] and soft_again.ranges[0] < soft.ranges[0]
+    window = Window(soft_again.grid, (600,), (800,))
+    places = window.coordinates()[0]
+    gap = 3.0 * np.cos(places / 4.0) + 1.0
+    state = states.State(window, (gap - window.take(soft_again.initial_gap))[None], np.zeros(1))
+    moved = coldstart.refined(soft_again, soft, state)
+    mine = states.normal_gap(soft, moved)[::2]
+    overlap, open_ = gap < -0.3, gap > 3.5
+    ratio = soft.ranges[0] / soft_again.ranges[0]
+    tractions = [contact.law.traction(values[None])[0]
+                 for contact, values in ((soft_again, gap), (soft, mine))]
+    # In units of length: gaps over maugis, tractions times maugis; kappa leaves both only
+    # approximately as they are.
+    np.testing.assert_allclose(ratio * tractions[1][overlap], tractions[0][overlap], rtol=0.35)
+    np.testing.assert_allclose(mine[open_], gap[open_] * ratio, rtol=0.2)
+
+
+# Gaps that are not convex
+
+LINE = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": float("inf"),
+        "tangential": "off", "geometry": "file", "geometry_file": "heights.npy"}
+PLANE = {**LINE, "dimension": 2, "points": 64, "period": 8.0}
+SAID = "where motion from the undeformed body leads"
+
+
+def on_heights(heights, scene, control=DISPLACEMENT, value=0.0, log=lambda sentence: None, **form):
+    """First point of one component of a body with heights."""
+    system = Corrector(Contact(Scene(**scene), heights), Form(**form), log)
+    return system, system.start((control,), np.array([value]))
+
+
+@pytest.mark.parametrize("seed, control, value", (
+    (0, DISPLACEMENT, 0.0), (1, DISPLACEMENT, 0.0), (2, DISPLACEMENT, -1.0), (1, FORCE, 1.0)))
+def test_a_rough_line_starts_where_motion_leads(seed, control, value, self_affine, options):
+    """Whatever node the line begins with, and with another motion."""
+    heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, seed), []
+    system, point = on_heights(heights, LINE, control, value, said.append)
+    assert not system.contact.convex and any(SAID in sentence for sentence in said)
+    _, moved = on_heights(np.roll(heights, 101), LINE, control, value)
+    here, there = (system.contact.extended(found.state)[0] for found in (point, moved))
+    np.testing.assert_allclose(np.roll(here, 101), there, atol=1e-6)
+    np.testing.assert_allclose(moved.forces, point.forces, rtol=1e-7)
+    options(jump_motion_type="inertial")
+    _, inertial = on_heights(heights, LINE, control, value)
+    for name in ("forces", "displacements"):
+        np.testing.assert_allclose(getattr(inertial, name), getattr(point, name), rtol=1e-7,
+                                   atol=1e-7)
+
+
+def test_a_cold_solve_on_a_rough_line_ends_elsewhere(self_affine):
+    """There is another equilibrium with half as much again of adhesion: the test above has a
+    meaning."""
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    cold = system.cold((DISPLACEMENT,), np.array([0.0]))
+    assert cold.forces[0] < 1.3 * point.forces[0] < 0.0
+
+
+def test_rounding_does_not_decide_on_a_rough_plane(self_affine, monkeypatch):
+    heights = self_affine(64, 8.0, 4.0, 1.0, 1.0, 3, dimension=2)
+    _, point = on_heights(heights, PLANE)
+    undeformed, noise = states.undeformed, np.random.default_rng(5)
+
+    def disturbed(*arguments):
+        state = undeformed(*arguments)
+        around = state.displacement + 1e-13 * noise.standard_normal(state.displacement.shape)
+        return states.State(state.window, around, state.means)
+
+    monkeypatch.setattr(states, "undeformed", disturbed)
+    _, other = on_heights(np.roll(heights, (20, 31), (0, 1)), PLANE)
+    np.testing.assert_allclose(other.forces, point.forces, rtol=1e-7)
+
+
+def test_a_parabola_from_a_file_is_convex_and_a_dented_one_is_not():
+    contact = Contact(Scene(**{**LINE, "geometry": "cylinder"}))
+    heights = np.roll(-contact.initial_gap, 40) / contact.ranges[0]
+    said = []
+    system, point = on_heights(heights, LINE, value=3.0, log=said.append)
+    assert system.contact.convex and not said
+    shape = made({**LINE, "geometry": "cylinder"}).start((DISPLACEMENT,), np.array([3.0]))
+    np.testing.assert_allclose(point.forces, shape.forces, rtol=1e-7)
+    heights[30] += 0.1
+    assert not Contact(Scene(**LINE), heights).convex
+
+
+def test_relaxation_that_is_asked_for_says_that_it_is_not_the_reference(self_affine, options):
+    heights, said = self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), []
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire",
+            snes_max_it=100000)
+    _, point = on_heights(heights, LINE, log=said.append, form="force")
+    assert any("inertial motion" in sentence and "another one" in sentence for sentence in said)
+
+
+def test_a_sheared_rough_line_starts_where_motion_under_all_loads_leads(tmp_path, self_affine,
+                                                                        options):
+    """With inertia, too; by steps of the shear, spot by spot, it would cost ten times as much."""
+    np.save(tmp_path / "heights.npy", self_affine(256, 24.0, 12.0, 0.75, 1.0, 0))
+    scene = Scene(**{**LINE, "tangential": "on", "tangential_maugis": 1.0, "residual_friction": 0.5,
+                     "poisson": 0.3, "geometry_file": str(tmp_path / "heights.npy")})
+    found = []
+    for kind in ("overdamped", "inertial"):
+        options(jump_motion_type=kind)
+        start = "normal_displacement=0, tangential_displacement=2"
+        branch = Branch(scene, Load(start=start, path="normal_displacement=hold"))
+        found.append((next(iter(branch)), branch.contact.grid.transforms))
+    (point, cost), (other, _) = found
+    np.testing.assert_allclose(point.displacements, (0.0, 2.0), atol=1e-12)
+    np.testing.assert_allclose(point.forces, other.forces, rtol=1e-6)
+    assert cost < 4000
+
+
+# A motion is handed over to Newton's method where that leads to the same state, at every node
+
+def test_a_solution_that_differs_at_a_few_nodes_is_not_taken(self_affine):
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    aside = point.state.displacement.copy()
+    aside[0, np.argmin(states.normal_gap(system.contact, point.state))] += 0.05
+    rest = states.State(point.state.window, aside, point.state.means)
+    assert states.missed(system.contact, rest, point.state) < 0.01
+    with pytest.raises(NotConverged, match="not where the motion led"):
+        jumps.polished(system, rest, point.controls, point.load)
+
+
+def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeypatch):
+    system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
+    polished, speeds = jumps.polished, []
+
+    def doubtful(system, rest, controls, load):
+        aside = point.state.displacement - states.onto(rest, point.state.window)
+        speeds.append(np.abs(aside).max())
+        if len(speeds) < 3:
+            raise NotConverged("not yet")
+        return polished(system, rest, controls, load)
+
+    class Seen(jumps.Flow):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            motions.append(weakref.ref(self))
+
+    motions = []
+    monkeypatch.setattr(jumps, "polished", doubtful)
+    monkeypatch.setattr(jumps, "Flow", Seen)
+    gc.disable()
+    try:
+        again = system.start((DISPLACEMENT,), np.array([0.0]))
+        # No failure keeps a motion with its solvers alive: PETSc may be gone when cycles are
+        # collected.
+        assert motions and all(motion() is None for motion in motions)
+    finally:
+        gc.enable()
+    assert len(speeds) == 3 and speeds[2] < speeds[0] and speeds[2] < 1e-6
+    np.testing.assert_allclose(again.forces, point.forces, rtol=1e-7)

@@ -1,0 +1,429 @@
+"""The commands in processes of their own, as a user meets them: exit statuses, sentences, files."""
+
+import dataclasses
+import fcntl
+import os
+import pty
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from processes import COMMAND, ENVIRONMENT, call, refused
+
+from contactsnes.commands import cli
+from contactsnes.continuation.points import NotConverged, new_points, unfinished_fold
+from contactsnes.output import reading
+from contactsnes.scene.settings import OPTION_CLASSES
+
+SMALL = ["-scene_points", "512", "-scene_period", "40", "-scene_normal_maugis", "3"]
+PRESSED = [*SMALL, "-load_path", "normal_displacement=1"]
+# one cheap point
+STILL = [*SMALL, "-load_start", "normal_displacement=-3", "-load_path", "normal_displacement=-3"]
+SHEARED = [*SMALL, "-scene_residual_friction", "0.5", "-scene_height", "250",
+           "-load_path", "normal_force=2; tangential_displacement=90"]
+"""A path whose shear reaches a fold, beyond which the contact slides."""
+
+
+def start(*arguments, folder, points):
+    """A running process that has archived some points in run.h5."""
+    # A shell starts what it puts in the background with SIGINT ignored, and so would all its
+    # children be.
+    process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    while process.poll() is None:
+        time.sleep(0.02)
+        if (folder / "run.h5").exists() and reading.read(folder / "run.h5").points >= points:
+            break
+    assert process.poll() is None, process.stderr.read()
+    return process
+
+
+def ends(path):
+    """Leg -> row at its end, without what it cost."""
+    record = reading.read(path)
+    last = {int(leg): place for place, leg in enumerate(record["leg"])}
+    costs = ("iterations", "evaluations", "transforms", "time", "residual_norm", "event",
+             "fold_kind", "jump_balance")
+    return {leg: {name: record[name][place] for name in record if not name.endswith(costs)}
+            for leg, place in last.items()}
+
+
+def assert_same_ends(path, other):
+    """Assert that two archives have the same end of each leg to 1e-7 of each number, or of the unit
+    where that is smaller."""
+    first, second = ends(path), ends(other)
+    assert first.keys() == second.keys()
+    for leg, row in first.items():
+        np.testing.assert_allclose(list(row.values()), list(second[leg].values()), rtol=1e-7,
+                                   atol=1e-7)
+
+
+# The command word
+
+
+def test_help_and_version(capsys):
+    for word in ("--help", "-h"):
+        assert cli.main([word]) == 0
+        shown = capsys.readouterr().out
+        assert all(f"contactsnes {command}" in shown for command in cli.COMMANDS)
+    assert cli.main(["--version"]) == 0 and capsys.readouterr().out.startswith("contactsnes ")
+
+
+def test_no_command_shows_the_help(tmp_path):
+    done = call(folder=tmp_path)
+    assert done.returncode == 2 and "contactsnes run" in done.stderr and not done.stdout
+
+
+@pytest.mark.parametrize("word, guess", [("rum", "did you mean run"), ("Plot", "plot"),
+                                         ("scene.opts", "commands are run, plot")])
+def test_wrong_command_names_the_nearest(capsys, word, guess):
+    assert cli.main([word]) == 2
+    shown = capsys.readouterr().err
+    assert word in shown and guess in shown
+
+
+# Bad input
+
+
+BAD = {"misspelt option": (["-scene_poison", "0.3"],
+                           ["-scene_poison", "did you mean -scene_poisson"]),
+       "misspelt option of a solver": (["-pc_core_treshold", "0.2"],
+                                       ["-pc_core_treshold", "-pc_core_threshold"]),
+       "two dashes": (["--scene_poisson", "0.3"], ["--scene_poisson", "one"]),
+       "Poisson ratio": (["-scene_poisson", "0.6"], ["-scene_poisson", "0.6", "at most 0.5"]),
+       "Maugis parameter": (["-scene_normal_maugis", "-2"], ["-scene_normal_maugis", "-2",
+                                                             "above 0"]),
+       "odd points": (["-scene_points", "513"], ["-scene_points", "513", "even"]),
+       "tiny points": (["-scene_points", "8"], ["-scene_points", "8", "at least 16"]),
+       "points in words": (["-scene_points", "many"], ["-scene_points", "many", "number"]),
+       "small period": (["-scene_period", "2"], ["-scene_period", "cylinder", "smallest period"]),
+       "no load path": (["-load_path", "  "], ["-load_path"]),
+       "unknown quantity": (["-load_path", "normal_fore=2"],
+                            ["-load_path", "normal_fore", "did you mean normal_force"]),
+       "no number": (["-load_path", "normal_force=two"], ["-load_path", "normal_force=two",
+                                                          "number"]),
+       "a number of Python's": (["-load_path", "normal_force=1_0"],
+                                ["-load_path", "normal_force=1_0", "number"]),
+       "other digits": (["-load_path", "normal_force=\u0661"], ["-load_path", "number"]),
+       "points of Python's": (["-scene_points", "1_024"],
+                              ["-scene_points", "1_024", "even number"]),
+       "empty leg": (["-load_path", "normal_force=2;"], ["-load_path", "empty leg"]),
+       "shear without tangential unknowns": (["-scene_tangential", "off", "-load_path",
+                                              "tangential_force=1"],
+                                             ["-scene_tangential", "tangential_force=1", "auto"]),
+       "value of a solver's option": (["-pc_core_threshold", "3"],
+                                      ["-pc_core_threshold", "below 1"]),
+       "unknown type": (["-pc_type", "lou"], ["PETSc", "lou"]),
+       "unknown class": (["-snes_type", "python", "-snes_python_type",
+                          "contactsnes.solvers.snes.Vorlet"], ["contactsnes.solvers.snes.Vorlet"]),
+       "unknown module": (["-snes_type", "python", "-snes_python_type", "nowhere.Solver"],
+                          ["nowhere"]), "no factorisation": (["-pc_type", "lu"], ["PETSc", "LU"]),
+       "no such file": (["absent.opts"], ["absent.opts"]),
+       "no such heights": (["-scene_geometry", "file", "-scene_geometry_file", "absent.npy"],
+                           ["absent.npy"]),
+       "heights of another shape": (["-scene_geometry", "file", "-scene_geometry_file",
+                                     "short.npy"], ["short.npy", "shape"]),
+       "heights with a hole": (["-scene_geometry", "file", "-scene_geometry_file", "hole.npy"],
+                               ["hole.npy", "finite"]),
+       "archive in no folder": (["-archive_file", "absent/run.h5"], ["absent", "-archive_file"]),
+       "archive below a file": (["-archive_file", "short.npy/run.h5"],
+                                ["short.npy", "-archive_file"]),}
+
+
+@pytest.mark.parametrize("arguments, words", BAD.values(), ids=BAD)
+def test_bad_input_is_one_sentence(tmp_path, arguments, words):
+    np.save(tmp_path / "short.npy", np.zeros(16))
+    np.save(tmp_path / "hole.npy", np.where(np.arange(512) == 7, np.nan, 0.0))
+    refused(call("run", *PRESSED, "-archive_file", "run.h5", *arguments, folder=tmp_path), *words)
+    assert not (tmp_path / "run.h5").exists()
+
+
+def test_run_without_load_path(tmp_path):
+    refused(call("run", *SMALL, folder=tmp_path), "-load_path is empty")
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    """Folder with the archive run.h5 of a path that was followed to its end, and the process that
+    made it."""
+    folder = tmp_path_factory.mktemp("pressed")
+    done = call("run", *PRESSED, "-archive_file", "run.h5", "-archive_fields", "all", folder=folder)
+    return folder, done
+
+
+def test_archive_that_is_in_the_way(pressed):
+    folder, _ = pressed
+    other = [*SMALL, "-scene_poisson", "0.4", "-load_path", "normal_displacement=1",
+             "-archive_file", "run.h5"]
+    refused(call("run", *PRESSED, "-archive_file", "run.h5", folder=folder), "run.h5 exists",
+            "-archive_overwrite")
+    refused(call("run", *other, "-archive_fields", "all", "-archive_resume", folder=folder),
+            "poisson", "0.4", "0.5")
+
+
+# Runs
+
+
+def test_run_to_the_end(pressed):
+    folder, done = pressed
+    record = reading.read(folder / "run.h5")
+    assert done.returncode == 0 and not done.stderr
+    assert (record.complete and record["normal_displacement"][[0, -1]].tolist() == [0, 1]
+            and record.warnings == [])
+    assert record.field_points == list(range(record.points))
+    assert f"points        {record.points}" in done.stdout and "run.h5" in done.stdout
+    assert "no tangential unknowns" in done.stdout and "window has" in done.stdout
+    lines = [line.split() for line in done.stdout.splitlines() if line.strip()[:1] in "01"
+             and "." in line]
+    np.testing.assert_allclose([float(line[2]) for line in lines], record["normal_force"],
+                               rtol=1e-5)
+    assert "-scene_points 512" in record.options and set(record.versions) == {
+        "contactsnes", "petsc", "petsc4py", "numpy", "pyfftw", "h5py", "python"}
+
+
+def test_complete_archive_is_left_as_it_is(pressed):
+    folder, _ = pressed
+    before = (folder / "run.h5").read_bytes()
+    done = call("run", *PRESSED, "-archive_file", "run.h5", "-archive_fields", "all",
+                "-archive_resume", folder=folder)
+    assert done.returncode == 0 and "complete" in done.stdout and (
+        folder / "run.h5").read_bytes() == before
+
+
+def test_fields_cost_no_transforms(pressed, tmp_path):
+    folder, _ = pressed
+    call("run", *PRESSED, "-archive_file", "run.h5", folder=tmp_path)
+    np.testing.assert_allclose(reading.read(tmp_path / "run.h5")["transforms"],
+                               reading.read(folder / "run.h5")["transforms"])
+
+
+def test_options_without_effect_and_without_use(tmp_path):
+    done = call("run", *STILL, "-scene_amplitude", "3", "-ksp_gmres_rstart", "9", folder=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout.count("-scene_amplitude has no effect: the geometry is cylinder") == 1
+    assert ("warning: -ksp_gmres_rstart was never used" in done.stderr
+            and "-scene_amplitude" not in done.stderr)
+
+
+def test_coarse_grid_is_a_warning(tmp_path):
+    done = call("run", *STILL, "-scene_points", "64", "-archive_file", "run.h5", folder=tmp_path)
+    assert done.returncode == 0
+    assert ("warning" in done.stderr and "64 points" in done.stderr
+            and "-scene_points 512" in done.stderr)
+    with h5py.File(tmp_path / "run.h5", "r") as file:
+        assert "-scene_points 512" in file.attrs["warnings"]
+
+
+@pytest.mark.parametrize("arguments, texts", [(["-snes_type", "anderson"], ["type: anderson"]),
+                                              (["-ksp_type", "bcgs", "-pc_type", "none",
+                                                "-snes_monitor"],
+                                               ["type: newtonls", "type: bcgs", "type: none",
+                                                "0 SNES Function norm"])])
+def test_types_of_petsc_take_effect(tmp_path, arguments, texts):
+    done = call("run", *STILL, *arguments, "-snes_view", folder=tmp_path)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert all(text in done.stdout for text in texts)
+
+
+def test_stop_that_was_asked_for(tmp_path):
+    done = call("run", *SMALL, "-load_path", "normal_displacement=1; normal_displacement=-5",
+                "-load_stop", "pull_off", "-continuation_at_fold", "stop", "-archive_file",
+                "run.h5", folder=tmp_path)
+    record = reading.read(tmp_path / "run.h5")
+    assert done.returncode == 0 and record.complete and record["normal_displacement"][-1] > -5
+    assert (record["event"][-1] in ("fold", "pull_off")
+            and f"event         {record['event'][-1]}" in done.stdout)
+
+
+SLOW = [*SMALL, "-continuation_largest_step", "0.04,0.5", "-load_path",
+        "normal_displacement=1; tangential_displacement=5", "-archive_file", "run.h5"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_interrupted_run_keeps_its_points(tmp_path, number):
+    process = start("run", *SLOW, folder=tmp_path, points=2)
+    process.send_signal(number)
+    _, sentences = process.communicate()
+    record = reading.read(tmp_path / "run.h5")
+    assert process.returncode == 128 + number and record.points >= 2 and not record.complete
+    assert f"{record.points} points are in" in sentences and "-archive_resume goes on" in sentences
+    assert len(sentences.splitlines()) == 1
+
+
+def test_killed_run_resumes_to_the_same_result(tmp_path):
+    process = start("run", *SLOW, folder=tmp_path, points=4)
+    process.kill()
+    process.communicate()
+    kept = reading.read(tmp_path / "run.h5")
+    assert kept.points >= 4 and not kept.complete
+    done = call("run", *SLOW, "-archive_resume", folder=tmp_path)
+    assert done.returncode == 0 and f"after point {kept.points}" in done.stdout
+    assert call("run", *SLOW, "-archive_file", "once.h5", folder=tmp_path).returncode == 0
+    assert_same_ends(tmp_path / "run.h5", tmp_path / "once.h5")
+    assert reading.read(tmp_path / "run.h5").points == reading.read(tmp_path / "once.h5").points
+
+
+def test_failed_solve_keeps_its_points(tmp_path):
+    arguments = [*PRESSED, "-archive_file", "run.h5"]
+    # No step can be smaller than the first one, and none can be solved in one iteration.
+    done = call("run", *arguments, "-load_start", "normal_displacement=-3", "-snes_max_it", "1",
+                "-continuation_smallest_step", "0.1", folder=tmp_path)
+    record = reading.read(tmp_path / "run.h5")
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
+    assert record.points >= 1 and not record.complete and "-archive_resume goes on" in done.stderr
+
+
+def test_tension_beyond_pull_off_has_no_equilibrium(tmp_path):
+    done = call("run", *SMALL, "-load_path", "normal_force=-4", "-archive_file", "run.h5",
+                folder=tmp_path)
+    record = reading.read(tmp_path / "run.h5")
+    assert (done.returncode == 1 and "no equilibrium" in done.stderr
+            and "Traceback" not in done.stderr), done.stderr
+    assert (record["event"][-1] == "fold" and record["fold_kind"][-1] == "pull_off"
+            and not record.complete)
+
+
+def test_shear_beyond_what_sliding_carries_has_no_equilibrium(tmp_path):
+    done = call("run", *SHEARED, "-load_path", "normal_force=2; tangential_force=6",
+                "-archive_file", "run.h5", folder=tmp_path)
+    record = reading.read(tmp_path / "run.h5")
+    assert (done.returncode == 1 and "no equilibrium" in done.stderr
+            and "Traceback" not in done.stderr), done.stderr
+    assert (record["event"][-1] == "fold" and record["fold_kind"][-1] == "sliding"
+            and not record.complete)
+
+
+def test_run_that_was_killed_during_its_jump(tmp_path):
+    assert call("run", *SHEARED, "-archive_file", "once.h5", folder=tmp_path).returncode == 0
+    call("run", *SHEARED, "-continuation_at_fold", "stop", "-archive_file", "run.h5",
+         folder=tmp_path)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        file.attrs["complete"] = False
+    done = call("run", *SHEARED, "-archive_file", "run.h5", "-archive_resume", folder=tmp_path)
+    events = reading.read(tmp_path / "run.h5")["event"].tolist()
+    assert done.returncode == 0 and events == reading.read(tmp_path / "once.h5")["event"].tolist()
+    assert events.count("fold") == events.count("jump") == 1
+    assert_same_ends(tmp_path / "run.h5", tmp_path / "once.h5")
+
+
+@pytest.mark.parametrize("events, unfinished", [([], 0), (["none"], 0), (["none", "fold"], 1),
+                                                (["none", "fold", "gross_sliding"], 2),
+                                                (["none", "fold", "jump"], 0),
+                                                (["fold", "jump", "none"], 0),
+                                                (["fold", "jump", "none", "fold"], 1),
+                                                (["jump", "none", "fold", "pull_off"], 2)])
+def test_fold_without_its_jump_is_found_again(events, unfinished):
+    history = [SimpleNamespace(event=event) for event in events]
+    assert unfinished_fold(history) == unfinished
+    kept, tail = history[:len(history) - unfinished], history[len(history) - unfinished:]
+    again = [*([SimpleNamespace(event="none")] if tail else []), *tail,
+             SimpleNamespace(event="jump"), SimpleNamespace(event="fold")]
+    assert [point.event for point in new_points(again, unfinished)] == ["jump", "fold"]
+    if unfinished:
+        with pytest.raises(NotConverged, match="not found again"):
+            list(new_points(again[:1], unfinished))
+    assert all(point.event != "fold" or "jump" in events for point in kept)
+
+
+def test_bar_on_a_terminal(tmp_path):
+    screen, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 160, 0, 0))
+    process = subprocess.Popen([*COMMAND, "run", *PRESSED], cwd=tmp_path, env=ENVIRONMENT,
+                               stdout=terminal, stderr=terminal)
+    os.close(terminal)
+    text = b""
+    try:
+        while part := os.read(screen, 65536):
+            text += part
+    except OSError:  # how Linux tells of a terminal's end
+        pass
+    os.close(screen)
+    assert process.wait() == 0
+    assert b"/1 legs" in text and b"transforms" in text and b"Traceback" not in text
+
+
+# Help and info
+
+
+def option_names():
+    """Names of all our options."""
+    return ["-" + cls.prefix + field.name for cls in (*OPTION_CLASSES, *cli.solver_options())
+            for field in dataclasses.fields(cls)]
+
+
+def test_help_shows_every_option(tmp_path):
+    done = call("run", "-help", folder=tmp_path)
+    words = done.stdout.split()
+    assert done.returncode == 0 and not [name for name in option_names() if name not in words]
+    assert "residual_norm" in done.stdout
+    text = " ".join(done.stdout.split())
+    assert ("residual_norm = sqrt( sum over the window's nodes" in text
+            and "-snes_atol (default 1e-8" in text)
+
+
+def test_info_shows_what_would_be_solved(tmp_path):
+    done = call("info", *SHEARED, "-scene_points", "128", "-scene_amplitude", "2", folder=tmp_path)
+    words = [word.strip(":") for word in done.stdout.split()]
+    assert done.returncode == 0 and not [name for name in option_names() if name not in words]
+    for text in ("leg 1: normal_force goes to 2 w_n,r",
+                 "leg 2: tangential_displacement goes to 90 u_t,r", "MB", "leg 2: 2 x",
+                 "before leg 2", "-scene_amplitude: the geometry is cylinder", "SNES newtonls"):
+        assert text in done.stdout
+    assert "warning" in done.stderr and "-scene_points 512" in done.stderr
+
+
+@pytest.mark.parametrize("arguments, text", [(SMALL, "no legs"),
+                                             (["-scene_dimension", "2", "-scene_points", "32",
+                                               "-scene_geometry", "sphere", "-scene_normal_maugis",
+                                               "1", "-scene_period", "20"], "32 x 32"),
+                                             ([*SMALL, "-load_path", "normal_force=1",
+                                               "-contact_form", "force"], "force form"),
+                                             ([*SMALL, "-load_path",
+                                               "normal_displacement=hold, tangential_force=1",
+                                               "-scene_poisson", "0.3"],
+                                              "normal_displacement is held")])
+def test_info_of_other_scenes(tmp_path, arguments, text):
+    done = call("info", *arguments, folder=tmp_path)
+    assert done.returncode == 0 and not done.stderr and text in done.stdout
+
+
+# plot
+
+
+def test_plot_makes_files_without_petsc(pressed, tmp_path):
+    folder, _ = pressed
+    code = ("import sys; from contactsnes.commands.cli import main; status = main(sys.argv[1:]); "
+            "sys.exit(99 if 'petsc4py.PETSc' in sys.modules else status)")
+    done = subprocess.run([sys.executable, "-c", code, "plot", str(folder / "run.h5"), "--pdf",
+                           "--output", str(tmp_path), "--points", "-1,0"], env=ENVIRONMENT,
+                          capture_output=True, text=True, check=False)
+    made = {path.name for path in tmp_path.iterdir()}
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert {"run-approach.png", "run-approach.pdf",
+            "run-profiles.png"} <= made and all(name in done.stdout for name in made)
+    assert "no figure shear" in done.stdout
+
+
+@pytest.mark.parametrize("arguments, word", [(["absent.h5"], "absent.h5"),
+                                             (["run.h5", "--points", "9999"], "9999"),
+                                             (["run.h5", "--output", "absent"], "absent")])
+def test_plot_refuses(pressed, monkeypatch, capsys, arguments, word):
+    monkeypatch.chdir(pressed[0])
+    assert cli.main(["plot", *arguments]) == 2
+    shown = capsys.readouterr().err
+    assert shown.startswith("contactsnes: error: ") and word in shown
+
+
+@pytest.mark.parametrize("arguments", [[], ["run.h5", "--points", "first"],
+                                       ["--nonsense", "run.h5"]])
+def test_plot_says_how_it_is_used(capsys, arguments):
+    assert cli.main(["plot",
+                     *arguments]) == 2 and "usage: contactsnes plot" in capsys.readouterr().err

@@ -1,0 +1,435 @@
+"""What can go wrong around a run: outputs, signals, launchers, files and disks. One sentence each,
+and nothing is lost."""
+
+import dataclasses
+import io
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from contactsnes.branch import grid_choice
+from contactsnes.branch.branch import Branch
+from contactsnes.commands import cli, session
+from contactsnes.interface import gap as geometry
+from contactsnes.options import database as options
+from contactsnes.options import files
+from contactsnes.options.fields import InputError
+from contactsnes.output.archive import Archive
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column
+from contactsnes.output.reading import read
+from contactsnes.scene.load import Load
+from contactsnes.scene.settings import OPTION_CLASSES, Form, Scene
+from contactsnes.system import devices, streams
+
+ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith(("OMPI_", "PMI", "SLURM"))
+} | {"PYTHONPATH": str(ROOT), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+COMMAND = f"{sys.executable} -m contactsnes"
+STILL = ("-scene_points 128 -scene_period 20 -scene_normal_maugis 1 -load_start "
+         "normal_displacement=-5 -load_path normal_displacement=hold")
+"""One cheap point."""
+
+
+def shell(line, folder, **environment):
+    """A finished shell command, in which CONTACTSNES stands for the program and STILL for one cheap
+    point."""
+    line = line.replace("CONTACTSNES", COMMAND).replace("STILL", STILL)
+    return subprocess.run(["bash", "-c", line], cwd=folder, env=ENVIRONMENT | environment,
+                          capture_output=True, text=True, timeout=600, check=False)
+
+
+def one_sentence(done, status, *words):
+    """Assert a status, and one sentence on standard error with some words."""
+    assert done.returncode == status, done.stdout + done.stderr
+    assert (done.stderr.startswith("contactsnes: ")
+            and len(done.stderr.splitlines()) == 1), done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+# Standard output
+
+
+def test_readers_that_leave_early(tmp_path):
+    for line in ("run -help", "run STILL -snes_monitor -archive_file run.h5"):
+        done = shell(f"CONTACTSNES {line} | head -1; exit ${{PIPESTATUS[0]}}", tmp_path)
+        # What fits into the pipe before its reader leaves is written without harm.
+        assert done.returncode in (0, 128 + signal.SIGPIPE), (line, done.stderr)
+        assert len(done.stderr.splitlines()) == done.stderr.count("nobody reads"), done.stderr
+
+
+def test_closed_and_full_outputs_lose_no_points(tmp_path):
+    for number, (target, status) in enumerate(((">&-", 0), ("<&- > /dev/full", 0),
+                                               ("<&- >&- 2>&-", 0))):
+        done = shell(f"CONTACTSNES run STILL -archive_file {number}.h5 {target}", tmp_path)
+        assert done.returncode == status and "Traceback" not in done.stderr
+        assert ("standard output cannot be written" in done.stderr) == ("2>" not in target)
+        assert read(tmp_path / f"{number}.h5").complete
+    one_sentence(shell("CONTACTSNES --help > /dev/full", tmp_path), 1, "No space left")
+
+
+def test_letters_that_a_stream_lacks_are_written_in_others():
+    device = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    stream = streams.Stream(device)
+    stream.write("3 µm")
+    stream.flush()
+    assert device.buffer.getvalue() == b"3 \\xb5m"
+
+
+def test_an_unknown_backend_does_not_matter(tmp_path):
+    assert shell("CONTACTSNES plot absent.h5", tmp_path,
+                 MPLBACKEND="junk").stderr.endswith("absent.h5: there is no such file.\n")
+
+
+# Several processes
+
+
+@pytest.mark.parametrize("size, rank", session.LAUNCHED)
+def test_several_processes_are_refused(monkeypatch, capsys, size, rank):
+    monkeypatch.setenv(size, "2")
+    monkeypatch.setenv(rank, "0")
+    assert cli.main(["run", *STILL.split()]) == 2
+    shown = capsys.readouterr().err
+    assert "2 processes" in shown and len(shown.splitlines()) == 1
+    monkeypatch.setenv(rank, "1")
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["run", *STILL.split()])
+    assert stop.value.code == 0 and not capsys.readouterr().err
+
+
+def test_one_process_of_a_launcher_runs(tmp_path):
+    variables = {name: "1" for name, _ in session.LAUNCHED if not name.startswith("PMI")}
+    assert shell("CONTACTSNES run STILL", tmp_path, **variables, SLURM_NTASKS="8",
+                 SLURM_PROCID="0").returncode == 0
+
+
+@pytest.mark.skipif(subprocess.run(["which", "mpirun"], capture_output=True,
+                                   check=False).returncode != 0, reason="no mpirun here")
+def test_mpirun(tmp_path):
+    done = shell("mpirun --oversubscribe -n 2 CONTACTSNES run STILL -archive_file run.h5", tmp_path)
+    assert done.returncode == 2 and done.stderr.count(
+        "contactsnes: error: started as 2 processes") == 1
+    assert not list(tmp_path.iterdir())
+
+
+# Signals
+
+
+def catches(process, number):
+    """Whether a process has a handler for a signal."""
+    status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii")
+    return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="nothing tells of handlers here")
+def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
+    for number, wait in ((signal.SIGHUP, 0.0), (signal.SIGINT, 0.2), (signal.SIGTERM, 0.4),
+                         (signal.SIGHUP, 1.0)):
+        process = subprocess.Popen([*COMMAND.split(), "run", *STILL.split(), "-load_path",
+                                    "normal_displacement=40", "-continuation_largest_step", "0.01",
+                                    "-archive_file", f"{wait}.h5"], cwd=tmp_path, env=ENVIRONMENT,
+                                   text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                   preexec_fn=lambda: [signal.signal(number, signal.SIG_DFL)
+                                                       for number in streams.SIGNALS])
+        while not catches(process, signal.SIGHUP):  # the interpreter's own beginning
+            time.sleep(0.01)
+        time.sleep(wait)
+        process.send_signal(number)
+        shown = process.communicate(timeout=600)[1]
+        assert (process.returncode == 128 + number and "Traceback" not in shown
+                and len(shown.splitlines()) <= 1), shown
+        if (tmp_path / f"{wait}.h5").exists():
+            read(tmp_path / f"{wait}.h5")
+
+
+# Files of options, names and folders
+
+
+def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
+    first, second = tmp_path / "first.opts", tmp_path / "second.opts"
+    first.write_text(f"-a 1\n-options_file {second}\n-c 3\n")
+    second.write_text("\ufeff-b 2\r\n", encoding="utf-8")
+    assert options.petsc_arguments([str(first)])[1:] == ["-a", "1", "-b", "2", "-c", "3"]
+    assert options.petsc_arguments(["-x", "-options_file", str(second), "-y"])[1:] == ["-x", "-b",
+                                                                                       "2", "-y"]
+    second.write_text(f"-Options_File {first}")
+    (tmp_path / "third.opts").write_text(f"-options_file {first}")  # outside of the circle
+    for arguments in ([str(first)], ["-options_file", str(second)], [str(tmp_path / "third.opts")]):
+        with pytest.raises(InputError, match="includes itself"):
+            options.petsc_arguments(arguments)
+    (tmp_path / ".petscrc").write_text("-options_file .petscrc")
+    monkeypatch.chdir(tmp_path)
+    for text in (f"-a 1 -options_file {first}", ""):
+        with pytest.raises(InputError, match="includes itself"):
+            files.refuse_circles(text)
+
+
+@pytest.mark.parametrize("arguments, words", [(["-options_file", "absent"], "absent"),
+                                              (["-options_file"], "no value"),
+                                              (["-options_file", "absent.yaml"], "absent.yaml"),
+                                              (["-archive_file", "a\nb.h5"], "line break"),
+                                              (["-archive_file", "\udcfc.h5"], "encoding"),
+                                              (["-prefix_pop"], "-prefix_push")])
+def test_arguments_that_petsc_cannot_take(arguments, words):
+    with pytest.raises(InputError, match=words):
+        options.petsc_arguments(arguments)
+
+
+def test_names_that_no_file_can_have(tmp_path):
+    loop, fifo = tmp_path / "loop.h5", tmp_path / "fifo.h5"
+    loop.symlink_to(loop)
+    os.mkfifo(fifo)
+    for path in (loop, fifo, tmp_path, Path(os.devnull), tmp_path / ("a" * 300), Path("a\0b")):
+        with pytest.raises(ArchiveError):
+            read(path)
+        for make in (Archive.create, Archive.resume):
+            with pytest.raises(ArchiveError):
+                make(path, scene={}, options="", versions={}, columns={},
+                     **({"overwrite": True} if make == Archive.create else {}))
+
+
+def test_a_folder_that_is_gone(tmp_path):
+    done = shell("mkdir gone; cd gone; rmdir ../gone; CONTACTSNES run STILL", tmp_path)
+    one_sentence(done, 2, "working folder")
+
+
+# Disks
+
+
+def test_a_full_disk_ends_a_run_with_its_points(tmp_path):
+    path = ("-load_path normal_displacement=-4 -continuation_largest_step 0.05 "
+            "-archive_fields all -archive_file run.h5")
+    done = shell(f"ulimit -f 260; CONTACTSNES run STILL {path} > /dev/null", tmp_path)
+    one_sentence(done, 1, "cannot be written (File too large)", "-archive_resume goes on")
+    points = read(tmp_path / "run.h5").points
+    assert (points and f"{points} points are in" in done.stderr
+            and os.listdir(tmp_path) == ["run.h5"])
+    assert shell(f"CONTACTSNES run STILL {path} -archive_resume", tmp_path).returncode == 0
+    assert read(tmp_path / "run.h5").complete
+
+
+def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
+    with devices.Lenient(tmp_path / "x.h5") as device:
+        device.write(b"kept")
+        os.dup2(os.open(os.devnull, os.O_RDONLY), device.fileno())
+        assert device.write(b"lost") == 4 and device.write(b"lost, too") == 9
+        with pytest.raises(OSError):
+            device.check()
+
+
+# Heights
+
+
+def test_heights_that_cannot_be_used_are_refused_in_words(tmp_path):
+    values = np.linspace(0.0, 1.0, 16)
+    arrays = {"huge": values * 1.7e308, "odd": [1.0, -1e308] * 8, "empty": np.zeros(0),
+              "complex": values * 1j, "point": np.array(1.0), "texts": np.array(["a"] * 16),
+              "nan": values * np.nan, "cube": np.zeros((4, 2, 2))}
+    for name, array in arrays.items():
+        np.save(tmp_path / f"{name}.npy", array)
+    np.savez(tmp_path / "many.npz", values)
+    (tmp_path / "many.npz").rename(tmp_path / "many.npy")
+    for name, content in (("words", b"one two"), ("blank", b""), ("ragged", b"1 2\n3"),
+                          ("binary", bytes(range(256)))):
+        (tmp_path / f"{name}.txt").write_bytes(content)
+    for path in sorted(tmp_path.iterdir()):
+        with pytest.raises(ValueError, match=path.name) as refusal:
+            geometry.read_heights(path)
+        assert (str(refusal.value).startswith("-scene_geometry_file")
+                and len(str(refusal.value).splitlines()) <= 2)
+    (tmp_path / "good.txt").write_bytes(b"\xef\xbb\xbf1\r\n2\r\n")
+    assert geometry.read_heights(tmp_path / "good.txt").tolist() == [1.0, 2.0]
+
+
+def test_heights_that_jump_at_the_seam_are_told(tmp_path):
+    x, random = np.arange(64) / 64, np.random.default_rng(3)
+    waves = sum(np.cos(2 * np.pi * (number * x + random.random())) / number
+                for number in range(1, 20))
+    assert geometry.seams(waves) == [] and geometry.seams(np.where(abs(x - 0.5) < 0.3, 1.0,
+                                                                   0.0)) == []
+    (axis, jump, typical), = geometry.seams(waves[:, None] + (waves + 40 * x)[None])
+    tilted = np.diff(waves + 40 * x)
+    assert (axis == 1 and jump == pytest.approx(abs((waves + 40 * x)[0] - waves[-1] - 40 * x[-1]))
+            and jump > 4 * typical)
+    assert typical == pytest.approx(np.sqrt(np.mean(tilted ** 2)))
+    np.save(tmp_path / "tilted.npy", 0.05 * x)
+    scene = "-scene_geometry file -scene_geometry_file tilted.npy -scene_points 64"
+    done = shell(f"CONTACTSNES run STILL {scene} -archive_file run.h5", tmp_path)
+    words = ("along the line they step by 0.04922 u_n,r across the seam "
+             "of the cell, 63 times the typical step between "
+             "neighbours, 0.0007813")
+    assert (words in done.stderr and done.stderr.startswith("contactsnes: warning")
+            and words in read(tmp_path / "run.h5").warnings[0])
+
+
+# Damaged archives
+
+
+def test_damaged_archives_are_refused_or_read_right(tmp_path):
+    """Flipped bits, cut ends and holes: whatever they hit, there is a sentence, or nothing that
+    counts has changed."""
+    columns = {"leg": Column("", "i8"), "normal_force": Column("w_n,r"),
+               "event": Column("", "i1", ("none", "fold"))}
+    whole = Archive.create(tmp_path / "run.h5",
+                                   scene={"normal_maugis": 1.0, "law": "modified"}, options="-a 1",
+                                   versions={}, columns=columns, fields="all",
+                                   coordinates=(np.arange(16.0),), initial_gap=np.ones(16))
+    for number in range(3):
+        field = np.full((1, 16), float(number))
+        whole.append({"leg": number, "normal_force": 2.5 * number, "event": "fold"}, {"load": 1.0},
+                     field, -field)
+    content = (tmp_path / "run.h5").read_bytes()
+    good = read(tmp_path / "run.h5")
+    random = np.random.default_rng(1)
+    refused = 0
+    for _ in range(15):
+        bad, place = bytearray(content), random.integers(len(content))
+        kind = random.integers(4)
+        if kind == 0:
+            bad = bad[:place]
+        elif kind == 1:
+            bad[place:place + 500] = bytes(len(bad[place:place + 500]))
+        else:
+            bad[place] ^= 1 << random.integers(8)
+        (tmp_path / "bad.h5").write_bytes(bad)
+        try:
+            found = read(tmp_path / "bad.h5")
+            assert found.points == 3 and all(np.array_equal(found[name], good[name])
+                                             for name in good) and found.scene == good.scene
+            assert np.array_equal(found.field("traction", 1), good.field("traction", 1))
+        except ArchiveError as error:
+            refused += 1
+            assert "bad.h5" in str(error)
+    assert 2 < refused < 15
+
+
+def test_a_number_changed_anywhere_is_damage(tmp_path):
+    """In any column, of any point, in what no point changes, and in fields, which are read for
+    themselves."""
+    columns = {name: Column("") for name in ("approach", "normal_force", "stable")}
+    made = Archive.create(tmp_path / "run.h5", scene={}, options="", versions={},
+                                  columns=columns, fields="all", coordinates=(np.arange(4.0),),
+                                  initial_gap=np.ones(4))
+    for value in (1.0, 2.0):
+        made.append(dict.fromkeys(columns, value), {}, np.full((1, 4), value),
+                    np.full((1, 4), -value))
+    names = [*(f"branch/{name}" for name in columns), "fields/x", "fields/initial_gap",
+             "fields/displacement", "fields/traction", "runs/first"]
+    assert read(tmp_path / "run.h5").field("displacement", 1).max() == 2.0
+    for name, place in ((name, place) for name in names for place in ((0,) if name == "runs/first"
+                                                                      else (0, 1))):
+        bad = tmp_path / "bad.h5"
+        bad.write_bytes((tmp_path / "run.h5").read_bytes())
+        with h5py.File(bad, "r+") as file:
+            file[name][place] = 7.0
+        with pytest.raises(ArchiveError, match="is damaged"):
+            read(bad).field(name[7:] if name in ("fields/displacement", "fields/traction")
+                                    else "displacement", place)
+
+
+def test_a_changed_number_is_damage(tmp_path):
+    columns = {"normal_force": Column("w_n,r"),
+               "event": Column("", "i1", ("none", "fold"))}
+    for name, change in (("row",
+                          lambda file: file["branch/normal_force"].write_direct(np.array([1.0]))),
+                         ("frame", lambda file: file["scene"].attrs.modify("poisson", 0.25)),
+                         ("unit", lambda file: file["branch/event"].attrs.modify("unit", "m"))):
+        path = tmp_path / f"{name}.h5"
+        made = Archive.create(path, scene={"poisson": 0.5}, options="", versions={},
+                                      columns=columns)
+        made.append({"normal_force": 2.0, "event": "none"}, {})
+        read(path)
+        with h5py.File(path, "r+") as file:
+            change(file)
+        for attempt in (read,
+                        lambda path: Archive.resume(path, scene={"poisson": 0.5},
+                                                            options="", versions={},
+                                                            columns=columns)):
+            with pytest.raises(ArchiveError, match="is damaged"):
+                attempt(path)
+
+
+def test_what_crashes_or_does_not_end_is_told():
+    assert devices.failure(lambda: None) == "" and devices.failure(
+        lambda: 1 / 0) == "ZeroDivisionError: division by zero"
+    assert devices.failure(lambda: os.kill(os.getpid(), signal.SIGSEGV)) == "reading it crashes"
+    assert devices.failure(lambda: time.sleep(60), patience=0.1) == "reading it does not end"
+
+
+# Numbers and grids that are too large
+
+
+@pytest.mark.parametrize("scene, load, words", [(dict(points=2 ** 31), {}, "-scene_points is "
+                                                 "'2147483648': the grid of "
+                                                 "2.1474836e+09 nodes takes about"),
+                                                (dict(points=(200000, 200000), dimension=2), {},
+                                                 "200000 x 200000 nodes"),
+                                                (dict(points=10 ** 18), {}, "1e+18 nodes"),
+                                                (dict(period=math.inf, spacing=1e-9),
+                                                 dict(path="normal_force=1"),
+                                                 "-scene_spacing is '1e-09'"),
+                                                (dict(period=math.inf),
+                                                 dict(path="normal_force=1e30"),
+                                                 "-scene_spacing is not set"),
+                                                (dict(geometry="rough", rough_slope=1.0,
+                                                      rough_shortest=1e-9, points=2 ** 40,
+                                                      period=10.0), {}, "-scene_points")])
+def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words):
+    with pytest.raises(InputError) as refusal:
+        Branch(Scene(**scene), Load(**{"path": "normal_displacement=1", **load}))
+    assert words in str(refusal.value) and "would fit" in str(refusal.value)
+
+
+def test_what_is_said_to_fit_does(monkeypatch):
+    monkeypatch.setattr(grid_choice, "memory", lambda: 3e8)
+    load, form = Load(path="normal_displacement=1"), Form()
+    for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
+        with pytest.raises(InputError, match="would fit") as refusal:
+            grid_choice.refuse_too_large(scene, load, form)
+        points = int(str(refusal.value).split("; ")[1].split()[0].split(",")[0])
+        grid_choice.refuse_too_large(replace(scene, points=points), load, form)
+        assert 100 * points ** scene.dimension > 3e7
+    monkeypatch.setattr(grid_choice, "memory", lambda: 1e15)
+    grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form())
+    with pytest.raises(InputError, match="PETSc counts 2147483647"):
+        grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form(form="force"))
+
+
+def test_memory_is_what_limits_leave(monkeypatch):
+    assert 0 < grid_choice.memory() <= 0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf(
+        "SC_PHYS_PAGES")
+    monkeypatch.setattr(grid_choice, "_group_limits", lambda: [5e8])
+    assert grid_choice.memory() == 4e8
+
+
+def test_numbers_beyond_computing_are_refused_with_the_option():
+    """Every number that an option takes, at sizes whose powers overflow or vanish."""
+    for cls in (*OPTION_CLASSES, *cli.solver_options()):
+        for field in dataclasses.fields(cls):
+            if field.metadata["kind"] == "number" and field.metadata["choices"] is None:
+                for value in (1e300, -1e300, 5e-324, math.nan, -math.inf):
+                    with pytest.raises(InputError, match=f"-{cls.prefix}{field.name} is "):
+                        cls(**{field.name: value})
+    for value in ("1e300", "-1e31", "1e-300", "nan", "inf"):
+        with pytest.raises(InputError, match="-load_path has no number"):
+            Load(path=f"normal_force={value}").legs(1)
+
+
+def test_files_are_read_under_limits_that_nobody_may_raise():
+    program = ("import resource; resource.setrlimit(resource.RLIMIT_CPU, (50, 50)); "
+               "from contactsnes.system import devices; "
+               "print(repr(devices.failure(lambda: None)))")
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "''", done.stderr

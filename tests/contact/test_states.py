@@ -1,0 +1,500 @@
+"""States: starts without overlap, change of window, extrapolation, and the prediction that follows
+the contact edge."""
+
+import numpy as np
+import pytest
+
+from contactsnes import Branch, Load
+from contactsnes.contact import edges as following
+from contactsnes.contact import states
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
+from contactsnes.continuation.natural import lagrange_weights
+from contactsnes.grid.windows import Window
+from contactsnes.interface.laws import Law
+from contactsnes.scene.settings import Scene, Steps
+
+POINTS = 512
+PERIOD = 40.0
+MAUGIS = 3.0
+
+
+def line(**changes):
+    return Contact(Scene(**{"points": POINTS, "period": PERIOD, "normal_maugis": MAUGIS,
+                            "tangential_maugis": 2.0, **changes}))
+
+
+def plane(**changes):
+    return Contact(Scene(**{"dimension": 2, "points": (48, 32), "period": (18.0, 15.0),
+                            "normal_maugis": 2.0, "geometry": "sphere", **changes}))
+
+
+def shaped(gap):
+    """A line contact whose initial gap (u_n,r) over the cell is the given one, but for a
+    constant."""
+    return Contact(Scene(points=len(gap), period=PERIOD, normal_maugis=MAUGIS, geometry="file",
+                         geometry_file="gap.npy"), -gap)
+
+
+def with_gap(contact, window, gap):
+    """The state of a window with the given normal gap (delta_n) at its nodes."""
+    displacement = (gap - window.take(contact.initial_gap))[None]
+    return states.State(window, displacement, np.array([contact.grid.mean(displacement[0])]))
+
+
+def parabola(contact, window, half, centre=0.0, opening=30.0):
+    """A gap that crosses the threshold at half the width ``half`` (beta) from its centre."""
+    x = window.coordinates()[0] - centre
+    return with_gap(contact, window, contact.scene.contact_threshold
+                    + opening * ((x / half) ** 2 - 1.0))
+
+
+# The start without overlap
+
+
+@pytest.mark.parametrize("contact", [line(), line(geometry="sinusoid"), line(gap_offset=2.0),
+                                     plane()], ids=["cylinder", "sinusoid", "offset", "sphere"])
+@pytest.mark.parametrize("approach", [0.3, 4.0, 15.0])
+def test_undeformed_start_has_the_approach_and_no_overlap(contact, approach):
+    state = states.undeformed(contact, (DISPLACEMENT,), [approach])
+    gap = states.normal_gap(contact, state)
+    assert state.window.is_whole
+    assert -np.mean(state.displacement[0]) == pytest.approx(approach * contact.ranges[0], rel=1e-6)
+    np.testing.assert_allclose(state.means, [-approach * contact.ranges[0]], rtol=1e-6)
+    assert gap.min() >= -1e-9
+    # Where it does not touch the surface is flat, and nowhere lower than there.
+    depth = -state.displacement[0].min()
+    assert np.all((np.abs(gap) < 1e-9) | (np.abs(state.displacement[0] + depth) < 1e-9))
+
+
+def test_undeformed_start_off_the_flat_is_plane():
+    contact = line()
+    state = states.undeformed(contact, (DISPLACEMENT,), [-2.0])
+    np.testing.assert_allclose(state.displacement, 2.0 * MAUGIS, rtol=1e-12)
+
+
+def test_undeformed_start_never_overlaps_however_deep():
+    """An approach deeper than the whole gap: the start is closed, not overlapping."""
+    contact = line(geometry="sinusoid", amplitude=1.0)
+    gap = states.normal_gap(contact, states.undeformed(contact, (DISPLACEMENT,), [50.0]))
+    assert np.abs(gap).max() < 1e-9
+
+
+def carried(contact, state):
+    """Normal force that the flat carries where it touches, w_n,r: the traction that bends the body,
+    by NumPy's FFT."""
+    stiffness = contact.operator(1, "stiffness").blocks[0, 0] * contact.grid.size
+    traction = np.fft.irfft(stiffness * np.fft.rfft(state.displacement[0]), POINTS)
+    return contact.load_factor(1)[0] * -traction[np.abs(states.normal_gap(contact, state))
+                                                 < 1e-9].sum()
+
+
+@pytest.mark.parametrize("controls", [(FORCE,), (FORCE, DISPLACEMENT), (FORCE, FORCE),
+                                      (DISPLACEMENT, FORCE)])
+@pytest.mark.parametrize("force", [4.0, 40.0])
+@pytest.mark.parametrize("offset", [0.0, 5.0])
+def test_undeformed_start_of_every_control(controls, force, offset):
+    """Under a normal force a part of the body is flattened that carries it; tangential
+    displacements are zero."""
+    contact = line(gap_offset=offset)
+    state = states.undeformed(contact, controls, [force, 7.0][:len(controls)])
+    assert state.displacement.shape == (len(controls), POINTS)
+    assert not state.displacement[1:].any()
+    np.testing.assert_allclose(state.means, state.displacement.mean(axis=1), atol=1e-9)
+    gap = states.normal_gap(contact, state)
+    assert gap.min() > -1e-9
+    assert np.all((np.abs(gap) < 1e-9)
+                  | (np.abs(state.displacement[0] - state.displacement[0].min()) < 1e-9))
+    if controls[0] == FORCE:
+        # Nodes touch one by one; a node more or less is several per cent.
+        assert carried(contact, state) == pytest.approx(force, rel=0.2)
+
+
+def test_undeformed_start_under_a_pull_touches_at_a_point():
+    contact = line()
+    state = states.undeformed(contact, (FORCE,), [-3.0])
+    assert np.ptp(state.displacement) == 0.0 and states.normal_gap(contact, state).min() == 0.0
+
+
+def test_lowered_is_moved_as_a_whole():
+    contact, rng = line(), np.random.default_rng(1)
+    window = contact.grid.whole
+    field = np.array([40.0 + rng.normal(size=POINTS), rng.normal(size=POINTS)])
+    lowered = states.lowered(contact, states.State(window, field, contact.grid.mean(field)))
+    assert states.normal_gap(contact, lowered).min() == pytest.approx(1.0)
+    assert np.ptp(lowered.displacement[0] - field[0]) < 1e-9
+    np.testing.assert_array_equal(lowered.displacement[1], field[1])
+    np.testing.assert_allclose(lowered.means, lowered.displacement.mean(axis=1))
+
+
+def test_components_are_added_as_zeros_and_left_out():
+    contact = line()
+    state = parabola(contact, Window(contact.grid, (200,), (112,)), 2.0)
+    assert states.with_components(state, 1) is state
+    sheared = states.with_components(state, 2)
+    np.testing.assert_array_equal(sheared.displacement, [state.displacement[0], np.zeros(112)])
+    np.testing.assert_array_equal(sheared.means, [state.means[0], 0.0])
+    back = states.with_components(sheared, 1)
+    np.testing.assert_array_equal(back.displacement, state.displacement)
+    np.testing.assert_array_equal(back.means, state.means)
+
+
+# Change of window
+
+
+@pytest.mark.parametrize("start, extent", [(200, 100), (490, 60), (0, 40), (480, 32)])
+@pytest.mark.parametrize("first, known", [(220, 50), (500, 30), (10, 20), (470, 80)])
+def test_onto_keeps_known_nodes_and_takes_the_nearest_elsewhere(start, extent, first, known):
+    grid = line().grid
+    values = np.random.default_rng(0).normal(size=(2, known))
+    found = states.onto(states.State(Window(grid, (first,), (known,)), values, np.zeros(2)),
+                        Window(grid, (start,), (extent,)))
+    here = (first + np.arange(known)) % POINTS
+    for node, column in zip((start + np.arange(extent)) % POINTS, found.T):
+        away = np.abs((here - node + POINTS // 2) % POINTS - POINTS // 2)
+        nearest = np.flatnonzero(away == away.min())
+        assert any(np.array_equal(column, values[:, k]) for k in nearest)
+
+
+def test_onto_in_two_dimensions_and_onto_itself():
+    grid = plane().grid
+    values = np.arange(6.0 * 5.0).reshape(1, 30)
+    state = states.State(Window(grid, (46, 10), (6, 5)), values, np.zeros(1))
+    assert states.onto(state, Window(grid, (46, 10), (6, 5))) is values
+    found = states.onto(state, Window(grid, (45, 11), (4, 6))).reshape(4, 6)
+    rows, columns = np.array([0, 0, 1, 2]), np.array([1, 2, 3, 4, 4, 4])
+    np.testing.assert_array_equal(found, values.reshape(6, 5)[np.ix_(rows, columns)])
+
+
+def test_onto_the_whole_cell_and_back():
+    contact = line()
+    state = parabola(contact, Window(contact.grid, (200,), (112,)), 2.0)
+    whole = states.State(contact.grid.whole, states.onto(state, contact.grid.whole), state.means)
+    np.testing.assert_array_equal(states.onto(whole, state.window), state.displacement)
+
+
+def test_wider_reaches_further_on_either_side_and_keeps_the_middle():
+    contact = line()
+    for start in (200, 470, 2):
+        state = parabola(contact, Window(contact.grid, (start,), (60,)), 2.0)
+        wide = states.wider(state, state.window)
+        assert wide.window.size == 84
+        np.testing.assert_array_equal(states.onto(wide, state.window), state.displacement)
+        np.testing.assert_array_equal(wide.displacement[0, :12], state.displacement[0, 0])
+    whole = parabola(contact, contact.grid.whole, 2.0)
+    assert states.wider(whole, whole.window).window == whole.window
+
+
+def test_a_window_that_fits_is_kept():
+    contact = line()
+    # At the rim the gap is 2.7 + 30 (4 - 1) = 93 ranges: beyond the law, and not far beyond.
+    state = parabola(contact, Window(contact.grid, (POINTS // 2 - 51,), (103,)), 2.0)
+    assert Law.range < states.normal_gap(contact, state)[0] < 4 * Law.range
+    assert states.fitted(contact, state) is state and states.covers(contact, state)
+
+
+def test_a_window_that_is_too_small_grows():
+    contact = line()
+    small = Window(contact.grid, (POINTS // 2 - 20,), (41,))
+    state = parabola(contact, small, 2.0, opening=4.0)
+    assert not states.covers(contact, state)
+    fitted = states.fitted(contact, state)
+    assert fitted.window.size > small.size
+    np.testing.assert_allclose(states.onto(fitted, small), state.displacement, atol=1e-9)
+    outside = contact.extended(state)[0] + contact.initial_gap
+    outside[fitted.window.indices] = np.inf
+    assert outside.min() >= Law.range
+
+
+def test_the_whole_cell_is_left_where_the_contact_is_small():
+    contact = line()
+    state = states.undeformed(contact, (DISPLACEMENT,), [0.1])
+    fitted = states.fitted(contact, state)
+    assert fitted.window.size < POINTS // 2
+    np.testing.assert_array_equal(fitted.displacement,
+                                  fitted.window.take(state.displacement.reshape(1, -1)))
+    assert np.all(states.normal_gap(contact, state)[np.delete(np.arange(POINTS),
+                                                              fitted.window.take(
+        np.arange(POINTS)))] >= Law.range)
+    np.testing.assert_array_equal(fitted.means, state.means)
+
+
+def two_bumps(depth):
+    """Parabolas at -10 and 10, the second one lower by ``depth`` (u_n,r)."""
+    x = (np.arange(POINTS) - POINTS // 2) * PERIOD / POINTS
+    return shaped(np.minimum((x + 10) ** 2 / 2, (x - 10) ** 2 / 2 + depth))
+
+
+def test_a_second_spot_within_range_is_not_covered_and_is_taken_in():
+    contact = two_bumps(depth=5.0)
+    window = Window(contact.grid, (POINTS // 2 - 128 - 70,), (141,))
+    state = states.State(window, np.zeros((1, 141)), np.zeros(1))
+    # Fifteen ranges are left at the second spot, far more at the rim of the window around the
+    # first.
+    assert states.normal_gap(contact, state)[[0, -1]].min() > Law.range
+    assert not states.covers(contact, state)
+    far = two_bumps(depth=20.0)
+    assert states.covers(far, states.State(Window(far.grid, window.start, window.shape),
+                                           np.zeros((1, 141)), np.zeros(1)))
+
+
+# Distances
+
+
+def test_distance_and_missed():
+    """Root mean squares over the window of the second, and over the nodes where the law acts on
+    either."""
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 51,), (103,))
+    state = parabola(contact, window, 2.0)
+    moved = states.State(window, state.displacement + 0.3, state.means)
+    assert states.distance(contact, state, moved) == pytest.approx(0.3)
+    assert states.missed(contact, state, moved) == pytest.approx(0.3)
+    gap = states.normal_gap(contact, state)
+    far = states.State(window, state.displacement + 5.0 * (gap > 20.0), state.means)
+    assert states.missed(contact, state, far) == 0.0 and states.distance(contact, state, far) > 1.0
+    off = states.State(window, state.displacement + 100.0, state.means)
+    assert states.missed(contact, off, states.State(window, off.displacement + 1.0,
+                                                    off.means)) == 0.0
+
+
+# Extrapolation
+
+
+def test_combined_is_the_weighted_sum_on_the_last_window():
+    contact = line()
+    windows = [Window(contact.grid, (POINTS // 2 - n,), (2 * n + 1,)) for n in (50, 52, 55)]
+    given = [parabola(contact, window, half) for window, half in zip(windows, (1.8, 1.9, 2.0))]
+    weights = lagrange_weights([0.0, 1.0, 2.0], 2.2)
+    found = states.combined(contact, given, weights)
+    assert found.window == windows[-1]
+    expected = sum(weight * states.onto(state, windows[-1])
+                   for weight, state in zip(weights, given))
+    floor = states.normal_gap(contact, given[-1]).min() - 1.0
+    gap = np.maximum(expected[0] + windows[-1].take(contact.initial_gap), floor)
+    np.testing.assert_allclose(states.normal_gap(contact, found), gap, atol=1e-9)
+    np.testing.assert_allclose(found.means, sum(weight * state.means
+                                                for weight, state in zip(weights, given)))
+
+
+def test_combined_does_not_go_into_deep_overlap():
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 51,), (103,))
+    given = [parabola(contact, window, 2.0, opening=opening) for opening in (10.0, 20.0)]
+    found = states.combined(contact, given, np.array([-3.0, 4.0]))
+    assert states.normal_gap(contact, found).min() == pytest.approx(states.normal_gap(contact,
+                                                                                      given[
+        -1]).min() - 1.0)
+
+
+def profile(contact, window, left, right, components=1):
+    """A state whose gap is a fixed function of the place between two contact edges (beta)."""
+    x = window.coordinates()[0]
+    s = 2.0 * (x - left) / (right - left) - 1.0
+    state = with_gap(contact, window, contact.scene.contact_threshold + 25.0 * (s ** 2 - 1.0)
+                     * (1.0 + 0.2 * s))
+    if components == 1:
+        return state
+    field = np.array([state.displacement[0], np.exp(-s ** 2) * (1.0 + s)])
+    return states.State(window, field, contact.grid.mean(field))
+
+
+@pytest.mark.parametrize("components", [1, 2])
+def test_following_the_edge_is_exact_for_a_profile_that_travels(components):
+    """Edges that move linearly or quadratically, with different speeds: only interpolation between
+    nodes is left."""
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
+    for order in (1, 2):
+        edges = [(-2.0 - 0.11 * s + (order - 1) * 0.01 * s * s,
+                  2.2 + 0.2 * s - (order - 1) * 0.02 * s * s) for s in (0, 1, 2, 3)]
+        given = [profile(contact, window, *ends, components) for ends in edges]
+        weights = lagrange_weights(range(3 - order - 1, 3), 3)
+        found = following.follow_edge(contact, given[2 - order:3], weights)
+        near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
+        wrong = np.abs(found.displacement - given[3].displacement)[:, near].max()
+        still = np.abs(states.combined(contact, given[2 - order:3], weights).displacement
+                       - given[3].displacement)[:, near].max()
+        assert wrong < 1e-3 and wrong < 0.02 * still
+        np.testing.assert_allclose(found.means,
+                                   weights @ [state.means for state in given[2 - order:3]])
+
+
+def test_following_the_edge_converges_with_the_grid():
+    wrong = []
+    for points in (256, 512):
+        contact = line(points=points)
+        window = Window(contact.grid, (points // 2 - 15 * points // 128,),
+                        (30 * points // 128 + 1,))
+        given = [profile(contact, window, -2.0 - 0.13 * s, 2.0 + 0.17 * s, 2) for s in range(3)]
+        found = following.follow_edge(contact, given[:2], np.array([-1.0, 2.0]))
+        near = states.normal_gap(contact, given[2]) < 0.7 * states.NEAR
+        wrong.append(np.abs(found.displacement - given[2].displacement)[:, near].max())
+    assert wrong[1] < wrong[0] / 7
+
+
+@pytest.mark.parametrize("shift", [3, 40, 60, 70, 100, 200, 240, 256, 300, 400, 470, 511])
+def test_following_the_edge_does_not_depend_on_where_the_contact_lies(shift):
+    """Moving everything by a number of nodes moves the prediction by as many, over the border of
+    the cell, too."""
+    predictions = []
+    for nodes in (0, shift):
+        x = (np.arange(POINTS) - POINTS // 2) * PERIOD / POINTS
+        contact = shaped(np.roll(x ** 2 / 2, nodes))
+        given = []
+        for extent, half in ((51, 2.0), (55, 2.1), (58, 2.2)):
+            centred = Window(contact.grid, (POINTS // 2 - extent,), (2 * extent + 1,))
+            window = Window(contact.grid, (POINTS // 2 - extent + nodes,), (2 * extent + 1,))
+            gap = contact.scene.contact_threshold + 25.0 * ((centred.coordinates()[0] / half) ** 2
+                                                            - 1.0)
+            given.append(with_gap(contact, window, gap))
+        found = following.follow_edge(contact, given, lagrange_weights([0, 1, 2], 3))
+        assert found.window == given[-1].window
+        predictions.append(states.normal_gap(contact, found))
+    np.testing.assert_allclose(predictions[1], predictions[0], atol=1e-9)
+
+
+def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
+    x = window.coordinates()[0]
+    off = with_gap(contact, window, 10.0 + x ** 2)
+    two = with_gap(contact, window, (x ** 2 - 4.0) ** 2)
+    touching_the_rim = with_gap(contact, window, -5.0 + x)
+    good = parabola(contact, window, 2.0)
+    for state in (off, two, touching_the_rim):
+        assert following.edges(contact, state) is None
+        assert following.follow_edge(contact, [good, state], np.array([-1.0, 2.0])) is None
+        assert following.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
+
+
+def spot(contact, window, places, level):
+    """A state of three components that touches in an ellipse with the given first and last places
+    (two directions, beta)."""
+    s = [2.0 * (x - left) / (right - left) - 1.0 for x, (left, right) in zip(window.coordinates(),
+                                                                             places)]
+    radius = sum(scaled ** 2 for scaled in s)
+    fields = [level + 12.0 * (radius - 1.0) * (1.0 + 0.1 * s[0]), np.exp(-radius) * (1.0 + s[1]),
+              s[0] * np.exp(-radius)]
+    fields = np.array([np.broadcast_to(field, window.shape).reshape(-1) for field in fields])
+    fields[0] -= window.take(contact.initial_gap)
+    return states.State(window, fields, contact.grid.mean(fields))
+
+
+@pytest.mark.parametrize("boxed", [False, True])
+def test_following_the_edge_in_two_dimensions(boxed):
+    """An ellipse whose four ends move with different speeds, quadratically."""
+    contact = Contact(Scene(dimension=2, points=(96, 128), period=(12.0, 12.0), geometry="sphere",
+                            normal_maugis=2.0))
+    window = Window(contact.grid, (10, 12), (76, 104)) if boxed else contact.grid.whole
+    given = [spot(contact, window, [(-2.0 - 0.11 * t + 0.01 * t * t, 2.2 + 0.15 * t),
+                                    (-2.5 + 0.1 * t, 2.4 - 0.12 * t - 0.01 * t * t)],
+                  contact.scene.contact_threshold) for t in range(4)]
+    assert np.all(np.isfinite(following.edges(contact, given[0])))
+    weights = lagrange_weights(range(3), 3)
+    found = following.follow_edge(contact, given[:3], weights)
+    near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
+    wrong, still = (np.abs(state.displacement - given[3].displacement)[:, near].max()
+                    for state in (found, states.combined(contact, given[:3], weights)))
+    assert wrong < 0.01 and wrong < 0.1 * still
+    np.testing.assert_allclose(found.means, weights @ [state.means for state in given[:3]])
+
+
+def test_two_spots_of_a_plane_have_no_edge_to_follow():
+    contact = Contact(Scene(dimension=2, points=64, period=12.0, geometry="sphere",
+                            normal_maugis=2.0))
+    x, y = contact.grid.coordinates()
+    for gap in (np.minimum((x - 2) ** 2, (x + 2) ** 2) + y ** 2,
+                np.minimum((x - 2) ** 2 + (y - 2) ** 2, (x + 2) ** 2 + (y + 2) ** 2)):
+        displacement = (4.0 * gap - contact.initial_gap).reshape(1, -1)
+        assert following.edges(contact, states.State(contact.grid.whole, displacement,
+                                                     np.zeros(1))) is None
+
+
+def test_a_second_spot_next_to_the_window_is_no_trouble():
+    """A spike just outside the window, which the displacement at its rim would bring into
+    contact."""
+    x = (np.arange(POINTS) - POINTS // 2) * PERIOD / POINTS
+    contact = shaped(np.minimum((x + 10) ** 2 / 2, 3.0 + 20.0 * np.abs(x + 2)))
+    window = Window(contact.grid, (POINTS // 2 - 128 - 76,), (153,))
+    given = [states.State(window, np.full((1, 153), depth), np.array([depth]))
+             for depth in (-13.9, -14.0)]
+    assert following.edges(contact, given[-1]) is not None
+    found = following.follow_edge(contact, given, np.array([-1.0, 2.0]))
+    assert found is None or np.all(np.isfinite(found.displacement))
+
+
+def test_an_edge_that_would_vanish_is_not_followed():
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
+    given = [parabola(contact, window, half) for half in (2.0, 1.0)]
+    assert following.follow_edge(contact, given, np.array([-1.0, 2.0])) is None
+
+
+def test_following_the_edge_does_not_go_into_deep_overlap():
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - 51,), (103,))
+    given = [parabola(contact, window, 2.0, opening=opening) for opening in (10.0, 20.0)]
+    found = following.follow_edge(contact, given, np.array([-3.0, 4.0]))
+    assert states.normal_gap(contact, found).min() == pytest.approx(states.normal_gap(contact,
+                                                                                      given[
+        -1]).min() - 1.0)
+
+
+def slipping(contact, half, front, spread=0.15):
+    """A contact of a half width (beta) into which slip fronts have come as far as ``front``, sharp
+    within ``spread``."""
+    window = contact.grid.whole
+    gap = parabola(contact, window, half)
+    x = np.abs(window.coordinates()[0])
+    slip = 20.0 / (1.0 + np.exp(-(x - front) / spread)) * np.where(x > half,
+                                                                   (half / np.maximum(x,
+                                                                                      1e-9)) ** 2,
+                                                                   1.0)
+    fields = np.array([gap.displacement[0], slip])
+    return states.State(window, fields, contact.grid.mean(fields))
+
+
+@pytest.mark.parametrize("residual", [0.0, 0.5, 1.0])
+def test_following_slip_fronts(residual):
+    """Fronts that run ahead of the edges; with full residual friction they are left in place."""
+    contact = line(points=2048, tangential_maugis=10.0, residual_friction=residual)
+    given = [slipping(contact, 3.0 - 0.01 * t, 2.4 - 0.2 * t - 0.02 * t * t) for t in range(4)]
+    ends = following.edges(contact, given[0])
+    found = following.slip_fronts(contact, given[0], ends)
+    assert ends[0, 0] < found[0, 0] < found[0, 1] < ends[0, 1]
+    np.testing.assert_allclose(np.diff(found)[0],
+                               2 * (2.4 - 0.15 * np.log(20.0 / np.sqrt(0.5) - 1.0))
+                               / contact.grid.spacings[0], rtol=1e-3)
+    weights = lagrange_weights(range(3), 3)
+    ahead = following.follow_edge(contact, given[:3], weights)
+    inside = np.abs(contact.grid.coordinates()[0].reshape(-1)) < 2.8
+    wrong, still = (np.abs(state.displacement - given[3].displacement)[1, inside].max()
+                    for state in (ahead, states.combined(contact, given[:3], weights)))
+    assert (wrong < 0.2 * still) == (residual < 1.0)
+
+
+def test_there_are_no_fronts_where_nothing_or_everything_slips():
+    contact = line(points=2048, tangential_maugis=10.0)
+    for front in (0.0, 3.5):
+        state = slipping(contact, 3.0, front, 0.05)
+        assert following.slip_fronts(contact, state, following.edges(contact, state)) is None
+    pressed = parabola(contact, contact.grid.whole, 3.0)
+    assert following.slip_fronts(contact, pressed, following.edges(contact, pressed)) is None
+
+
+def test_followed_fronts_halve_the_cost_of_incipient_sliding(monkeypatch):
+    """And lead to the same fold."""
+    scene = Scene(points=2048, period=20.0, height=100.0, normal_maugis=3.0, tangential_maugis=6.0,
+                  residual_friction=0.5)
+    load = Load(start="normal_displacement=4",
+                path="normal_displacement=hold, tangential_displacement=500", stop="gross_sliding")
+    found = []
+    for far in (following.FAR, np.inf):
+        monkeypatch.setattr(following, "FAR", far)
+        found.append(list(Branch(scene, load, Steps(initial_step=(2.0,), largest_step=(20.0,),
+                                                    at_fold="stop"))))
+    followed, plain = found
+    assert followed[-1].event == plain[-1].event == "fold"
+    assert followed[-1].load[1] == pytest.approx(plain[-1].load[1], rel=1e-3)
+    costs = [sum(point.spent["transforms"] for point in points) for points in found]
+    assert costs[0] < 0.65 * costs[1] and len(followed) < len(plain)

@@ -1,0 +1,482 @@
+"""Even states on half the line or a quarter of the plane: the same numbers for less work, where
+scene and load path are even."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from processes import call, refused
+
+from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.even_form import EVEN, EvenForm
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.contact.isolated import IsolatedContact, lay_out
+from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.contact.states import State
+from contactsnes.dynamics import jumps
+from contactsnes.grid.cell import Convolution, Grid
+from contactsnes.grid.even import Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
+from contactsnes.grid.transfer import smooth
+from contactsnes.grid.windows import Window
+from contactsnes.options.fields import InputError
+from contactsnes.solvers.preconditioners import CoreOptions, zone
+
+LINE = Scene(points=512, period=40.0, normal_maugis=3.0, residual_friction=0.5)
+SOFT = replace(LINE, points=64, period=16.0, normal_maugis=2.0, tangential_maugis=1.5,
+               residual_adhesion=0.1, height=200.0)
+SPHERE = Scene(dimension=2, points=64, period=12.0, geometry="sphere", normal_maugis=2.0)
+ALL, HALF = Form(symmetry="off"), Form(symmetry="even")
+
+CONTACTS = {"line": Contact(SOFT), "plane": Contact(replace(SPHERE, points=(16, 20),
+                                                            period=(12.0, 14.0), height=5.0)),
+            "alone": IsolatedContact(lay_out(replace(SOFT, period=math.inf, height=math.inf,
+                                                     points=None, spacing=0.1), 0.1))}
+BOXES = {"part": ("line", (9,)), "cell": ("line", (64,)), "much": ("line", (51,)),
+         "box": ("plane", (9, 13)), "strip": ("plane", (9, 20)), "plane": ("plane", (16, 20)),
+         "alone": ("alone", (41,))}
+
+every_box = pytest.mark.parametrize("box", BOXES)
+
+
+def window_of(box):
+    """A contact, and a window of it about the apex."""
+    contact, shape = CONTACTS[BOXES[box][0]], BOXES[box][1]
+    return contact, Window(contact.grid,
+                           [total // 2 - n // 2 for n, total in zip(shape, contact.grid.shape)],
+                           shape)
+
+
+def fields(window, count, seed=1):
+    """Random even fields (count, nodes of the full window)."""
+    even = EvenWindow(window)
+    return even.unfold(np.random.default_rng(seed).normal(size=(count, even.size)))
+
+
+# Nodes and transforms
+
+
+@every_box
+def test_weights_count_every_node_once(box):
+    window = window_of(box)[1]
+    even, values = EvenWindow(window), fields(window, 2)
+    assert asymmetry(window, values) == 0.0 and asymmetry(window,
+                                                          values + np.arange(window.size)) > 0.0
+    np.testing.assert_array_equal(even.unfold(even.fold(values)), values)
+    np.testing.assert_allclose(even.grid.sum(even.fold(values)), window.grid.sum(values),
+                               rtol=1e-12)
+    np.testing.assert_allclose(even.grid.mean(even.fold(values)), window.grid.mean(values),
+                               rtol=1e-12)
+    assert even.grid.count(even.fold(values[0]) > 0.2) == window.grid.count(values[0] > 0.2)
+    cell = np.zeros((1, *window.grid.shape))
+    window.put(values[:1], cell)
+    np.testing.assert_array_equal(even.take(cell), even.fold(values[:1]))
+
+
+def test_windows_are_centred_on_the_apex():
+    grid = Grid((32, 40), (12.0, 14.0))
+    for start, shape, wanted in [((15, 19), (2, 2), ((15, 19), (3, 3))),
+                                 ((10, 20), (4, 1), ((10, 19), (13, 3))),
+                                 ((0, 30), (32, 5), ((0, 6), (32, 29))),
+                                 ((30, 2), (5, 10), ((0, 2), (32, 37)))]:
+        found = centred(Window(grid, start, shape))
+        assert (found.start, found.shape) == wanted
+
+
+def test_asymmetry_of_what_is_no_number_is_none():
+    window = window_of("part")[1]
+    assert not asymmetry(window, np.where(np.arange(9) == 2, np.nan, 0.0)[None]) <= EVEN
+    aside = Window(window.grid, (34,), (9,))
+    assert asymmetry(aside, np.zeros((1, 9))) == math.inf
+
+
+def test_asymmetry_is_told_where_both_images_are_known():
+    grid = CONTACTS["line"].grid
+    values = np.abs(np.arange(10.0) - 4.0)[None]
+    assert asymmetry(Window(grid, (28,), (10,)),
+                     values) == 0.0 and asymmetry(Window(grid, (27,), (10,)), values) == 2.0
+
+
+@every_box
+@pytest.mark.parametrize("count", [1, 2])
+def test_convolution_is_that_of_all_nodes(box, count):
+    contact, window = window_of(box)
+    components = 1 if contact.grid.shape[1:] else count
+    even, values = EvenWindow(window), fields(window, components)
+    expected = Convolution(window, contact.operator(components),
+                           components).apply(values, np.empty_like(values))
+    convolution = EvenConvolution(even, contact.operator(components), components)
+    for _ in range(2):
+        found = convolution.apply(even.fold(values), np.empty((components, even.size)))
+        np.testing.assert_allclose(even.unfold(found), expected,
+                                   atol=1e-12 * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("shape", [(11,), (33,), (7, 6), (9, 7), (9, 11)])
+def test_cosines_are_sums_of_waves(shape):
+    contact = CONTACTS["line" if len(shape) == 1 else "plane"]
+    plan = Cosines(contact.grid, shape, 2)
+    before, values = contact.grid.transforms, np.random.default_rng(3).normal(size=(2, *shape))
+    plan.real[...] = values
+    plan.forward()
+    expected = values.copy()
+    for axis, (waves, spacing, closed) in enumerate(zip(plan.wavevectors(contact.grid.spacings),
+                                                        contact.grid.spacings, plan.closed)):
+        nodes, weights = np.arange(shape[axis]), np.full(shape[axis], 2.0)
+        weights[0] = 1.0
+        if closed:
+            weights[-1] = 1.0
+        matrix = weights * np.cos(waves.reshape(-1)[:, None] * spacing * nodes)
+        expected = np.moveaxis(np.tensordot(matrix, expected, axes=(1, axis + 1)), 0, axis + 1)
+    np.testing.assert_allclose(plan.spectrum, expected, atol=1e-12)
+    plan.backward()
+    np.testing.assert_allclose(plan.real / plan.gain, values, atol=1e-13)
+    points, size = math.prod(shape), contact.grid.size
+    assert contact.grid.transforms - before == pytest.approx(4 * points * math.log(points)
+                                                             / (size * math.log(size)))
+
+
+@every_box
+def test_blurred_fields_are_even(box):
+    window = window_of(box)[1]
+    even = EvenWindow(window)
+    places = np.meshgrid(*[np.arange(n) - n // 2 for n in window.grid.shape], indexing="ij")
+    width = 1.01 * max(window.grid.spacings)
+    # Values that vanish towards the border of the window, as those of a core do, and others that
+    # fill it.
+    for reach in (0, 100) if window.is_whole else (0,):
+        full = window.take(np.max(np.abs(places), axis=0) <= reach)
+        np.testing.assert_allclose(smooth(even, even.fold(full), width),
+                                   even.fold(smooth(window, full, width)), atol=1e-12)
+
+
+# The form
+
+
+def forms(box, controls):
+    """The full and the even form of a box under a load, and unknowns of both for the same
+    displacements."""
+    contact, window = window_of(box)
+    full, even = DisplacementForm(contact, window, controls), EvenForm(contact, window, controls)
+    load = np.linspace(0.5, 0.8, len(controls))
+    displacement = 0.3 * fields(window, len(controls))
+    displacement[0] -= 0.3 * full.initial_gap
+    scalars = np.array([0.1, 0.2])[:len(full.forced)]
+    for form in (full, even):
+        form.set_load(load)
+    return full, even, full.pack(displacement, scalars), even.pack(displacement, scalars)
+
+
+def cases():
+    """Boxes with all the controls that their problems may have and be even."""
+    for box, (name, _) in BOXES.items():
+        for count in (1, 2) if name == "line" else (1,):
+            for controls in itertools.product((DISPLACEMENT, FORCE), repeat=count):
+                yield pytest.param(box, controls, id=f"{box}-{'-'.join(controls)}")
+
+
+@pytest.mark.parametrize("box, controls", list(cases()))
+def test_form_is_the_full_one_for_even_states(box, controls):
+    """Residual, its norm, products with the Jacobian and with its transpose, columns of the load,
+    forces, preconditioner."""
+    full, even, unknown, half = forms(box, controls)
+    np.testing.assert_allclose(even.displacement(half), full.displacement(unknown), atol=1e-13)
+    assert np.linalg.norm(half) == pytest.approx(np.linalg.norm(unknown), rel=1e-12)
+
+    def same(found, expected):
+        """The even form's vector stands for the full form's, and has its norm."""
+        scale = np.max(np.abs(expected))
+        np.testing.assert_allclose(even.displacement(found), full.displacement(expected),
+                                   atol=1e-11 * scale * full.root)
+        np.testing.assert_allclose(even.scalars(found), full.scalars(expected), atol=1e-11 * scale)
+        assert np.linalg.norm(found) == pytest.approx(np.linalg.norm(expected), rel=1e-10)
+
+    same(even.residual(half, np.empty(even.size)), full.residual(unknown, np.empty(full.size)))
+    full.linearise(unknown)
+    even.linearise(half)
+    displacement = fields(full.window, len(controls), seed=5)
+    scalars = np.array([0.3, -0.4])[:len(full.forced)]
+    vector, other = full.pack(displacement, scalars), even.pack(displacement, scalars)
+    same(even.apply_jacobian(other, np.empty(even.size)),
+         full.apply_jacobian(vector, np.empty(full.size)))
+    same(even.apply_transpose(other, np.empty(even.size)),
+         full.apply_transpose(vector, np.empty(full.size)))
+    direction = np.arange(1.0, 1.0 + len(controls))
+    same(even.load_derivative(direction, np.empty(even.size)),
+         full.load_derivative(direction, np.empty(full.size)))
+
+
+@pytest.mark.parametrize("box, controls", list(cases()))
+def test_jacobian_is_the_derivative(box, controls):
+    _, even, _, unknown = forms(box, controls)
+    even.linearise(unknown)
+    random = np.random.default_rng(7)
+    vector, other = random.normal(size=(2, even.size)) / np.sqrt(even.size)
+    step = 1e-5
+    ahead, behind = (even.residual(unknown + sign * step * vector, np.empty(even.size))
+                     for sign in (1, -1))
+    product = even.apply_jacobian(vector, np.empty(even.size))
+    np.testing.assert_allclose((ahead - behind) / (2 * step), product,
+                               atol=1e-7 * np.max(np.abs(product)))
+    transposed = even.apply_transpose(other, np.empty(even.size))
+    assert vector @ transposed == pytest.approx(other @ product, rel=1e-9)
+
+
+@pytest.mark.parametrize("arc", [False, True])
+@pytest.mark.parametrize("box, controls", list(cases()))
+def test_preconditioner_is_near_the_full_one(box, controls, arc):
+    """A linear map that makes the Jacobian about as good as the full form's does."""
+    full, even, unknown, half = forms(box, controls)
+    spreads = []
+    for form, start in ((full, unknown), (even, half)):
+        if arc:
+            direction = np.ones(len(controls))
+            form = ArcLength(form, direction, direction, start, np.ones(form.size), 0.1)
+            start = np.append(start, 0.0)
+        form.linearise(start)
+        made = zone(form, CoreOptions())
+        columns = [form.apply_jacobian(made.apply(column, np.empty(form.size)), np.empty(form.size))
+                   for column in np.eye(form.size)]
+        spreads.append(np.sort(np.abs(np.linalg.eigvals(np.array(columns)) - 1.0)))
+        vector, other = np.random.default_rng(4).normal(size=(2, form.size))
+        combined = made.apply(vector + 2.0 * other, np.empty(form.size))
+        apart = made.apply(vector, np.empty(form.size)) + 2.0 * made.apply(other,
+                                                                           np.empty(form.size))
+        np.testing.assert_allclose(combined, apart, atol=1e-9 * np.max(np.abs(combined)))
+    # Few eigenvalues lie far from 1.
+    assert np.count_nonzero(spreads[1] > 0.5) <= np.count_nonzero(spreads[0] > 0.5) + 1
+
+
+# Branches
+
+
+def followed(scene, load, form, **steps):
+    """A branch, its points, and what the whole of them cost."""
+    branch = Branch(scene, load, Steps(**steps), form)
+    points = list(branch)
+    names = ("nonlinear_iterations", "linear_iterations", "transforms")
+    return branch, points, np.array([sum(point.spent[name] for point in points) for name in names])
+
+
+def same_points(scene, load, **steps):
+    """Whether a branch has the same points with and without symmetry, to the tolerance; costs of
+    both."""
+    (branch, all_points, all_costs), (half, points, costs) = (followed(scene, load, form, **steps)
+                                                              for form in (ALL, HALF))
+    assert isinstance(half.corrector.form, EvenForm) and isinstance(branch.corrector.form,
+                                                                    DisplacementForm)
+    # Steps grow with what an iteration more or less says: all ends of legs, and most points, are
+    # the same.
+    pairs = [(point, other) for point in points for other in all_points
+             if (point.leg, point.event) == (other.leg, other.event)
+             and (abs(point.position - other.position) < 1e-12 or point.event in ("fold", "jump"))]
+    assert (len(pairs) > len(all_points) / 3 and pairs[0][0] is points[0]
+            and pairs[-1] == (points[-1], all_points[-1]))
+    assert [point.event for point in points if point.event != "none"] == [point.event
+                                                                          for point in all_points
+                                                                          if point.event != "none"]
+    for point, other in pairs:
+        # Folds are located to 1e-6 in the load, which is their state's distance squared.
+        tolerance = 3e-3 if point.event in ("fold", "jump") else 3e-6
+        np.testing.assert_allclose(point.load, other.load, rtol=1e-5)
+        row, wanted = half.observe(point), branch.observe(other)
+        for name in ("normal_displacement", "normal_force", "tangential_displacement",
+                     "tangential_force", "contact_area", "minimum_gap", "maximum_pressure"):
+            if name in row:
+                assert row[name] == pytest.approx(wanted[name], rel=tolerance, abs=tolerance,
+                                                  nan_ok=True), (point.load, name)
+        full = DisplacementForm(half.contact, point.state.window, point.controls)
+        full.set_load(point.load)
+        norm = np.linalg.norm(full.residual(full.pack(point.state.displacement,
+                                                      point.state.means[full.forced]),
+                                            np.empty(full.size)))
+        assert norm == pytest.approx(point.residual_norm, rel=1e-3, abs=1e-12) and norm < 1.001e-8
+    return all_costs, costs
+
+
+LINES = {"normal": (LINE, Load(path="normal_displacement=4"), {}),
+         "force": (LINE, Load(path="normal_force=6; normal_force=2"), {}),
+         "cell": (replace(LINE, geometry="sinusoid", period=20.0),
+                  Load(path="normal_displacement=6"), {}),
+         "sheared": (LINE, Load(start="normal_displacement=2",
+                                path="normal_force=4; tangential_displacement=30"), {}),
+         "soft": (replace(LINE, height=250.0),
+                  Load(path="normal_displacement=4, tangential_force=0.5"), {}),
+         "alone": (replace(LINE, period=math.inf, height=math.inf, points=None, spacing=0.08),
+                   Load(start="normal_force=1", path="normal_force=4, tangential_force=0.3"), {})}
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_line_is_half_the_work(name):
+    scene, load, steps = LINES[name]
+    costs, half = same_points(scene, load, **steps)
+    assert (half[0] == pytest.approx(costs[0], rel=0.1)
+            and half[1] == pytest.approx(costs[1], rel=0.1))
+    assert 0.35 * costs[2] < half[2] < 0.6 * costs[2]
+
+
+def test_sphere_is_a_quarter_of_the_work():
+    costs, quarter = same_points(SPHERE, Load(start="normal_force=0", path="normal_force=3"))
+    assert (quarter[0] == pytest.approx(costs[0], rel=0.1)
+            and quarter[1] == pytest.approx(costs[1], rel=0.1))
+    assert 0.12 * costs[2] < quarter[2] < 0.35 * costs[2]
+
+
+def test_predictions_on_a_whole_cell_stay_even():
+    """The first node of a cell has no mirror image to be followed with: rounding there is not a
+    state's own asymmetry."""
+    same_points(replace(SPHERE, normal_maugis=0.55), Load(start="normal_force=0.5",
+                                                          path="normal_force=2"))
+
+
+def test_folds_and_jumps_stay():
+    """A jump moves on the whole cell, free to leave symmetry; it comes back to an even state
+    here."""
+    pulled = Load(start="normal_displacement=1", path="normal_displacement=-3")
+    same_points(replace(LINE, height=math.inf), pulled, initial_step=0.1, largest_step=0.1)
+    slid = Load(start="normal_force=2", path="tangential_displacement=90")
+    same_points(replace(LINE, height=250.0), slid, initial_step=2.0, largest_step=4.0)
+
+
+def test_normal_legs_are_even_before_sheared_ones_are_not():
+    scene = replace(SPHERE, points=32, normal_maugis=1.0)
+    load = Load(start="normal_displacement=1",
+                path="normal_displacement=1.5; tangential_displacement_x=0.5")
+    force = None
+    for form in (ALL, Form()):
+        branch, kinds = Branch(scene, load, form=form), []
+        for point in branch:
+            kinds.append((point.leg, type(branch.corrector.form)))
+        if form == Form():
+            assert ({kind for leg, kind in kinds if leg < 2} == {EvenForm}
+                    and {kind for leg, kind in kinds if leg == 2} == {DisplacementForm})
+            assert branch.observe(point)["tangential_force_x"] == pytest.approx(force, rel=1e-6)
+        force = branch.observe(point)["tangential_force_x"]
+
+
+def test_a_path_goes_on_from_an_archive():
+    load = Load(start="normal_force=1", path="normal_force=3; tangential_displacement=20")
+    branch, points, _ = followed(LINE, load, HALF)
+    half = len(points) // 2
+    again = Branch(LINE, load, form=HALF)
+    again.history = [again.restored(branch.packed(point)) for point in points[:half]]
+    rest = list(again)
+    assert len(rest) == len(points) - half and isinstance(again.corrector.form, EvenForm)
+    np.testing.assert_allclose(rest[-1].state.displacement, points[-1].state.displacement,
+                               atol=1e-7)
+
+
+# Where there is none
+
+
+def test_a_state_that_is_not_even_ends_symmetry():
+    sentences = []
+    branch = Branch(LINE, Load(start="normal_displacement=2", path="normal_displacement=2"),
+                    log=sentences.append)
+    point = next(iter(branch))
+    window = point.state.window
+    controls = (DISPLACEMENT,)
+    load = np.array([2.1])
+    rounding = State(window, point.state.displacement + 1e-9 * np.arange(window.size) / window.size,
+                     point.state.means)
+    assert isinstance(branch.corrector.form, EvenForm)
+    branch.corrector.solve(rounding, controls, load)
+    assert isinstance(branch.corrector.form, EvenForm) and not sentences
+    tilted = State(window, point.state.displacement + 0.2 * np.arange(window.size) / window.size,
+                   point.state.means)
+    found = branch.corrector.solve(tilted, controls, load)
+    assert not isinstance(branch.corrector.form, EvenForm)
+    assert sentences == ["the state is not even about the apex: going on without symmetry"]
+    branch.corrector.solve(point.state, controls, load)
+    assert not isinstance(branch.corrector.form, EvenForm) and len(sentences) == 1
+    other = Branch(LINE, Load(start="normal_displacement=2.1", path="normal_displacement=2.1"),
+                   form=HALF)
+    np.testing.assert_allclose(found.forces, next(iter(other)).forces, rtol=1e-6)
+
+
+def test_a_jump_may_end_symmetry(monkeypatch):
+    """What inertial motion on the cell leads to is taken as it is."""
+    sentences = []
+    branch = Branch(LINE, Load(start="normal_displacement=2", path="normal_displacement=2"),
+                    log=sentences.append)
+    point = next(iter(branch))
+    relaxed = jumps.relaxed
+
+    def tilted(system, form, unknown, tolerance, where, prefix="jump_"):
+        found = relaxed(system, form, unknown, tolerance, where, prefix)
+        return found + 1e-5 * np.sin(2 * np.pi * np.arange(found.size) / found.size) / form.root
+
+    monkeypatch.setattr(jumps, "relaxed", tilted)
+    settled = jumps.fallen(branch.corrector, point.state, point.controls, point.load, "here")
+    assert len(sentences) == 1 and "not even" in sentences[0]
+    np.testing.assert_allclose(settled.forces, point.forces, rtol=1e-5)
+
+
+@pytest.mark.parametrize("scene, components, words", [(replace(LINE, poisson=0.3), 2, "couples"),
+                                                      (replace(LINE, height=2.0), 2, "couples"),
+                                                      (SPHERE, 3, "different directions"),
+                                                      (LINE, 1, None), (LINE, 2, None),
+                                                      (replace(LINE, poisson=0.3), 1, None),
+                                                      (SPHERE, 1, None),
+                                                      (replace(SPHERE, geometry="cylinder"), 1,
+                                                       None),
+                                                      (replace(LINE, geometry="rough",
+                                                               rough_slope=0.1, rough_shortest=5.0),
+                                                       1, "differ by")])
+def test_obstacles(scene, components, words):
+    why = obstacle(Contact(scene), components)
+    assert why is None if words is None else words in why
+
+
+@pytest.mark.parametrize("scene, path, form, words",
+                         [(replace(LINE, poisson=0.3), "normal_displacement=1", HALF, "couples"),
+                          (SPHERE, "normal_displacement=1; tangential_displacement_x=1", HALF,
+                           "different directions"), (replace(LINE, tangential="off"),
+                                                     "normal_displacement=1",
+                                                     replace(HALF, form="force"), "force form")])
+def test_symmetry_that_is_not_there_is_an_error(scene, path, form, words):
+    with pytest.raises(InputError, match=f"-contact_symmetry is 'even', but .*{words}"):
+        Branch(scene, Load(path=path), form=form)
+    branch = Branch(scene, Load(path=path), form=replace(form, symmetry="auto"))
+    next(iter(branch))
+    assert scene.poisson == 0.5 or not isinstance(branch.corrector.form, EvenForm)
+
+
+def test_symmetry_without_tangential_unknowns():
+    """A compressible body whose tangential displacements are left out is even."""
+    scene = replace(LINE, poisson=0.3, tangential="off")
+    same_points(scene, Load(path="normal_displacement=2"))
+
+
+INFO = ["-scene_points", "512", "-scene_period", "40", "-scene_normal_maugis", "3", "-load_path",
+        "normal_force=1"]
+
+
+def test_info_says_what_is_skipped(tmp_path):
+    said = call("info", *INFO, folder=tmp_path).stdout
+    assert "mirror images, so that half the line is solved" in said
+    window = next(line for line in said.splitlines()
+                  if "nodes at the start" in line).split("has ")[1].split(" ")[0]
+    assert f"1 x {int(window) // 2 + 1} displacements + 1 of force control" in said
+    said = call("info", *INFO, "-contact_symmetry", "off", folder=tmp_path).stdout
+    assert ("no symmetry is used: -contact_symmetry is off" in said
+            and f"1 x {window} displacements" in said)
+    said = call("info", *INFO, "-scene_poisson", "0.3", folder=tmp_path).stdout
+    assert "no symmetry is used: the body couples" in said
+    plane = ["-scene_dimension", "2", "-scene_points", "64", "-scene_geometry", "sphere",
+             "-scene_period", "20"]
+    said = call("info", *plane, "-load_path", "normal_force=1; tangential_force_x=1",
+                folder=tmp_path).stdout
+    assert "mirror images before leg 2, so that a quarter of the plane is solved" in said
+    said = call("info", *INFO, "-snes_type", "qn", folder=tmp_path).stdout
+    assert "no symmetry is used: the method (-snes_type qn)" in said
+
+
+def test_run_says_what_is_skipped_and_refuses_what_is_not_even(tmp_path):
+    done = call("run", *INFO, folder=tmp_path)
+    assert (done.returncode == 0 and "mirror images, so that half the line "
+            "is solved" in done.stdout + done.stderr)
+    refused(call("run", *INFO, "-contact_symmetry", "even", "-snes_type", "qn", folder=tmp_path),
+            "-contact_symmetry is 'even'", "qn")

@@ -1,0 +1,487 @@
+"""Bifurcations: on problems of few unknowns with known branches, and where one of two contact spots
+lets go first."""
+
+from dataclasses import replace
+
+import numpy as np
+import petsc4py
+import pytest
+from scipy.optimize import brentq
+
+petsc4py.init([])
+
+from dense_cell import Cell  # noqa: E402
+from test_continuation import (  # noqa: E402
+    UNIT_LEG,
+    Landing,
+    Problem,
+    System,
+    assert_solutions,
+    curve,
+    events,
+    followed,
+    path,
+    pitchfork,
+)
+
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.continuation import bifurcations  # noqa: E402
+from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
+from contactsnes.continuation.bifurcations import between, probe  # noqa: E402
+from contactsnes.continuation.natural import Walk  # noqa: E402
+from contactsnes.continuation.points import (  # noqa: E402
+    Leg,
+    NoEquilibrium,  # noqa: E402
+    NotConverged,
+)
+from contactsnes.dynamics.modes import NEUTRAL  # noqa: E402
+from contactsnes.dynamics.stability import Stability  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+
+
+class Dense:
+    """What continuation asks of stability, by the eigenvalues of a problem's dense Jacobian."""
+
+    def __init__(self, system):
+        self.problem = system.problem
+
+    def _modes(self, point):
+        values, vectors = np.linalg.eig(self.problem.jacobian(point.state, point.load[-1]))
+        order = np.argsort(values.real)
+        return values[order], vectors.T[order]
+
+    def __call__(self, point):
+        values, _ = self._modes(point)
+        return replace(point, stable=int(values[0].real > 0.0 and point.event != "fold"),
+                       unstable_modes=int(np.sum(values.real < (-1e-3 if point.event == "fold"
+                                                                else 0.0))))
+
+    def critical(self, point, number):
+        values, vectors = self._modes(point)
+        return values[number].real, replace(point, leading_eigenvalue=complex(values[number]),
+                                            mode=vectors[number].real)
+
+    def aside(self, point):
+        return point.state + point.mode
+
+
+class Seeing(System):
+    """A system whose solves tell their softest mode: the smallest eigenvalue of J, or with the load
+    as an unknown that of its matrix over the one with the identity in the place of J, as a Krylov
+    method with a preconditioner sees it."""
+
+    def __init__(self, problem):
+        super().__init__(problem)
+        self.examiner = Dense(self)
+
+    def solve(self, guess, controls, load):
+        point = super().solve(guess, controls, load)
+        return replace(point,
+                       softest=np.linalg.eigvals(self.problem.jacobian(point.state,
+                                                                       load[-1])).real.min())
+
+    def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
+        point = super().solve_arc(chord, length, guess, position, leg, border)
+        matrix = self._bordered(np.append(point.state, point.position),
+                                border[0] * self._row(chord), leg, border[1])
+        plain = matrix.copy()
+        plain[:-1, :-1] = np.eye(len(point.state))
+        return replace(point, softest=np.linalg.eigvals(np.linalg.solve(plain, matrix)).real.min())
+
+
+def walked(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
+    """Points along a path of a problem, with stability."""
+    system = System(problem)
+    points, error = followed(path(system, values, guess, certify=Dense(system), **settings))
+    assert_solutions(system, points)
+    return points, error
+
+
+def crossing_subcritical():
+    """(u - load, v (1/2 - load - v^2 + v^4)): at 1/2 the branch v = 0 loses its stability, and v
+    jumps to 1."""
+    return Problem(lambda x,
+                   load: np.array([x[0] - load, x[1] * (0.5 - load - x[1] ** 2 + x[1] ** 4)]),
+                   lambda x, load: np.diag([1.0, 0.5 - load - 3 * x[1] ** 2 + 5 * x[1] ** 4]),
+                   lambda x, load: np.array([-1.0, -x[1]]))
+
+
+def broken(bias):
+    """The same, v drawn to positive values: its stable branch ends in a fold, beside the rest of v
+    = 0, which is not stable.
+
+    There load = 1/2 - v^2 + v^4 - bias/v.
+    """
+    return Problem(lambda x,
+                   load: np.array([x[0] - load, x[1] * (0.5 - load - x[1] ** 2 + x[1] ** 4)
+                                   - bias]), lambda x,
+                   load: np.diag([1.0, 0.5 - load - 3 * x[1] ** 2 + 5 * x[1] ** 4]), lambda x,
+                   load: np.array([-1.0, -x[1]]))
+
+
+def two_crossings(first, second):
+    """Two unknowns that lose their stability at two loads, beside one that follows the load."""
+    places = np.array([first, second])
+    return Problem(lambda x, load: np.append(x[0] - load, x[1:] * (x[1:] ** 2 + places - load)),
+                   lambda x, load: np.diag(np.append(1.0, 3 * x[1:] ** 2 + places - load)),
+                   lambda x, load: np.append(-1.0, -x[1:]))
+
+
+def flutter():
+    """A pair of unknowns that begins to oscillate at load 0.3: a complex pair crosses the imaginary
+    axis."""
+    turn = np.array([[0.0, 2.0], [-2.0, 0.0]])
+    matrix = lambda load: (0.3 - load) * np.eye(2) + turn
+    return Problem(lambda x, load: np.append(x[0] - load, matrix(load) @ x[1:]), lambda x,
+                   load: np.block([[np.eye(1), np.zeros((1, 2))],
+                                   [np.zeros((2, 1)), matrix(load)]]), lambda x,
+                   load: np.append(-1.0, -x[1:]))
+
+
+def test_a_pitchfork_is_passed_and_its_place_stored():
+    points, error = walked(pitchfork())
+    assert error is None and events(points) == ["bifurcation"]
+    critical = next(point for point in points if point.event == "bifurcation")
+    assert (critical.load[-1] == pytest.approx(0.5, rel=1e-8) and critical.stable == 0
+            and critical.unstable_modes == 0)
+    assert np.abs(critical.mode) == pytest.approx([0.0, 1.0])
+    for point in points[1:]:
+        if point is not critical:
+            assert (point.stable, point.unstable_modes) == ((1, 0) if point.load[-1] < 0.5
+                                                            else (0, 1))
+    assert [point.load[-1] for point in points] == sorted(point.load[-1] for point in points)
+
+
+@pytest.mark.parametrize("bias", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("certified", [True, False])
+@pytest.mark.parametrize("walker", [Walk, ArcWalk])
+def test_a_broken_bifurcation_is_a_fold(bias, certified, walker):
+    """Steps that are much longer than the way between the two branches; without certificates solves
+    see where they are."""
+    place = brentq(lambda v: -2 * v + 4 * v ** 3 + bias / v ** 2, 1e-6, 0.5)
+    system = System(broken(bias)) if certified else Seeing(broken(bias))
+    settings = {"certify": Dense(system)} if certified else {}
+    points, error = followed(path(system, (0.0, 1.0), (0.0, 2 * bias), walker=walker, **settings))
+    assert_solutions(system, points)
+    assert error is None and events(points) == ["fold", "jump"]
+    fold, jump = (next(point for point in points if point.event == name)
+                  for name in ("fold", "jump"))
+    assert fold.load[0] == pytest.approx(0.5 - place ** 2 + place ** 4 - bias / place,
+                                         rel=1e-8) and jump.state[1] > 0.9
+    assert all(point.state[1] <= place * 1.01
+               for point in points[:[point.event for point in points].index("fold")])
+
+
+def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of():
+    system = Seeing(pitchfork())
+    points, error = followed(path(system, (0.0, 1.0), (0.0, 0.0)))
+    assert error is None and events(points) == [] and points[-1].position == 1.0
+    told = [sentence for sentence in system.sentences if "points beyond are not stable" in sentence]
+    assert len(told) == 1 and "normal_displacement 0.5 is passed" in told[0]
+
+
+def test_a_path_may_stop_there():
+    points, error = walked(pitchfork(), at_bifurcation="stop")
+    assert (error is None and points[-1].event == "bifurcation"
+            and points[-1].load[-1] == pytest.approx(0.5, rel=1e-8))
+
+
+@pytest.mark.parametrize("problem, branch, event", [(pitchfork, lambda load: np.sqrt(load - 0.5),
+                                                     "none"),
+                                                    (crossing_subcritical,
+                                                     lambda load: np.sqrt(0.5
+                                                                          + np.sqrt(load - 0.25)),
+                                                     "jump")])
+def test_the_stable_branch_is_followed_on_request(problem, branch, event):
+    points, error = walked(problem(), at_bifurcation="follow")
+    assert error is None and points[-1].position == 1.0
+    place = [point.event for point in points].index("bifurcation")
+    assert points[place + 1].event == event
+    for point in points[place + 1:]:
+        assert abs(point.state[1]) == pytest.approx(branch(max(point.load[-1], 0.5)),
+                                                    rel=1e-6) and point.stable == 1
+
+
+def test_a_motion_that_leaves_to_one_side_says_nothing_of_the_other():
+    """Of the two sides of a pitchfork one has no equilibrium that motion reaches."""
+    def leaving(left):
+        system = System(pitchfork())
+        settle = system.settle
+
+        def settled(state, controls, load, where, origin=None):
+            if left(state[1]):
+                raise NoEquilibrium(f"no equilibrium {where}")
+            return settle(state, controls, load, where, origin)
+
+        system.settle = settled
+        return followed(path(system, (0.0, 1.0), (0.0, 0.0), certify=Dense(system),
+                             at_bifurcation="follow"))
+
+    _, error = leaving(lambda aside: True)
+    assert isinstance(error, NoEquilibrium)
+    for sign in (1.0, -1.0):
+        points, error = leaving(lambda aside: sign * aside > 0.0)
+        assert error is None and points[-1].stable == 1
+        assert -sign * points[-1].state[1] == pytest.approx(np.sqrt(0.5), rel=1e-6)
+
+
+@pytest.mark.parametrize("end, back", [(0.005, True), (0.2, False)])
+def test_a_motion_that_leads_back_is_no_other_branch(end, back):
+    """Beside a branch that has lost its stability: it ended nearer to the branch than three tenths
+    of where it began, or farther away."""
+    system = Landing([end], curve(lambda u: -u, lambda u: -np.ones_like(u)))
+    (_, critical), (_, beyond) = system.points([0.0], [0.0])
+    found = bifurcations.followed(system, Dense(system), UNIT_LEG,
+                                  replace(critical, mode=np.ones(1)), beyond)
+    assert (found is None) == back and any("led back" in sentence
+                                           for sentence in system.sentences) == back
+
+
+def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
+    """(u^3 - u - load, v (v^2 + 1/2 - u)): u jumps from the cubic's fold to where v = 0 is not
+    stable any more."""
+    problem = Problem(lambda x, load: np.array([x[0] ** 3 - x[0] - load,
+                                                x[1] * (x[1] ** 2 + 0.5 - x[0])]), lambda x,
+                      load: np.array([[3 * x[0] ** 2 - 1, 0.0],
+                                      [-x[1], 3 * x[1] ** 2 + 0.5 - x[0]]]), lambda x,
+                      load: np.array([-1.0, 0.0]))
+    points, error = walked(problem, (-2.0, 1.0), (-1.5, 0.0))
+    assert error is None and events(points) == ["fold", "jump"]
+    jump = next(point for point in points if point.event == "jump")
+    assert jump.stable == 1 and jump.state == pytest.approx([2 / np.sqrt(3), jump.state[1]],
+                                                            rel=1e-6)
+    assert abs(jump.state[1]) == pytest.approx(np.sqrt(jump.state[0] - 0.5), rel=1e-6)
+    unmarked, _ = followed(path(System(problem), (-2.0, 1.0), (-1.5, 0.0)))
+    assert (next(point for point in unmarked if point.event == "jump").state[1]
+            == pytest.approx(0.0, abs=1e-9))
+
+
+@pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
+def test_all_modes_that_change_in_a_step_are_found(second):
+    points, _ = walked(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
+    assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
+
+
+@pytest.mark.parametrize("least, solves", [(-0.05, 2), (0.01, 2), (1.0, 0)])
+def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
+    """v has the stiffness 4 (load - 0.6)^2 + ``least``: lost and regained in one step where that is
+    negative in between."""
+    def stiffness(load):
+        return 4.0 * (load - 0.6) ** 2 + least
+
+    problem = Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load) + x[1] ** 3]),
+                      lambda x, load: np.diag([1.0, stiffness(load) + 3 * x[1] ** 2]), lambda x,
+                      load: np.array([-1.0, 0.0]))
+    system = Seeing(problem)
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    *history, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
+                               position=place) for place in (0.1, 0.3, 0.95)]
+    assert min(point.softest, history[-1].softest) > 0.0
+    system.attempts.clear()
+    history = [(found.position, found) for found in history]
+    if least < 0.0:
+        with pytest.raises(NotConverged, match="stable at both ends of the step"):
+            probe(system, leg, history, point)
+    else:
+        probe(system, leg, history, point)
+    assert len(system.attempts) <= solves and bool(system.attempts) == bool(solves)
+
+
+@pytest.mark.parametrize("softest, back, refused", [(0.02, 0.2, True), (0.3, 0.2, True),
+                                                    (0.3, 1.0, False), (0.9, 0.2, False)])
+def test_where_a_mode_has_softened_the_tangent_leads_back_or_the_step_jumped(softest, back,
+                                                                             refused):
+    """A jump that is small beside the step: rates behind it lead back a fifth of the way."""
+    system = Seeing(pitchfork())
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    system.along_tangent = (lambda point, leg, position,
+                            step: point.state + back * np.array([step, 0.0]))
+    first, last, point = (replace(system._point(np.array([place, 0.0]), np.array([place]), 3),
+                                  position=place, softest=soft)
+                          for place, soft in ((0.0, 1.0), (0.2, 1.0), (0.3, softest)))
+    found = followed(probe(system, leg, [(0.0, first), (0.2, last)], point) for _ in range(1))
+    assert ("hardly leads back" in str(found[1])) is refused
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.05])
+def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apart):
+    """Solves in between that end on two branches have eigenvalues of either sign, and no root; so
+    has a corner on one branch."""
+    said = []
+
+    class Halves(System):
+        def solve(self, guess, controls, load):
+            return replace(self._point(np.array([load[0], apart * (load[0] > 0.3)]), load, 1),
+                           position=load[0])
+
+    class Signs:
+        def critical(self, point, index):
+            return (1.0 if point.load[0] <= 0.3 else -1.0), point
+
+    system = Halves(pitchfork())
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    system.log = said.append
+    ends = [(place, replace(system.solve(None, leg.controls, leg.load(place)),
+                            unstable_modes=modes)) for place, modes in ((0.0, 0), (1.0, 1))]
+    if apart:
+        with pytest.raises(NotConverged, match="and the state with it"):
+            between(system, Signs(), leg, *ends)
+    else:
+        assert between(system, Signs(), leg,
+                       *ends) == [] and "an eigenvalue jumps through zero" in said[0]
+
+
+def test_a_complex_pair_is_one_bifurcation():
+    points, _ = walked(flutter(), guess=(0.0, 0.0, 0.0))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert len(found) == 1 and found[0].load[-1] == pytest.approx(0.3, rel=1e-8)
+    assert (abs(found[0].leading_eigenvalue.imag) == pytest.approx(2.0)
+            and points[-1].unstable_modes == 2)
+
+
+def test_stability_may_come_back():
+    points, _ = walked(pitchfork(), values=(0.9, 0.1))
+    assert events(points) == ["bifurcation"] and points[1].stable == 0 and points[-1].stable == 1
+
+
+def test_a_resumed_path_goes_on_after_its_bifurcation():
+    points, _ = walked(pitchfork())
+    place = events(points) and [point.event for point in points].index("bifurcation")
+    for last in (place - 1, place, place + 1):
+        rest, _ = walked(pitchfork(), resumed=points[max(0, last - 3):last + 1])
+        assert [(point.event, point.stable) for point in rest] == [(point.event, point.stable)
+                                                                   for point in points[last + 1:]]
+        np.testing.assert_allclose([point.load[-1] for point in rest],
+                                   [point.load[-1] for point in points[last + 1:]], rtol=1e-8)
+
+
+def test_what_follows_a_bifurcation_needs_its_search():
+    with pytest.raises(InputError,
+                       match="-continuation_at_bifurcation is 'follow'.*-continuation_stability"):
+        Steps(at_bifurcation="follow")
+
+
+# Two contact spots
+
+
+@pytest.fixture(scope="module")
+def spots(tmp_path_factory):
+    """A function that makes the branch of two equal adhesive spots in a cell, pulled off by the
+    mean displacement."""
+    points, period = 192, 18.0
+    places = (np.arange(points) - points // 2) * period / points
+    heights = -1.5 * (1.0 - np.cos(4.0 * np.pi * places / period))
+    file = tmp_path_factory.mktemp("spots") / "two.npy"
+
+    def make(path, log=lambda sentence: None, start="normal_displacement=-1.2", bias=0.0, **steps):
+        # The spot in the middle is higher by twice the bias.
+        np.save(file, heights + bias * np.cos(2.0 * np.pi * places / period))
+        scene = Scene(points=points, period=period, normal_maugis=2.0, geometry="file",
+                      geometry_file=str(file))
+        return Branch(scene, Load(start=start, path=path),
+                      Steps(**{"stability": "eigenvalue", **steps}), Form(), log=log)
+
+    return make
+
+
+def halves_differ(point):
+    """Difference between the two spots."""
+    field = point.state.displacement[0]
+    return np.abs(field - np.roll(field, len(field) // 2)).max()
+
+
+def test_one_of_two_spots_lets_go_first(spots):
+    """Pulled by the mean displacement, which could hold both: the mode takes from one spot what it
+    gives the other."""
+    made = spots("normal_displacement=-1.75")
+    points, _ = followed(made)
+    assert events(points) == ["bifurcation"]
+    critical = next(point for point in points if point.event == "bifurcation")
+    mode = critical.mode.displacement[0]
+    assert (np.abs(mode + np.roll(mode, mode.size // 2)).max() < 1e-4 * np.abs(mode).max()
+            and halves_differ(critical) < 1e-6)
+    for point in points:
+        beyond = abs(point.load[0]) > abs(critical.load[0])
+        assert point is critical or (point.stable, point.unstable_modes) == ((0, 1) if beyond
+                                                                             else (1,
+                                                                                   0)), point.event
+    # On either side, at 1e-8 of the load, the eigenvalue has the signs that it should have.
+    signs = []
+    for part in (1.0 - 2e-8, 1.0 + 2e-8):
+        near = made.corrector.solve(critical.state, critical.controls, part * critical.load)
+        signs.append(np.sign(Stability(made.corrector, "eigenvalue").critical(near, 0)[0]))
+    assert signs == [1.0, -1.0]
+
+
+def test_the_other_spot_is_followed(spots):
+    points, error = followed(spots("normal_displacement=-1.75", at_bifurcation="follow"))
+    place = [point.event for point in points].index("bifurcation")
+    jump = points[place + 1]
+    assert (error is None and jump.event == "jump" and jump.load == points[place].load
+            and halves_differ(jump) > 1.0)
+    assert all(point.stable == 1 for point in points[place + 1:]) and points[-1].position == 1.0
+    assert (jump.forces[0] > points[place].forces[0]
+            and jump.dissipated_work > points[place].dissipated_work)
+
+
+@pytest.mark.parametrize("stability, kind", [("off", "natural"), ("sign", "natural"),
+                                             ("off", "arclength")])
+def test_of_two_spots_that_are_nearly_equal_the_lower_one_lets_go(spots, stability, kind):
+    """Where the fold lies before the bifurcation of equal spots goes as the difference to the power
+    of 2/3."""
+    ahead = []
+    for bias in (1e-5, 1e-4):
+        made = spots("normal_displacement=-1.75", bias=bias, stability=stability, type=kind)
+        points, error = followed(made)
+        assert error is None and events(points) == ["fold", "jump"]
+        # A jump of few nodes is no work of a grid that has room for its edges: on 768 points it is
+        # the same to 1e-8.
+        assert all(point.resolved for point in points if point.event != "fold")
+        fold, jump = (next(point for point in points if point.event == name)
+                      for name in ("fold", "jump"))
+        ahead.append(fold.load[0] + 1.598706377)
+        gap = made.contact.extended(jump.state)[0] + made.contact.initial_gap
+        assert gap[0] > 4.0 > 0.3 > gap[gap.size // 2]
+        near = points[[point.event for point in points].index("fold") - 1]
+        assert near.stable == (1 if stability == "sign" else -1)
+        for point in (near, jump, points[-1]):
+            assert Cell(made.contact, point).eigenvalues()[0].real > 0.0
+        assert abs(Cell(made.contact, fold).eigenvalues()[0].real) < 1e-4
+    assert ahead[1] / ahead[0] == pytest.approx(10.0 ** (2.0 / 3.0), rel=0.05)
+
+
+def test_a_flat_layer_parts_in_waves():
+    """A uniform gap loses its stability to the cell's longest wave where 1 + C(q) t'(a) = 0, to
+    cosine and sine at once."""
+    maugis, period = 3.0, 6.0
+    scene = Scene(geometry="flat", points=64, period=period, normal_maugis=maugis, height=np.inf)
+    compliance = 2.0 * maugis ** 2 / (2.0 * np.pi / period)
+    gaps = [brentq(lambda gap, wave=wave: 1.0 + compliance / wave * (1.0 - gap) * np.exp(-gap), 1.0,
+                   2.0) for wave in (1, 2)]
+    said = []
+    points = list(Branch(scene, Load(start="normal_displacement=-0.3",
+                                     path="normal_displacement=-0.55"), Steps(stability="sign"),
+                         log=said.append))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert [-maugis * point.load[0] for point in found] == pytest.approx(gaps, rel=1e-8)
+    assert [point.unstable_modes for point in found] == [0, 2] and points[-1].unstable_modes == 4
+    # The run took its states for even, which sines are not.
+    assert any("not even about the apex: going on without symmetry" in sentence
+               for sentence in said)
+
+
+def test_unstable_modes_of_a_traced_branch_are_those_of_dense_matrices(spots):
+    """Two modes with eigenvalues down to -2, on the way from two spots to none."""
+    made = spots("normal_displacement=-2.4", at_fold="trace")
+    points, _ = followed(made)
+    assert (max(point.unstable_modes for point in points) >= 1
+            and events(points).count("bifurcation") == 2)
+    for point in points[::3]:
+        if point.event == "none":
+            expected = Cell(made.contact, point).eigenvalues()
+            assert point.unstable_modes == np.sum(expected.real < -NEUTRAL)
+            assert point.leading_eigenvalue.real == pytest.approx(expected[0].real, abs=4e-4)

@@ -1,0 +1,305 @@
+"""Stability of points: against dense eigenvalues of the force balance on the whole cell, a motion
+in time, folds, other grids."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import petsc4py
+import pytest
+from scipy import linalg
+
+petsc4py.init([])
+
+from dense_cell import Cell  # noqa: E402
+
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
+from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.dynamics import modes  # noqa: E402
+from contactsnes.dynamics.modes import ACCURATE, NEUTRAL  # noqa: E402
+from contactsnes.dynamics.stability import Overdamped, Stability  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.output.reading import read as read_archive  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+
+SMALL = {"points": 256, "period": 30.0, "normal_maugis": 3.0}
+SHEARED = {"points": 128, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 0.5}
+COUPLED = {**SHEARED, "poisson": 0.3, "height": 20.0}
+PULLED = "normal_displacement=-2.6"
+
+
+def branch(scene, path, stability="off", start="normal_displacement=0", log=lambda sentence: None,
+           **steps):
+    return Branch(Scene(**scene), Load(start=start, path=path), Steps(stability=stability, **steps),
+                  Form(), log=log)
+
+
+def followed(made):
+    """Points of a branch up to its end or failure."""
+    points = []
+    try:
+        points.extend(made)
+    except RuntimeError:
+        pass
+    return points
+
+
+def under(point, *controls):
+    """The same equilibrium under other controls."""
+    load = np.where([control == FORCE for control in controls], point.forces, point.displacements)
+    return replace(point, controls=controls, load=load)
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    """A branch that is pulled off by its displacement, and its points."""
+    made = branch(SMALL, PULLED)
+    return made, followed(made)
+
+
+@pytest.fixture(scope="module")
+def sheared():
+    """The same of a sheared one, uncoupled, and with coupling in a layer."""
+    return [(made, followed(made))
+            for made in (branch(SHEARED, "normal_displacement=1; tangential_displacement=60"),
+                         branch(COUPLED, "normal_displacement=1; tangential_displacement=15"))]
+
+
+def assert_as_dense(made, point, unstable=None):
+    """The module's modes of a point are the dense ones."""
+    expected = Cell(made.contact, point).eigenvalues()
+    found = Stability(made.corrector, "eigenvalue")(point)
+    assert found.unstable_modes == np.sum(expected.real < -NEUTRAL) == (found.unstable_modes
+                                                                        if unstable is None
+                                                                        else unstable)
+    assert found.stable == (expected[0].real > NEUTRAL)
+    leading = expected[0] if expected[0].imag >= 0.0 else expected[0].conj()
+    assert abs(found.leading_eigenvalue - leading) < 4e-4
+    assert abs(Stability(made.corrector, "eigenvalue").modes(point, 1e-8).leading - leading) < 1e-7
+    assert Stability(made.corrector, "sign")(point).unstable_modes == found.unstable_modes
+
+
+@pytest.mark.parametrize("control", [DISPLACEMENT, FORCE])
+@pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
+def test_normal_contact_as_dense(pulled, control, part):
+    made, points = pulled
+    point = under(points[int(part * (len(points) - 1))], control)
+    assert_as_dense(made, point, int(control == FORCE and part == 1.0))
+
+
+@pytest.mark.parametrize("controls", [(DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT),
+                                      (DISPLACEMENT, FORCE), (FORCE, FORCE)])
+@pytest.mark.parametrize("coupled", [0, 1])
+def test_sheared_contact_as_dense(sheared, controls, coupled):
+    made, points = sheared[coupled]
+    points = [point for point in points if len(point.controls) == 2]
+    for point in (points[0], points[len(points) // 2], points[-1]):
+        assert_as_dense(made, under(point, *controls))
+
+
+def test_a_disturbance_grows_at_the_rate_of_the_eigenvalue(pulled):
+    """Explicit steps in time from a slightly disturbed unstable state, whatever the disturbance."""
+    made, points = pulled
+    point = under(points[-1], FORCE)
+    cell, found = Cell(made.contact, point), Stability(made.corrector, "eigenvalue")(point)
+    assert found.leading_eigenvalue.real < 0.0
+    unknown = cell.unknown.reshape(-1) + 1e-9 * np.random.default_rng(0).standard_normal(cell.n)
+    # The fast decaying motion needs short steps; a disturbance has to grow out of the mixture
+    # first.
+    fastest = cell.eigenvalues()[-1].real
+    size, times = [], (40.0, 60.0)
+    steps = int(times[1] * fastest)
+    length = times[1] / steps
+    for step in range(steps):
+        if step == round(times[0] / length):
+            size.append(np.linalg.norm(unknown - cell.unknown.reshape(-1)))
+        unknown = unknown + length * cell.rate(unknown)
+    size.append(np.linalg.norm(unknown - cell.unknown.reshape(-1)))
+    assert np.log(size[1] / size[0]) / (times[1] - times[0]) == pytest.approx(
+        -found.leading_eigenvalue.real, rel=1e-2)
+
+
+def test_the_leading_eigenvalue_vanishes_at_a_fold():
+    """As the square root of the distance of the load from it, and `stable` is 0 at the fold
+    itself."""
+    points = followed(branch(SMALL, "normal_displacement=2; normal_force=-1.9", "eigenvalue"))
+    fold = points[-1]
+    assert fold.event == "fold" and fold.stable == 0 and abs(fold.leading_eigenvalue) < 1e-3
+    on_the_way = [point for point in points if point.leg == 2 and point is not fold]
+    assert all(point.stable == 1 and point.unstable_modes == 0 for point in on_the_way)
+    near = [(point.load[0] - fold.load[0], point.leading_eigenvalue.real)
+            for point in on_the_way[-3:]]
+    slopes = np.diff(np.log(near), axis=0)
+    assert slopes[-1, 1] / slopes[-1, 0] == pytest.approx(0.5, abs=0.15)
+
+
+@pytest.mark.parametrize("scene, path", [(SMALL, "normal_displacement=2"),
+                                         ({**SMALL, "normal_maugis": 2.0, "tangential_maugis": 0.5},
+                                          "normal_displacement=1, tangential_displacement=4")])
+def test_eigenvalues_and_their_cost_do_not_depend_on_the_grid(scene, path):
+    runs = [followed(branch({**scene, "points": points}, path, "eigenvalue",
+                            start=path.replace("=2", "=1.9").replace("=4", "=3.9")))
+            for points in (512, 1024, 2048)]
+    values = [run[-1].leading_eigenvalue for run in runs]
+    assert abs(values[1] - values[2]) < ACCURATE and abs(values[0] - values[2]) < 1e-3
+    products = [run[-1].spent["jacobian_products"] for run in runs]
+    assert max(products) <= min(products) + 8
+
+
+def test_a_check_costs_about_two_steps():
+    """In transforms, of steps that use the symmetry that modes may break; the sign less."""
+    runs = {kind: followed(branch({**SMALL, "points": 1024}, "normal_displacement=4", kind))
+            for kind in ("off", "sign", "eigenvalue")}
+    plain, sign, value = (np.mean([point.spent["transforms"] for point in run[2:]])
+                          for run in runs.values())
+    assert value <= 3.0 * plain and sign <= 2.2 * plain
+    assert all(point.stable == -1 and point.unstable_modes == -1 for point in runs["off"])
+    assert all(point.stable == 1 and np.isnan(point.leading_eigenvalue.real)
+               for point in runs["sign"])
+
+
+def test_a_point_without_a_certificate_is_no_end(monkeypatch):
+    def lost(*_):
+        raise NotConverged("the modes of the point were not found")
+
+    said = []
+    points = iter(branch(SMALL, "normal_displacement=0.2", "sign", log=said.append))
+    assert next(points).stable == 1
+    with monkeypatch.context() as patched:
+        patched.setattr("contactsnes.dynamics.stability.leading_modes", lost)
+        missed = next(points)
+    assert (missed.stable, missed.unstable_modes) == (0, -1) and "not certified" in said[-1]
+    rest = list(points)
+    assert all(point.stable == 1 for point in rest) and rest[-1].position == 1.0
+
+
+@pytest.mark.parametrize("values, unstable", [((-2e-4, 0.3), 0), ((2e-4, 0.3), 0),
+                                              ((-0.5, -2e-4, 0.3), 1), ((-0.5, 2e-4), 1),
+                                              ((-0.5, 0.4), 1), ((0.3, 0.4), 0)])
+def test_the_null_mode_of_a_fold_is_neither_stable_nor_counted(monkeypatch, values, unstable):
+    """The last pairs are those of corners, where an eigenvalue jumps through zero and none is
+    small."""
+    made = branch(SMALL, "normal_displacement=0.2", "sign")
+    point, values = next(iter(made)), np.array(values, dtype=complex)
+    vectors = np.zeros((len(values), made.stability.modes(point).vectors.shape[1]))
+    found = modes.Modes(values, vectors, vectors, np.ones(len(values), dtype=bool))
+    monkeypatch.setattr(made.stability, "modes", lambda point, accurate: found)
+    monkeypatch.setattr(made.stability, "_leave_symmetry", lambda modes: None)
+    fold = made.stability(replace(point, event="fold"))
+    assert (fold.stable, fold.unstable_modes) == (0, unstable)
+    plain = made.stability(point)
+    assert (plain.stable, plain.unstable_modes) == (int(values[0].real > NEUTRAL),
+                                                    int(np.sum(values.real < -NEUTRAL)))
+
+
+def test_what_a_point_tells():
+    made = branch(SMALL, "normal_displacement=0.2", "eigenvalue")
+    for point in made:
+        row = made.observe(point)
+        assert (row["stable"], row["unstable_modes"]) == (1, 0)
+        assert (row["leading_eigenvalue"] == point.leading_eigenvalue.real
+                and row["leading_eigenvalue_imaginary"] == 0.0)
+        kept = made.restored(made.packed(point))
+        assert (kept.stable, kept.unstable_modes, kept.leading_eigenvalue) == (
+            1,
+            0,
+            point.leading_eigenvalue,
+        )
+
+
+def test_it_is_said_once_what_is_certified():
+    said = []
+    followed(branch(SMALL, "normal_displacement=0.5", "sign", log=said.append))
+    assert [sentence.startswith("stable:") for sentence in said].count(True) == 1
+
+
+def test_relaxation_has_no_tangent(options):
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Verlet")
+    with pytest.raises(InputError, match="-continuation_stability is 'sign'.*newtonls"):
+        Branch(Scene(**SMALL), Load(path="normal_displacement=1"), Steps(stability="sign"),
+               Form(form="force"))
+
+
+def test_isolated_contacts_have_stability_too():
+    """A cylinder alone under force control: as one in a long cell."""
+    scene = {"normal_maugis": 3.0, "period": np.inf, "spacing": 0.06, "height": np.inf}
+    alone = followed(branch(scene, "normal_force=1", "eigenvalue", start="normal_force=0.8"))[-1]
+    cell = followed(branch({"normal_maugis": 3.0, "period": 1000.0, "points": 17000,
+                            "height": np.inf}, "normal_force=1", "eigenvalue",
+                           start="normal_force=0.8"))[-1]
+    assert alone.stable == cell.stable == 1
+    assert alone.leading_eigenvalue.real == pytest.approx(cell.leading_eigenvalue.real, rel=2e-3)
+
+
+def test_spheres_and_shear_in_the_plane():
+    """Modes of a round contact come in pairs of different symmetry; all are found."""
+    scene = {"dimension": 2, "geometry": "sphere", "points": (16, 16), "period": 8.0,
+             "normal_maugis": 1.0}
+    for path in ("normal_displacement=1", "normal_displacement=1, tangential_displacement_x=0.3"):
+        made = branch({**scene, "tangential_maugis": 0.5}, path)
+        point = followed(made)[-1]
+        modes = Stability(made.corrector, "eigenvalue").modes(point, 1e-6)
+        window = point.state.window
+        operator = Overdamped(made.contact, window, point.controls)
+        operator.linearise(point.state, point.load)
+        dense = np.sort(linalg.eigvals(np.array([operator.apply(unit)
+                                                 for unit in np.eye(operator.size)]).T).real)
+        assert abs(modes.leading - dense[0]) < 1e-5
+        assert np.all(np.abs(modes.values.real[:2] - dense[:2]) < 5e-3)
+
+
+def test_leading_modes_are_archived_and_drawn(tmp_path):
+    file = tmp_path / "run.h5"
+    options = ("-scene_points 256 -scene_period 30 -scene_normal_maugis 3 "
+               "-load_path normal_force=0.5 -archive_fields all "
+               f"-continuation_stability eigenvalue -archive_file {file}").split()
+    done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *options],
+                          capture_output=True, text=True, check=False)
+    assert (done.returncode == 0
+            and "stable: all eigenvalues" in done.stdout), done.stdout + done.stderr
+    record = read_archive(file)
+    assert (list(record["stable"]) == [1] * record.points
+            and np.all(record["leading_eigenvalue"] > 0.0))
+    mode = record.field("mode", record.points - 1)[0]
+    assert np.abs(mode).max() == 1.0
+    # It solves J x = s x on the whole cell: (s - 1) (K v) = D v beside the mean.
+    scene = Scene(points=256, period=30.0, normal_maugis=3.0)
+    contact = Contact(scene)
+    gap = contact.ranges[0] * record.field("displacement",
+                                           record.points - 1)[0] + contact.initial_gap
+    tangent = np.zeros((1, 1, 256))
+    contact.law.evaluate(gap[None].copy(), np.empty((1, 256)), tangent)
+    stiffness = contact.operator(1, "stiffness").blocks[0, 0] * 256
+    imbalance = (record["leading_eigenvalue"][-1]
+                 - 1.0) * np.fft.irfft(np.fft.rfft(mode) * stiffness) - tangent[0, 0] * mode
+    assert np.abs(imbalance - imbalance.mean()).max() < 0.02 * np.abs(tangent[0, 0] * mode).max()
+    drawn = subprocess.run([sys.executable, "-m", "contactsnes", "plot", str(file)],
+                           capture_output=True, text=True, check=False)
+    assert drawn.returncode == 0, drawn.stderr
+
+
+def test_a_resumed_branch_is_as_stable():
+    path = "normal_displacement=1; normal_force=-1"
+    whole = followed(branch(SMALL, path, "eigenvalue"))
+    made = branch(SMALL, path, "eigenvalue")
+    made.history = [made.restored(made.packed(point)) for point in whole[5:9]]
+    rest = followed(made)
+    assert len(rest) == len(whole) - 9
+    for point, other in zip(rest, whole[9:]):
+        assert (point.stable, point.unstable_modes) == (other.stable, other.unstable_modes)
+        assert abs(point.leading_eigenvalue - other.leading_eigenvalue) < 2.0 * ACCURATE
+
+
+def test_a_rough_projection_does_not_certify_an_instability():
+    """The tangent of a stiff slip front is so far from symmetric that projections of it have had an
+    eigenvalue of -0.8, with this residual, where the least one is 0.07."""
+    def settled(value, residual):
+        defects = np.array([[residual, 0.0]])
+        return modes._settled(modes.Modes(np.array([value + 0j]), np.eye(1, 2), defects,
+                                          np.array([True])), None, 0, modes.NEUTRAL)
+
+    assert settled(0.8, 0.21) and not settled(-0.8, 0.21)
+    assert settled(-0.8, 0.01)

@@ -1,0 +1,121 @@
+"""Kernels of the unbounded line and plane against integrals by quadrature, closed forms and large
+periods."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import j0, j1, jv
+
+from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.windows import Window
+from contactsnes.interface.elasticity import Body, layer_compliance
+from contactsnes.interface.unbounded import free_space
+
+WIDTH = 0.7
+"""Standard deviation of the Gaussian tractions of these tests: their waves beyond 6/WIDTH are below
+1e-7."""
+
+
+def deformed(body, grid, fields):
+    """Displacements (components, *box) of tractions on the middle half of the cell; the window,
+    too."""
+    window = Window(grid, [n // 4 for n in grid.shape], [n // 2 for n in grid.shape])
+    components = len(fields)
+    operator = Operator(grid, free_space(body, grid, components))
+    values = np.stack([np.broadcast_to(f(*window.coordinates()), window.shape).ravel()
+                       for f in fields])
+    return window, window.box(Convolution(window, operator,
+                                          components).apply(values, np.empty_like(values)))
+
+
+def gaussian(*x):
+    return np.exp(-sum(a ** 2 for a in x) / (2 * WIDTH ** 2))
+
+
+def nothing(*x):
+    return np.zeros(np.broadcast_shapes(*(np.shape(a) for a in x)))
+
+
+def line_integral(body, entry, wave, x):
+    """1/pi times the integral of an entry of the surface compliance times the Gaussian's transform
+    and cos or sin."""
+    transform = lambda q: math.sqrt(2 * math.pi) * WIDTH * math.exp(-(q * WIDTH) ** 2 / 2)
+    function = lambda q: getattr(layer_compliance(q, body.poisson, body.height),
+                                 entry) * transform(q) * wave(q * x)
+    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-12,
+                points=[1e-3, 0.01, 0.1, 1.0, 3.0])[0] / math.pi
+
+
+@pytest.mark.parametrize("height", [math.inf, 500.0, 3.0, 0.3])
+@pytest.mark.parametrize("poisson", [0.5, 0.3])
+def test_line_is_the_integral(height, poisson):
+    body, grid = Body(poisson, height, 2.0), Grid((256,), (256 * 0.25,))
+    window, normal = deformed(body, grid, (gaussian, nothing))
+    _, tangential = deformed(body, grid, (nothing, gaussian))
+    x, ratio = window.coordinates()[0], math.sqrt(2.0)
+    middle = len(x) // 2
+    for node in (0, middle, middle + 3, len(x) - 1):
+        for values, entry in ((normal[0], "normal"), (tangential[1], "longitudinal")):
+            if np.isinf(height):
+                expected = line_integral(body, entry, lambda phase: math.cos(phase) - 1.0, x[node])
+                found = values[node] - values[middle]
+            else:
+                expected, found = line_integral(body, entry, math.cos, x[node]), values[node]
+            assert found == pytest.approx(expected, abs=3e-9)
+        sideways = line_integral(body, "coupling", math.sin, x[node])
+        assert normal[1][node] == pytest.approx(-sideways / ratio, abs=1e-9)
+        assert tangential[0][node] == pytest.approx(sideways * ratio, abs=1e-9)
+
+
+@pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, math.inf), (0.3, 4.0)])
+def test_line_is_the_limit_of_large_periods(poisson, height):
+    body, errors = Body(poisson, height), []
+    _, alone = deformed(body, Grid((128,), (32.0,)), (gaussian, gaussian))
+    for factor in (8, 16):
+        grid = Grid((128 * factor,), (32.0 * factor,))
+        window = Window(grid, [128 * factor // 2 - 32], [64])
+        values = np.stack([gaussian(window.coordinates()[0])] * 2)
+        cell = Convolution(window, Operator(grid, body.compliance(grid.wavevectors(), 2)),
+                           2).apply(values, np.empty_like(values))
+        difference = cell - alone
+        errors.append(np.max(np.abs(difference - difference[:, :1])))
+    assert errors[1] < max(0.6 * errors[0], 1e-12)
+
+
+def plane_integral(body, combine, order, r):
+    """1/(2 pi) times the integral of a combination of the compliance's entries times the transform
+    and q J_order(q r)."""
+    bessel = {0: j0, 1: j1, 2: lambda z: jv(2, z)}[order]
+    transform = lambda q: 2 * math.pi * WIDTH ** 2 * math.exp(-(q * WIDTH) ** 2 / 2)
+    function = lambda q: combine(layer_compliance(q, body.poisson,
+                                                  body.height)) * transform(q) * q * bessel(q * r)
+    return quad(function, 1e-13, 12 / WIDTH, limit=500, epsabs=1e-10,
+                points=[0.1, 1.0, 3.0])[0] / (2 * math.pi)
+
+
+@pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, 4.0), (0.3, 0.3),
+                                             (0.0, 2000.0)])
+def test_plane_is_the_integral(poisson, height):
+    body, grid = Body(poisson, height, 2.0), Grid((128, 96), (32.0, 21.0))
+    window, normal = deformed(body, grid, (gaussian, nothing, nothing))
+    _, along = deformed(body, grid, (nothing, gaussian, nothing))
+    _, across = deformed(body, grid, (nothing, nothing, gaussian))
+    (x, y), ratio = window.coordinates(), math.sqrt(2.0)
+    for i, j in ((32, 24), (36, 25), (3, 43)):
+        place = np.array([x[i, 0], y[0, j]])
+        r = math.hypot(*place)
+        cosine, sine = place / r if r else (1.0, 0.0)
+        slope = plane_integral(body, lambda c: c.coupling, 1, r)
+        mean = plane_integral(body, lambda c: (c.longitudinal + c.transverse) / 2, 0, r)
+        bent = plane_integral(body, lambda c: (c.longitudinal - c.transverse) / 2, 2, r)
+        expected = {"nn": plane_integral(body, lambda c: c.normal, 0, r),
+                    "xn": -slope * cosine / ratio, "yn": -slope * sine / ratio,
+                    "nx": slope * cosine * ratio, "xx": mean - bent * (cosine ** 2 - sine ** 2),
+                    "yx": -2 * bent * cosine * sine, "ny": slope * sine * ratio,
+                    "xy": -2 * bent * cosine * sine, "yy": mean + bent * (cosine ** 2 - sine ** 2)}
+        found = {f"{row}{column}": field[k][i, j] for column, field in (("n", normal), ("x", along),
+                                                                        ("y", across))
+                 for k, row in enumerate("nxy")}
+        assert found == pytest.approx(expected, abs=3e-8)

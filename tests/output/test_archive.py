@@ -1,0 +1,517 @@
+"""Archives: what is written is read, a kill at any moment leaves a readable archive, and a run
+resumes from it."""
+
+import io
+import multiprocessing
+import os
+import resource
+import signal
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from contactsnes.output import archive as writing
+from contactsnes.output import files, resuming
+from contactsnes.output.archive import Archive
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column, Layout
+from contactsnes.output.reading import read
+
+COLUMNS = {
+    "leg": Column("", "i8"),
+    "normal_force": Column("w_n,r"),
+    "contact_area": Column("beta"),
+    "event": Column("", "i1", ("none", "fold", "jump", "gross_sliding")),
+}
+X = np.linspace(-5, 5, 32, endpoint=False)
+
+
+@pytest.fixture(autouse=True)
+def no_children(monkeypatch):
+    """Archives that are whole are read a thousand times here: not in a child process first."""
+    monkeypatch.setattr(files, "failure", lambda read: "")
+
+
+def content(**changed):
+    base = dict(scene={"geometry": "cylinder", "normal_maugis": 10.0, "points": 8192},
+                options='-scene_normal_maugis 10\n-load_path "normal_force=25; '
+                'tangential_displacement=400"\n-snes_atol 1e-8',
+                versions={"contactsnes": "0.1", "petsc": "3.18.5"}, columns=COLUMNS,)
+    return {**base, **changed}
+
+
+def fields_content(fields, **changed):
+    return content(fields=fields, coordinates=(X,), components=2, initial_gap=X**2 / 2, **changed)
+
+
+def point(number):
+    """A point whose every number tells which it is; the state's size changes now and then, as a
+    window does."""
+    row = dict(leg=number, normal_force=number / 3, contact_area=-number,
+               event=("none", "fold")[number % 2])
+    state = dict(displacement=np.full((2, 40 + number // 100), number), load=number / 7,
+                 control="force")
+    field = np.full((2, X.size), float(number))
+    return row, state, field, -field
+
+
+def append(archive, count):
+    for _ in range(count):
+        archive.append(*point(archive.points))
+
+
+def check(path, fields="none"):
+    """Assert that an archive is consistent; return its record."""
+    record = read(path)
+    numbers = np.arange(record.points)
+    assert np.array_equal(record["leg"], numbers)
+    assert np.array_equal(record["normal_force"], numbers / 3)
+    assert list(record["event"]) == [("none", "fold")[number % 2] for number in numbers]
+    for number in record.field_points[::20] + record.field_points[-3:]:
+        assert np.all(record.field("displacement", number) == number)
+        assert np.all(record.field("traction", number) == -number)
+    resumed = Archive.resume(path, **(fields_content(fields) if record.coordinates else content()))
+    last = [state["load"] for state in resumed.states()]
+    assert last == [number / 7 for number in numbers[-4:]]
+    return record
+
+
+# What is written is read
+
+
+def test_a_record_gives_back_what_was_appended(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **content())
+    append(archive, 150)
+    archive.finish()
+    record = check(tmp_path / "run.h5")
+    assert record.points == archive.points == 150 and record.complete
+    assert record.scene == content()["scene"] and record.options == content()["options"]
+    assert record.versions == {"contactsnes": "0.1", "petsc": "3.18.5"}
+    assert (record.units["normal_force"] == "w_n,r"
+            and record.names["event"] == COLUMNS["event"].names)
+    assert set(record) == set(COLUMNS) and record.coordinates == () and record.initial_gap is None
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_h5py_alone_reads_an_archive_between_any_two_points(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    for count in range(1, 4):
+        append(archive, 1)
+        with h5py.File(archive.path) as file:
+            assert file.attrs["points"] == count and file.attrs["options"] == content()["options"]
+            assert file["scene"].attrs["normal_maugis"] == 10
+            assert file["branch/normal_force"].shape == (count,)
+            assert file["branch/normal_force"].attrs["unit"] == "w_n,r"
+            assert list(file["branch/event"].attrs["names"]) == list(COLUMNS["event"].names)
+            assert file["fields/displacement"].shape == file["fields/traction"].shape == (count, 2,
+                                                                                          X.size)
+            assert np.array_equal(file["fields/x"],
+                                  X) and np.array_equal(file["fields/initial_gap"], X**2 / 2)
+            assert not file.attrs["complete"]
+
+
+@pytest.mark.parametrize("fields, stored", [("none", []), ("last", [149]),
+                                            ("all", list(range(150)))])
+def test_fields_of_the_points_asked_for_are_kept(tmp_path, fields, stored):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content(fields))
+    append(archive, 150)
+    record = check(archive.path, fields)
+    assert record.field_points == stored
+    with h5py.File(archive.path) as file:
+        assert ("displacement" in file["fields"]) == bool(stored)
+        assert not stored or file["fields/displacement"].shape[0] == len(stored)
+    with pytest.raises(ArchiveError, match="no fields of point 150"):
+        record.field("displacement", 150)
+
+
+def test_two_dimensional_fields(tmp_path):
+    shape = (3, 4, 6)
+    grid = dict(coordinates=(np.arange(4.0), np.arange(6.0)), components=3,
+                initial_gap=np.ones((4, 6)), fields="all")
+    archive = Archive.create(tmp_path / "run.h5", **content(**grid))
+    displacement = np.random.default_rng(1).random(shape)
+    archive.append(*point(0)[:2], displacement, 2 * displacement)
+    record = read(archive.path)
+    assert np.array_equal(record.field("traction", 0), 2 * displacement)
+    assert [len(axis) for axis in record.coordinates] == [4,
+                                                          6] and record.initial_gap.shape == (4, 6)
+
+
+def test_long_options_and_long_states(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **content(options="-name value\n" * 10000))
+    for size in (1, 100_000, 10, 200_000):
+        archive.append(point(archive.points)[0], {"displacement": np.full(size, size)})
+    assert [state["displacement"].size for state in archive.states()] == [1, 100_000, 10, 200_000]
+    assert len(read(archive.path).options) == 120_000
+
+
+def test_states_are_those_of_the_last_four_points(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **content())
+    assert archive.states() == []
+    for count in range(1, 9):
+        append(archive, 1)
+        states = archive.states()
+        assert [state["load"] for state in states] == [number / 7
+                                                       for number in range(max(0, count - 4),
+                                                                           count)]
+    assert states[-1]["displacement"].shape == (2, 40) and states[-1]["control"] == "force"
+
+
+# Resuming
+
+
+@pytest.mark.parametrize("fields", ["none", "last", "all"])
+def test_a_resumed_archive_is_that_of_an_uninterrupted_run(tmp_path, fields):
+    once = Archive.create(tmp_path / "once.h5", **fields_content(fields))
+    append(once, 70)
+    append(Archive.create(tmp_path / "twice.h5", **fields_content(fields)), 30)
+    twice = Archive.resume(tmp_path / "twice.h5", **fields_content(fields))
+    assert twice.points == 30 and not twice.complete
+    append(twice, 40)
+    first, second = check(once.path, fields), check(twice.path, fields)
+    assert all(np.array_equal(first[name], second[name]) for name in first)
+    assert first.field_points == second.field_points
+
+
+def test_rows_beyond_points_are_dropped(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 3)
+    with h5py.File(archive.path, "r+") as file:
+        file["branch/leg"].resize((7,))
+        file["fields/displacement"].resize(5, axis=0)
+    resumed = Archive.resume(archive.path, **fields_content("all"))
+    append(resumed, 1)
+    with h5py.File(archive.path) as file:
+        assert file["branch/leg"].shape == (4,) and len(file["fields/displacement"]) == 4
+    check(archive.path, "all")
+
+
+def test_nothing_to_resume_starts_anew(tmp_path):
+    path = tmp_path / "run.h5"
+    assert Archive.resume(path, **content()).points == 0 and path.exists()
+    assert Archive.resume(path, **content(scene={"geometry": "sphere"})).points == 0
+    assert read(path).scene == {"geometry": "sphere"}
+
+
+def test_finish_after_resuming_changes_nothing_else(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **fields_content("last")), 3)
+    Archive.resume(tmp_path / "run.h5", **fields_content("last")).finish()
+    record = check(tmp_path / "run.h5", "last")
+    assert record.complete and record.points == 3 and record.field_points == [2]
+    before = record.path.read_bytes()
+    Archive.resume(record.path, **fields_content("all", columns={"leg": Column("", "i8")})).finish()
+    assert record.path.read_bytes() == before
+    complete = Archive.resume(tmp_path / "run.h5", **fields_content("last"))
+    assert complete.complete
+    with pytest.raises(ArchiveError, match="is complete"):
+        append(complete, 1)
+
+
+@pytest.mark.parametrize("changed, message",
+                         [(dict(scene={**content()["scene"], "normal_maugis": 5.0}),
+                           "normal_maugis is 10.0 there and 5.0 here"),
+                          (dict(scene={**content()["scene"], "height": 2.0}), "height is not "
+                           "given there and 2.0 here"),
+                          (dict(options="-load_path normal_force=3"), "leg 1 of load_path, .*, "
+                           "is normal_force=25 there and normal_force=3 here"),
+                          (dict(options=content()["options"] + " -load_start normal_force=1"),
+                           "load_start is not given there and "
+                           "normal_force=1 here"), (dict(columns={"leg": Column("", "i8")}),
+                                                    r"columns or its grid .*contact_area, event, "
+                                                    r"normal_force\)"),
+                          (dict(fields="all", coordinates=(X,)), "archive_fields is none "
+                           "there and all here"),],)
+def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
+    append(Archive.create(tmp_path / "run.h5", **content()), 3)
+    before = (tmp_path / "run.h5").read_bytes()
+    with pytest.raises(ArchiveError, match=message):
+        Archive.resume(tmp_path / "run.h5", **content(**changed))
+    assert (tmp_path / "run.h5").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        '-snes_atol 1e-9 -load_path "normal_force=25;  tangential_displacement=400" -pc_type core',
+        "-load_path normal_force=25; tangential_displacement=400",
+        "-load_path normal_force=1\n-load_path\tnormal_force=25; tangential_displacement=400\n",
+        "-load_path normal_force=2.5e1;normal_force=-1 -load_stop pull_off",
+    ],
+)
+def test_method_and_spelling_of_options_do_not_hinder_resuming(tmp_path, options):
+    append(Archive.create(tmp_path / "run.h5", **content()), 3)
+    assert Archive.resume(tmp_path / "run.h5", **content(options=options)).points == 3
+
+
+def test_which_options_made_which_points(tmp_path):
+    """Readable by h5py alone; a run without points counts for nothing, and points written anew keep
+    their run."""
+    path = tmp_path / "run.h5"
+    texts = [f"{content()['options']}\n-snes_atol 1e-{number}" for number in (8, 9, 10, 11)]
+    append(Archive.create(path, **content(options=texts[0], warnings=["coarse"])), 3)
+    append(Archive.resume(path, **content(options=texts[1], versions={"petsc": "3.26"},
+                                          warnings=["steep"])), 80)
+    Archive.resume(path, **content(options=texts[2])).finish()
+    with h5py.File(path) as file:
+        assert (file["runs/first"][:].tolist() == [0, 3, 83]
+                and file["runs/options"].asstr()[:].tolist() == texts[:3])
+        assert (file["runs/versions"].asstr()[1] == "petsc 3.26"
+                and file.attrs["options"] == texts[2])
+        assert file.attrs["warnings"].splitlines() == ["coarse", "steep"]
+    again = f"{texts[3]} -load_path 'normal_force=25; tangential_displacement=400; normal_force=1'"
+    append(Archive.resume(path, **content(options=again)), 1)
+    assert [run.first for run in read(path).runs] == [0, 3,
+                                                      83] and read(path).runs[-1].options == again
+    with h5py.File(path, "r+") as file:
+        del file["runs"], file["checksums"]
+    assert [tuple(run)[:2] for run in read(path).runs] == [(0, again)]
+    append(Archive.resume(path, **content(options=again)), 1)
+    assert [run.first for run in read(path).runs] == [0, 84]
+
+
+@pytest.mark.parametrize("event, before, now, more",
+                         [("none", "-load_path a=1", "-load_path a=1 -snes_atol 1", False),
+                          ("none", "-load_path a=1", "-load_path a=1;a=2", True),
+                          ("fold", "-continuation_at_fold stop",
+                           "-continuation_at_fold stop -load_path a=1;a=2", False),
+                          ("fold", "-continuation_at_fold stop", "-continuation_at_fold trace",
+                           True), ("pull_off", "-load_stop gross_sliding,pull_off",
+                                   "-load_stop gross_sliding", True),
+                          ("pull_off", "-load_stop pull_off", "-load_stop pull_off,gross_sliding",
+                           False), ("pull_off", "", "-load_stop pull_off -load_path a=1", False)])
+def test_what_a_complete_path_has_more_to_offer(event, before, now, more):
+    assert resuming.has_more(before, now, event) is more
+
+
+def test_modes_may_be_kept_from_some_point_on(tmp_path):
+    path = tmp_path / "run.h5"
+    append(Archive.create(path, **fields_content("all")), 2)
+    append(Archive.resume(path, **fields_content("all", modes=True)), 1)
+    mode = np.ones((2, X.size))
+    Archive.resume(path, **fields_content("all")).append(*point(3), mode)
+    assert (np.isnan(read(path).field("mode", 2)).all()
+            and np.array_equal(read(path).field("mode", 3), mode))
+    check(path, "all")
+
+
+# Bad input
+
+
+def test_an_existing_archive_is_replaced_only_when_asked(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **content()), 2)
+    with pytest.raises(ArchiveError, match="-archive_resume .* -archive_overwrite"):
+        Archive.create(tmp_path / "run.h5", **content())
+    assert read(tmp_path / "run.h5").points == 2
+    append(Archive.create(tmp_path / "run.h5", overwrite=True, **content()), 1)
+    assert read(tmp_path / "run.h5").points == 1
+
+
+def test_what_is_no_archive_is_neither_read_nor_destroyed(tmp_path):
+    text, other = tmp_path / "scene.opts", tmp_path / "other.h5"
+    text.write_text("-scene_points 64")
+    with h5py.File(other, "w") as file:
+        file["data"] = 1
+    for path, message in ((text, "HDF5"), (other, "no archive"), (tmp_path, "no such file")):
+        for attempt in (read, lambda p: Archive.create(p, overwrite=True, **content()),
+                        lambda p: Archive.resume(p, **content())):
+            with pytest.raises(ArchiveError, match=message):
+                attempt(path)
+    assert text.read_text() == "-scene_points 64"
+    with pytest.raises(ArchiveError, match="no such file"):
+        read(tmp_path / "absent.h5")
+
+
+def test_folders_that_cannot_be_written(tmp_path, monkeypatch):
+    with pytest.raises(ArchiveError, match="does not exist"):
+        Archive.create(tmp_path / "absent" / "run.h5", **content())
+    monkeypatch.setattr(os, "access", lambda *_: False)  # permissions do not bind an administrator
+    with pytest.raises(ArchiveError, match="cannot be written"):
+        Archive.create(tmp_path / "run.h5", **content())
+
+
+def test_wrong_points_are_refused_and_leave_no_trace(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 1)
+    row, state, field, traction = point(1)
+    for wrong, message in [
+        (({"leg": 1}, state, field, traction), "one value for each column.*contact_area"),
+        (({**row, "event": "sliding"}, state, field, traction), "event cannot be 'sliding'"),
+        ((row, {"parent": None}, field, traction), "'parent'"),
+        ((row, state, field[0], traction), r"displacement has the shape \(32,\)"),
+        ((row, state), r"displacement has the shape \(\)"),
+    ]:
+        with pytest.raises(ArchiveError, match=message):
+            archive.append(*wrong)
+    append(archive, 1)
+    assert check(archive.path, "all").points == 2
+    with pytest.raises(ArchiveError, match="none, last or all"):
+        Archive.create(tmp_path / "other.h5", **content(fields="some"))
+    with pytest.raises(ArchiveError, match="need coordinates"):
+        Archive.create(tmp_path / "other.h5", **content(fields="all"))
+
+
+def test_a_file_that_is_taken_away_stops_the_run(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 3)
+    archive.path.unlink()
+    with pytest.raises(ArchiveError, match="cannot be written|no such file"):
+        append(archive, 1)
+    assert os.listdir(tmp_path) == []
+
+
+# Other programs
+
+
+def test_a_reader_that_keeps_the_file_open_does_not_stop_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "PATIENCE", 0.0)
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 2)
+    with h5py.File(archive.path) as reader:
+        append(archive, 3)
+        archive.finish()
+        assert len(reader["branch/leg"]) == 2
+    assert check(archive.path, "all").points == 5
+
+
+def test_two_runs_cannot_write_one_archive(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **content()), 2)
+    first, second = (Archive.resume(tmp_path / "run.h5", **content()) for _ in range(2))
+    append(first, 2)
+    with pytest.raises(ArchiveError, match="changed by another program"):
+        append(second, 2)
+    assert check(tmp_path / "run.h5").points == 4
+
+
+def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 3)
+    put = Layout.put
+
+    def interrupted(self, file, point, row, state, fields):
+        put(self, file, point, row, state, {})
+        file.attrs.modify("points", archive.points)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Layout, "put", interrupted)
+        append(archive, 1)
+    assert check(archive.path, "all").points == 3
+    append(archive, 1)
+    assert check(archive.path, "all").points == 4
+
+
+# Full disks and kills
+
+
+def run_into_a_limit(path):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + 1000,) * 2)
+    with pytest.raises(ArchiveError, match="cannot be written"):
+        run_until_killed(path, "all")
+    os._exit(0)
+
+
+def test_a_full_disk_ends_the_run_and_leaves_the_archive(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **fields_content("all")), 3)
+    run = multiprocessing.get_context("fork").Process(target=run_into_a_limit,
+                                                      args=(tmp_path / "run.h5",))
+    run.start()
+    run.join()
+    assert run.exitcode == 0
+    points = check(tmp_path / "run.h5", "all").points
+    append(Archive.resume(tmp_path / "run.h5", **fields_content("all")), 1)
+    assert check(tmp_path / "run.h5", "all").points == points + 1
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+class Recorder(io.BytesIO):
+    """A file that remembers each change that HDF5 makes, in order."""
+
+    def __init__(self, path):
+        super().__init__(path.read_bytes())
+        self.path, self.changes = path, []
+
+    def write(self, data):
+        self.changes.append((self.tell(), bytes(data)))
+        return super().write(data)
+
+    def truncate(self, size=None):
+        self.changes.append((size, None))
+        return super().truncate(size)
+
+    def prefixes(self, before):
+        """Contents of the file after each change, large ones cut where a kill can cut them: between
+        pages."""
+        content = bytearray(before)
+        for start, data in self.changes:
+            if data is None:
+                content = content[:start] + bytes(max(0, start - len(content)))
+                yield bytes(content)
+                continue
+            cuts = [0, *range(4096 - start % 4096, len(data), 4096), len(data)]
+            for first, last in zip(cuts, cuts[1:]):
+                content.extend(bytes(max(0, start + last - len(content))))
+                content[start + first : start + last] = data[first:last]
+                yield bytes(content)
+
+
+@pytest.mark.parametrize("fields", ["none", "last", "all"])
+@pytest.mark.parametrize("points", [3, 65, 66])  # from 65 on two points share a chunk of the fields
+def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
+                                                              points):
+    path, killed = tmp_path / "run.h5", tmp_path / "killed.h5"
+    archive = Archive.create(path, **fields_content(fields))
+    append(archive, points)
+    before = path.read_bytes()
+    recorders = []
+    counts = []
+    stored = []
+    opened = files.opened
+
+    def recording(name, mode):
+        if mode == "r":
+            return opened(name, mode)
+        recorders.append(Recorder(path))
+        return h5py.File(recorders[-1], mode, libver="earliest", rdcc_nbytes=0)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(writing, "opened", recording)
+        append(archive, 1)
+    assert len(recorders) == 1
+    for content in recorders[0].prefixes(before):
+        killed.write_bytes(content)
+        record = check(killed, fields)
+        counts.append(record.points)
+        stored.append(len(record.field_points))
+    assert set(counts) == {points, points + 1} and counts == sorted(counts)
+    assert len(counts) > 10
+    if fields == "last":
+        assert set(stored) == {0, 1}  # the one array is gone while it is overwritten
+
+
+def run_until_killed(path, fields, told=lambda: None):
+    archive = Archive.resume(path, **fields_content(fields))
+    while True:
+        append(archive, 1)
+        told()
+
+
+@pytest.mark.parametrize("fields", ["last", "all"])
+def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields):
+    random = np.random.default_rng(7)
+    path = tmp_path / "run.h5"
+    points = []
+    context = multiprocessing.get_context("fork")
+    for number in range(15):
+        begun = context.Event()
+        run = context.Process(target=run_until_killed, args=(path, fields, begun.set))
+        run.start()
+        if number % 3:  # the others may be killed before their first point
+            assert begun.wait(60.0)
+        time.sleep(random.uniform(0.0, 0.08))
+        os.kill(run.pid, signal.SIGKILL)
+        run.join()
+        if path.exists():
+            points.append(check(path, fields).points)
+    assert len(points) > 5 and points == sorted(points) and points[-1] > points[0]

@@ -1,0 +1,275 @@
+"""Figures of archives: those that make sense are written, the others are named with the reason."""
+
+import h5py
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from contactsnes.output.archive import Archive
+from contactsnes.output.figures import data, loads, profiles, words
+from contactsnes.output.figures.plot import plot
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column
+from contactsnes.output.prefixes import read
+
+EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
+LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law
+
+
+def columns(dimension=1):
+    axes = ("",) if dimension == 1 else ("_x", "_y")
+    force = ("w_n,r", "w_t,r") if dimension == 1 else ("R phi_n", "R phi_n sqrt(phi_t/phi_n)")
+    return {
+        "leg": Column("", "i8"),
+        "normal_displacement": Column("u_n,r"),
+        "approach": Column("u_n,r"),
+        "normal_force": Column(force[0]),
+        **{f"tangential_displacement{axis}": Column("u_t,r") for axis in axes},
+        **{f"tangential_force{axis}": Column(force[1]) for axis in axes},
+        "contact_area": Column("beta" if dimension == 1 else "beta^2"),
+        "event": Column("", "i1", EVENTS),
+        "fold_kind": Column("", "i1", ("", "pull_off", "jump_in", "sliding")),
+    }
+
+
+def archive_of(path, rows, fields="none", **grid):
+    scene = {"normal_maugis": 1 / RANGE, "contact_threshold": np.e}
+    dimension = len(grid.get("coordinates", (0,)))
+    content = dict(scene=scene, options="", versions={}, columns=columns(dimension), fields=fields,
+                   **grid)
+    archive = Archive.create(path, **content)
+    for row, arrays in rows:
+        blank = {name: 0 for name in columns(dimension)}
+        archive.append({**blank, "event": "none", "fold_kind": "", **row}, {}, *arrays)
+    return archive
+
+
+def jkr(half_width, compliance=0.0):
+    """Normal force and displacement of an adhesive cylinder (JKR) in a periodic cell."""
+    force = np.pi * half_width**2 / 4 - np.sqrt(2 * np.pi * half_width)
+    displacement = 2 / np.pi * (force * np.log(LENGTH / np.pi / half_width) + np.pi * half_width**2
+                                / 8)
+    return dict(normal_force=force, approach=displacement, contact_area=2 * half_width,
+                normal_displacement=displacement + compliance * force)
+
+
+def loading(compliance=0.0, contact=(0.86, 6.3), count=30):
+    """Loading from the jump into contact on, out to pull-off and away."""
+    apart = {"contact_area": 0, "normal_force": -0.05}
+    rows = [{**jkr(1.35, compliance), **apart, "event": "fold", "fold_kind": "jump_in"}]
+    rows.append({**jkr(1.35, compliance), "event": "jump"})
+    rows += [jkr(half_width, compliance) for half_width in np.linspace(1.5, contact[1], count)]
+    rows += [jkr(half_width, compliance) for half_width in np.linspace(contact[1], contact[0],
+                                                                       count)[1:]]
+    rows[-1] |= dict(event="fold", fold_kind="pull_off")
+    rows.append({**rows[-1], **apart, "event": "jump", "fold_kind": ""})
+    return rows + [{**rows[-1], "event": "pull_off"}]
+
+
+def shear(half_width=6.3, count=40, axis=""):
+    """Tangential load up to a fold, a jump into gross sliding, and sliding."""
+    rows, load = [], np.linspace(0, 380, count)
+    for step in load:
+        force = step / 52
+        rows.append({**jkr(half_width), f"tangential_displacement{axis}": step,
+                     f"tangential_force{axis}": force,
+                     "contact_area": 2 * half_width * (1 - 0.0045 * force**2)})
+    rows[-1] |= dict(event="fold", fold_kind="sliding")
+    slid = {**rows[-1], f"tangential_force{axis}": 4.4, "contact_area": 1.55 * half_width,
+            "fold_kind": ""}
+    rows += [{**slid, "event": "jump"}, {**slid, "event": "gross_sliding"}]
+    return rows + [{**slid, f"tangential_displacement{axis}": step, "event": "none"}
+                   for step in (390, 400, 420)]
+
+
+def line_fields(x, row):
+    """Displacement and traction like those of a cylinder with a cohesive zone."""
+    half = max(row["contact_area"] / 2, 0.1)
+    outside = np.maximum(np.abs(x) - half, 0)
+    singular = np.sqrt(np.maximum(half**2 - x**2, 0) + 0.02)
+    inside = RANGE * (np.sqrt(2 * np.pi * half) / np.pi / singular - singular / 2)
+    gap = np.where(outside > 0, RANGE + 0.7 * outside**0.5 + 0.9 * half**0.5 * outside**1.5,
+                   -0.5 * RANGE)
+    gap[outside == 0] = RANGE * np.clip(np.where(inside > 0, np.e * inside, inside), -2,
+                                        1)[outside == 0]
+    attraction = np.where(outside > 0, gap / RANGE * np.exp(-gap / RANGE),
+                          np.minimum(inside, 1 / np.e))
+    slip = np.minimum(row["tangential_force"] / (np.pi * singular),
+                      0.858) * np.exp(-np.maximum(gap, 0) / RANGE)
+    return np.array([gap - x**2 / 2, 0 * x]), np.array([attraction, slip])
+
+
+def line_archive(path, rows, fields="all", nodes=2048):
+    x = (np.arange(nodes) - nodes // 2) * LENGTH / nodes
+    rows = [(row, line_fields(x, {"tangential_force": 0, **row})) for row in rows]
+    return archive_of(path, rows, fields, coordinates=(x,), components=2, initial_gap=x**2 / 2)
+
+
+def plane_archive(path, rows, components=3, nodes=96):
+    """Fields like those of a sheared sphere, smaller along the shear than across it."""
+    x = (np.arange(nodes) - nodes // 2) * 12 / nodes
+    radius = np.hypot(*np.meshgrid(x, x, indexing="ij"))
+    rows = [(row, plane_fields(x, radius, components, row)) for row in rows]
+    return archive_of(path, rows, "all", coordinates=(x, x), components=components,
+                      initial_gap=radius**2 / 2)
+
+
+def plane_fields(x, radius, components, row):
+    half = np.sqrt(row["contact_area"] / np.pi)
+    shrunk = np.hypot(x[:, None] * 1.15, x[None, :])
+    depth = np.sqrt(np.maximum(1 - (shrunk / half) ** 2, 0))
+    gap = np.where(shrunk < half, RANGE * np.e * (1 - 1.4 * depth**0.5),
+                   RANGE * np.e + (shrunk - half).clip(0) ** 1.3)
+    traction = np.zeros((components, *radius.shape))
+    traction[0] = gap / RANGE * np.exp(-gap / RANGE)
+    if components > 1:
+        traction[1] = row.get("tangential_force_x", 0) / 8 * np.exp(-gap.clip(0) / RANGE) / np.sqrt(
+            depth + 0.1)
+        traction[2] = 0.1 * traction[1] * np.sin(2 * np.arctan2(x[None, :], x[:, None]))
+    displacement = np.zeros_like(traction)
+    displacement[0] = gap - radius**2 / 2
+    return displacement, traction
+
+
+def names_of(figures):
+    return sorted(file.name for file in figures.files)
+
+
+def check_images(figures):
+    """Each figure is as wide as a column and not empty."""
+    for file in figures.files:
+        if file.suffix == ".png":
+            image = imread(file)
+            assert abs(image.shape[1] - 8.5 / 2.54 * 300) < 2
+            assert np.std(image) > 0.02
+
+
+def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
+    rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
+    line_archive(tmp_path / "run.h5", rows)
+    figures = plot(tmp_path / "run.h5")
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
+                                                                "shear")]
+    assert figures.skipped == {"maps": "the interface has one dimension"}
+    check_images(figures)
+
+
+def test_normal_loading_has_no_tangential_figures(tmp_path):
+    archive_of(tmp_path / "run.h5", [(row, ()) for row in loading()])
+    (tmp_path / "figures").mkdir()
+    figures = plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
+    assert names_of(figures) == ["run-approach.pdf", "run-approach.png"]
+    assert all(file.parent.name == "figures" and file.stat().st_size > 1000
+               for file in figures.files)
+    assert figures.skipped["shear"] == figures.skipped["area"] == "there is no tangential load"
+    assert "-archive_fields" in figures.skipped["profiles"]
+
+
+def test_a_two_dimensional_interface_has_maps(tmp_path):
+    plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
+    figures = plot(tmp_path / "run.h5", points=[0, -1])
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
+                                                                "shear")]
+    assert figures.skipped == {"approach": "the normal load does not move"}
+    check_images(figures)
+
+
+def test_normal_load_under_shear_is_part_of_the_approach(tmp_path):
+    rows = [jkr(half_width) for half_width in (2, 4, 6.3)] + shear(count=5)[1:5]
+    unloading = [{**rows[-1], **jkr(half_width)} for half_width in (4, 2)]
+    for name, last in (("held", []), ("unloaded", unloading)):
+        record = read(archive_of(tmp_path / f"{name}.h5",
+                                       [(row, ()) for row in rows + last]).path)
+        curve = loads.draw_approach(record).axes[0].lines[0].get_xdata()
+        assert len(curve) == (record.points if last else 3)
+
+
+@pytest.mark.parametrize("fields", ["none", "last"])
+def test_an_archive_of_one_point_has_figures(tmp_path, fields):
+    line_archive(tmp_path / "run.h5", [jkr(6.3)], fields)
+    figures = plot(tmp_path / "run.h5")
+    assert names_of(figures) == ["run-approach.png"] + ["run-profiles.png"] * (fields == "last")
+    check_images(figures)
+
+
+def test_shear_begins_where_the_tangential_load_does(tmp_path):
+    rows = [jkr(2), jkr(4), jkr(6.3), *shear()[1:]]
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
+    assert data.shear(record) == ("", slice(2, None))
+    figure = loads.draw_area(record)
+    start = figure.axes[0].lines[0].get_xydata()[0]
+    assert tuple(start) == (0, 12.6)
+
+
+def test_jumps_are_dashed_between_the_fold_and_the_point_after_it(tmp_path):
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
+    fold, jump = (int(np.flatnonzero(record["event"] == name)[0]) for name in ("fold", "jump"))
+    assert jump == fold + 1
+    axes = loads.draw_area(record).axes[0]
+    (dashed,) = [line for line in axes.lines if line.get_linestyle() == "--"]
+    assert np.array_equal(dashed.get_xdata(), record["tangential_force"][fold : jump + 1])
+    for line in axes.lines:
+        ends = record["tangential_force"][[fold, jump]]
+        assert line is dashed or not set(ends) <= set(line.get_xdata())
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert texts == ["start", "fold (sliding)", "jump", "gross sliding"]
+
+
+def test_profiles_are_those_of_the_chosen_points_near_the_contact(tmp_path):
+    line_archive(tmp_path / "run.h5", shear())
+    record = read(tmp_path / "run.h5")
+    figure = profiles.draw_profiles(record, [0, 10])
+    gap, pressure, traction = figure.axes
+    assert len(gap.lines) == 3  # two points and the zero
+    assert np.array_equal(gap.lines[1].get_ydata(),
+                          record.initial_gap + record.field("displacement", 10)[0])
+    assert np.array_equal(pressure.lines[0].get_ydata(), -record.field("traction", 0)[0])
+    left, right = gap.get_xlim()
+    assert -12 < left < -6.3 and 6.3 < right < 12
+
+
+def test_points_are_chosen_among_those_stored(tmp_path):
+    line_archive(tmp_path / "run.h5", [jkr(3), *shear(count=10)])
+    record = read(tmp_path / "run.h5")
+    chosen = data.choose_points(record, None)
+    events = list(record["event"])
+    assert chosen[0] == 1 and chosen[-1] == record.points - 1 and len(chosen) == 5
+    assert {events.index("fold"), events.index("jump")} <= set(chosen)
+    assert data.choose_points(record, [2, -1]) == [2, record.points - 1]
+    with pytest.raises(ArchiveError, match="no fields of point 99; it has those of points 0 to"):
+        plot(tmp_path / "run.h5", points=[99])
+
+
+def test_bad_input(tmp_path):
+    archive_of(tmp_path / "run.h5", [])
+    with pytest.raises(ArchiveError, match="no points"):
+        plot(tmp_path / "run.h5")
+    archive_of(tmp_path / "one.h5", [(jkr(2), ())])
+    with pytest.raises(ArchiveError, match="does not exist"):
+        plot(tmp_path / "one.h5", output=tmp_path / "absent")
+    with h5py.File(tmp_path / "other.h5", "w"), pytest.raises(ArchiveError):
+        plot(tmp_path / "other.h5")
+
+
+@pytest.mark.parametrize(
+    "unit, text",
+    [
+        ("w_t,r", "force $W / w_{t,r}$"),
+        ("beta^2", r"force $W / \beta^2$"),
+        ("R phi_n", "force\n" r"$W / (R\,\phi_{n})$"),
+        ("R phi_n sqrt(phi_t/phi_n)", "force\n" r"$W / (R\,\phi_{n}\,\sqrt{\phi_{t}/\phi_{n}})$"),
+        ("N/m", "force $W$ (N/m)"),
+        ("", "force $W$"),
+    ],
+)
+def test_labels_have_symbol_and_unit(unit, text):
+    assert words.label("force", "W", unit) == text
+
+
+def test_loads_of_rounding_are_none_in_titles():
+    class Record(dict):
+        units, coordinates = {"tangential_displacement": "u_t,r"}, [None]
+
+    record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
+                    event=np.array(["none", "jump", "none"]))
+    assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]

@@ -1,0 +1,278 @@
+"""The direction of dependencies between rooms: who may import whom, what belongs in one place, and
+how long things may be."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import contactsnes
+
+PACKAGE = Path(contactsnes.__path__[0])
+LONGEST_FILE, LONGEST_FUNCTION = 350, 60
+LONGER = {"output.figures": 484, "output.archive": 560}
+"""Files that hold one thing of many like parts: figures, the safety of one file format."""
+
+
+class Room(NamedTuple):
+    """A package: the rooms below it that it has no business with, and names in others that it must
+    not use."""
+
+    name: str
+    strangers: tuple = ()
+
+
+LOAD_PATH = ("scene.load", "scene.settings.Steps")
+
+ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
+         Room("reference", ("options", "system", "grid")), Room("interface", ("reference",)),
+         Room("continuation", ("system", "grid", "reference", "interface")),
+         Room("scene", ("system", "grid", "reference", "continuation")),
+         Room("contact", ("system", *LOAD_PATH)),
+         Room("output", ("grid", "reference", "interface", "continuation", "contact")),
+         Room("solvers", ("system", "reference", "continuation", "output", *LOAD_PATH)),
+         Room("dynamics", ("system", "reference", "output", *LOAD_PATH)),
+         Room("branch", ("output.archive", "output.files", "output.layout", "output.reading",
+                         "output.figures")),
+         Room("compare", ("interface", "system", "reference")),
+         Room("commands", ("interface.laws", "interface.elasticity", "grid", "reference", "solvers",
+                           "dynamics")),)
+"""From the ground up: a room imports only from those before it."""
+
+HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
+                      "branch"}, "matplotlib": {"output.figures", "compare.figure"},
+         "h5py": {"output.archive", "output.files", "output.layout", "output.tables",
+                  "interface.gap"},
+         "pyfftw": {"grid.cell", "grid.even"},}
+"""The only rooms or modules that may import a package, anywhere in them."""
+
+WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "continuation", "scene",
+                 "contact", "output")
+"""Rooms that can be imported without PETSc, themselves and all they import."""
+
+NAMES = [room.name for room in ROOMS]
+FILES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path
+         for path in sorted(PACKAGE.rglob("*.py"))}
+ENTRIES = ("__init__", "__main__")
+"""Modules outside all rooms, which lead into them."""
+MODULES = [name for name in FILES if name not in ENTRIES]
+
+
+def relative(tree, name):
+    """The tree of a module, whose relative imports are made to begin at the package."""
+    inner = name.split(".")[:-1]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            parts = [*inner[:len(inner) + 1 - node.level], *filter(None, [node.module])]
+            node.level, node.module = 1, ".".join(parts) or None
+    return tree
+
+
+def parsed(name):
+    """A file's tree."""
+    return relative(ast.parse(FILES[name].read_text(encoding="utf-8"), FILES[name]), name)
+
+
+def room_of(name):
+    """The room of a module."""
+    return name.split(".")[0]
+
+
+def within(name, homes):
+    """Whether a module is one of the homes, or in one of them."""
+    return any(f"{name}.".startswith(f"{home}.") for home in homes)
+
+
+TREES = {name: parsed(name) for name in FILES}
+
+every_module = pytest.mark.parametrize("name", MODULES)
+every_file = pytest.mark.parametrize("name", FILES)
+
+
+def imports(tree):
+    """Dotted names that a module imports, wherever it does; those of the package begin with a
+    dot."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            dotted = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = "." * node.level + (node.module or "")
+            separator = "" if base.endswith(".") else "."
+            dotted = [base + separator + alias.name for alias in node.names]
+        else:
+            continue
+        for name in dotted:
+            inside = name == "contactsnes" or name.startswith("contactsnes.")
+            yield name[len("contactsnes"):] or "." if inside else name
+
+
+def own_names(tree):
+    """Dotted names of the package that a module imports, without those of the package itself."""
+    return {name[1:] for name in imports(tree) if name.startswith(".") and "." in name[1:]}
+
+
+def own_modules(tree):
+    """Modules of the package that a module imports."""
+    found = set()
+    for name in own_names(tree):
+        parts = name.split(".")
+        found.add(next(".".join(parts[:i]) for i in (3, 2, 1) if i <= len(parts)
+                       and ".".join(parts[:i]) in FILES
+                       or ".".join([*parts[:i], "__init__"]) in FILES))
+    return found
+
+
+def used_names(tree):
+    """Dotted names that a module imports, and those of attributes that it uses."""
+    return set(imports(tree)) | {dotted(node) for node in ast.walk(tree)
+                                 if isinstance(node, ast.Attribute)}
+
+
+def definitions(tree):
+    """Every function, method and class of a module with its dotted name."""
+    def inner(node, prefix):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                yield prefix + child.name, child
+                yield from inner(child, f"{prefix}{child.name}.")
+            else:
+                yield from inner(child, prefix)
+    return inner(tree, "")
+
+
+def public(tree):
+    """Functions, classes and methods without a leading underscore anywhere in their name, not those
+    within functions."""
+    functions = {name for name, node in definitions(tree) if not isinstance(node, ast.ClassDef)}
+    for name, node in definitions(tree):
+        parts = name.split(".")
+        outer = {".".join(parts[:i]) for i in range(1, len(parts))}
+        if not any(part.startswith("_") for part in parts) and not outer & functions:
+            yield name, node
+
+
+def dotted(node):
+    """The dotted name of an attribute of a name, or an empty text."""
+    if isinstance(node, ast.Attribute):
+        return f"{dotted(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def test_the_parser_of_imports():
+    tree = ast.parse("import numpy.fft as f, h5py\nfrom . import laws, "
+                     "snes\nfrom .fourier import Grid\nimport contactsnes\nimport "
+                     "contactsnes.branch.branch\nfrom contactsnes.commands.cli import "
+                     "main\ndef f():\n    from petsc4py import PETSc")
+    assert list(imports(tree)) == ["numpy.fft", "h5py", ".laws", ".snes", ".fourier.Grid", ".",
+                                   ".branch.branch", ".commands.cli.main", "petsc4py.PETSc"]
+    tree = ast.parse("from ..grid.cell import Grid\nfrom . import states\nfrom "
+                     ".. import __version__\nfrom ..contact import forms")
+    assert own_names(relative(tree, "contact.problem")) == {"grid.cell.Grid", "contact.states",
+                                                            "contact.forms"}
+    assert own_modules(tree) == {"grid.cell", "contact.states", "contact.forms"}
+
+
+def test_the_rooms_are_those_of_the_package():
+    assert set(NAMES) == {room_of(name) for name in MODULES}
+    for position, room in enumerate(ROOMS):
+        assert {stranger.split(".")[0]
+                for stranger in room.strangers} <= set(NAMES[:position]), room
+
+
+@every_module
+def test_imports_come_from_below(name):
+    room = room_of(name)
+    above = ({room_of(other) for other in own_modules(TREES[name])}
+             - set(NAMES[:NAMES.index(room) + 1]))
+    assert not above, f"{name} imports from {sorted(above)}, which stand above its room"
+
+
+@every_module
+def test_a_room_keeps_to_its_business(name):
+    strangers = {room.name: room.strangers for room in ROOMS}[room_of(name)]
+    used = own_names(TREES[name])
+    assert not {other for other in used for stranger in strangers
+                if f"{other}.".startswith(f"{stranger}.")}
+
+
+@pytest.mark.parametrize("room", NAMES)
+def test_modules_of_a_room_have_an_order(room):
+    """No module of a room imports, by way of others, itself."""
+    left = {name: {other for other in own_modules(TREES[name]) if room_of(other) == room}
+            for name in MODULES if room_of(name) == room}
+    while left:
+        free = [name for name, needed in left.items() if not needed & set(left)]
+        assert free, f"these import each other: {sorted(left)}"
+        left = {name: needed for name, needed in left.items() if name not in free}
+
+
+@every_file
+@pytest.mark.parametrize("package", HOMES)
+def test_package_has_its_homes(name, package):
+    if not within(name, HOMES[package]):
+        assert package not in {imported.split(".")[0] for imported in imports(TREES[name])}
+
+
+@every_file
+def test_transforms_are_the_grids(name):
+    """Whatever transforms is in `grid`, which counts; the lengths that suit a transform may be
+    asked anywhere."""
+    allowed = {"scipy.fft.next_fast_len"}
+    if name == "grid.cell":
+        allowed |= {"np.fft", "np.fft.fftfreq", "np.fft.rfftfreq"}
+    if name == "grid.even":
+        allowed |= {"scipy.fft", "scipy.fft.dctn"}
+    homes = ("np.fft", "numpy.fft", "scipy.fft", "scipy.signal.fft", "scipy.signal.oaconvolve",
+             "mkl_fft")
+    assert not {used for used in used_names(TREES[name]) if used.startswith(homes)} - allowed
+
+
+@every_file
+def test_only_the_command_line_prints(name):
+    if not name.startswith("commands."):
+        calls = [node for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
+        assert not [node.lineno for node in calls
+                    if dotted(node.func) in ("print", "sys.stdout.write", "PETSc.Sys.Print")]
+
+
+@every_file
+def test_files_are_short(name):
+    lines = len(FILES[name].read_text(encoding="utf-8").splitlines())
+    assert (lines <= LONGER.get(name, LONGEST_FILE)), (f"{name}.py has {lines} lines: "
+                                                       "find what can stand on its own")
+
+
+@every_file
+def test_functions_are_short(name):
+    lengths = {full: node.end_lineno - node.lineno + 1 for full, node in definitions(TREES[name])
+               if not isinstance(node, ast.ClassDef)}
+    assert not {full: length for full, length in lengths.items() if length > LONGEST_FUNCTION}
+
+
+@every_file
+def test_everything_public_says_what_it_is(name):
+    tree = TREES[name]
+    assert ast.get_docstring(tree), f"{name}.py has no docstring"
+    assert not [full for full, node in public(tree) if not ast.get_docstring(node)]
+
+
+def imported_by(statement):
+    """Top-level packages in `sys.modules` of a fresh interpreter after a statement."""
+    code = (f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r}); {statement}; "
+            "print(*sys.modules)")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return {module.split(".")[0] for module in done.stdout.split()}
+
+
+def test_the_package_alone_imports_no_petsc():
+    assert not imported_by("import contactsnes") & {"petsc4py", "matplotlib"}
+
+
+def test_mathematics_imports_no_petsc():
+    modules = ", ".join(f"contactsnes.{name}" for name in MODULES
+                        if room_of(name) in WITHOUT_PETSC and not within(name, HOMES["matplotlib"]))
+    assert not imported_by(f"import {modules}") & {"petsc4py", "matplotlib"}

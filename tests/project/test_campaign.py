@@ -1,0 +1,197 @@
+"""The checker of scripts/campaign against analytic limits and finite differences, a sample of
+scenes, and planted faults."""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+# noqa: E402
+from campaigns import checker, comparison, faults, judge, physics, planted, scenes, table
+
+
+@pytest.fixture(scope="module")
+def worker():
+    process = judge.Worker()
+    yield process
+    process.close()
+
+
+# The model of the checker
+
+
+def test_a_thick_layer_deforms_as_a_half_space_and_a_thin_one_as_springs():
+    for poisson in (0.0, 0.3, 0.5):
+        beta = (1 - 2 * poisson) / (2 * (1 - poisson))
+        thick = physics.plane_strain(np.array([1.0, 3.0]), poisson, math.inf)
+        assert np.allclose(thick, np.array([[2.0, 2.0 * beta], [2.0 * beta, 2.0]])[..., None]
+                           / [1.0, 3.0], rtol=1e-13)
+    thin = physics.plane_strain(np.array([1e-3]), 0.3, 1.0)
+    assert np.allclose([thin[1, 1], thin[0, 0]], [[physics.mean_compliance(0.3, 1.0)[0]],
+                                                  [physics.mean_compliance(0.3, 1.0)[1]]],
+                       rtol=1e-5)
+
+
+def test_an_unbounded_line_is_deformed_by_a_logarithm():
+    kernel = np.fft.ifft(physics.unbounded(64, 0.1, 0.5, math.inf, 1.0)).real[0, 0]
+    x = 0.1 * np.arange(20, 60, 4)
+    assert np.allclose(np.diff(kernel[20:60:4]), -2 / np.pi * 0.1 * np.diff(np.log(x)), rtol=2e-3)
+
+
+def law(name, **changes):
+    return {"law": name, "residual_friction": 1.0, "residual_adhesion": 0.0, "dugdale_width": 0.1,
+            "xu_needleman_q": 1.0, "xu_needleman_r": 0.0, "pressure_friction": 0.1, **changes}
+
+
+@pytest.mark.parametrize("name, changes", [
+    ("dugdale", {}), ("dugdale", {"dugdale_width": 0.7}), ("xu_needleman", {}),
+    ("xu_needleman", {"xu_needleman_q": 0.5, "xu_needleman_r": 0.3}), ("pressure_friction", {})])
+def test_the_other_laws_have_a_work_of_separation(name, changes):
+    a, scene = np.linspace(0.0, 40.0, 400001), law(name, **changes)
+    apart = physics.tractions(scene, a, np.zeros((1, a.size)))[0]
+    assert 1e-4 * (np.sum(apart) - 0.5 * apart[0]) == pytest.approx(1.0, abs=1e-7)
+    deep = np.linspace(-2.0, 6.0, 80001)
+    pulled = physics.tractions(scene, deep, np.zeros((1, deep.size)))[0]
+    slope = np.gradient(physics.potential(scene, deep), deep)
+    assert np.allclose(slope[1:-1], pulled[1:-1], rtol=1e-5, atol=1e-5)
+
+
+def test_the_law_of_xu_and_needleman_has_the_potential_of_its_work_ratio():
+    scene, step = law("xu_needleman", xu_needleman_q=0.5, xu_needleman_r=0.3), 1e-5
+    a, b = np.meshgrid(np.linspace(-1.0, 4.0, 21), np.linspace(-2.0, 2.0, 20))
+    across = (physics.tractions(scene, a, b[None] + step)[0]
+              - physics.tractions(scene, a, b[None] - step)[0])
+    along = 0.5 * (physics.tractions(scene, a + step, b[None])[1]
+                   - physics.tractions(scene, a - step, b[None])[1])
+    assert np.allclose(across, along, atol=1e-11)
+
+
+def test_the_laws_have_their_peaks_and_works_of_separation():
+    a, b = np.linspace(0.0, 40.0, 40001), np.linspace(0.0, 8.0, 40001)
+    apart = physics.tractions(law("modified"), a, np.zeros((1, a.size)))[0]
+    assert apart.max() == pytest.approx(math.exp(-1), rel=1e-6)
+    assert 0.001 * np.sum(apart) == pytest.approx(1.0, rel=1e-6)
+    half = law("modified", residual_friction=0.5)
+    sheared = physics.tractions(half, np.zeros(b.size), b[None])[1]
+    assert (sheared.max() == pytest.approx(physics.PEAK, rel=1e-6)
+            and sheared[-1] == pytest.approx(0.5 * physics.PEAK, rel=1e-6))
+    slope = np.gradient(physics.potential(half, a), a)
+    assert np.allclose(slope[1:-1], apart[1:-1], atol=1e-6)
+
+
+# What it finds
+
+
+def run(worker, folder, options, **changes):
+    """(archive, Run) of a scene."""
+    archive = folder / "run.h5"
+    scene = scenes.Scene(0, 0, {"scene_points": 64, "scene_period": 15, "scene_normal_maugis": 2,
+                                "scene_height": 50, **options}, given=False)
+    done = worker.run(["run", *scene.words(folder, archive_file=archive, archive_fields="all",
+                                           **changes)], folder / "run", 30)
+    return archive, done
+
+
+def test_nothing_is_wrong_with_a_sound_path(worker, tmp_path):
+    archive, done = run(worker, tmp_path, {"scene_poisson": 0.3,
+                                           "load_path": "normal_displacement=1; "
+                                           "tangential_displacement=2"})
+    assert done.status == 0 and checker.check(archive) == []
+
+
+@pytest.mark.parametrize("column, change, kind", [("normal_force", 1e-5, "normal_force"),
+                                                  ("contact_area", 0.1, "contact_area"),
+                                                  ("elastic_energy", 1e-3, "elastic_energy"),
+                                                  ("normal_displacement", 1e-6,
+                                                   "normal_displacement"),
+                                                  ("residual_norm", 1.0, "not converged"),
+                                                  ("fields/displacement", 1e-3, "traction"),
+                                                  ("fields/traction", 1e-3, "traction")])
+def test_what_is_changed_in_an_archive_is_seen(worker, tmp_path, column, change, kind):
+    import h5py
+
+    archive, _ = run(worker, tmp_path, {"load_path": "normal_displacement=1"})
+    with h5py.File(archive, "r+") as file:
+        values = file[column if "/" in column else f"branch/{column}"]
+        values[1] = values[1] + change
+    assert kind in {complaint.kind for complaint in checker.check(archive)}
+
+
+def test_paths_that_end_elsewhere_do_not_agree(worker, tmp_path):
+    paths = []
+    for end in ("1", "1.00001"):
+        folder = tmp_path / end
+        folder.mkdir()
+        paths.append(comparison.Story(run(worker, folder,
+                                          {"load_path": f"normal_displacement={end}"})[0]))
+    assert (comparison.compare(paths[0], paths[0]) == []
+            and "end of leg 1" in comparison.compare(*paths)[0])
+
+
+@pytest.mark.parametrize("name", ["acceptance of steps", "growth of the window", "evenness",
+                                  "residual", "precision of folds", "events"])
+def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
+    fault = planted.FAULTS[name]
+    verdict = judge.judged(planted.scene(name), worker, tmp_path, only=fault.variants, fault=name,
+                           planted_in=("scene",))
+    assert verdict.outcome == "silent"
+
+
+# A sample
+
+
+@pytest.mark.parametrize("number", [3, 26, 58])
+def test_a_scene_and_its_variants_tell_the_same(worker, tmp_path, number):
+    verdict = judge.judged(scenes.create(1, number), worker, tmp_path, budget=1.0)
+    assert verdict.outcome not in judge.FORBIDDEN, verdict.found
+
+
+def test_a_scene_is_the_same_whenever_it_is_drawn():
+    assert scenes.create(5, 7).options == scenes.create(5, 7).options != scenes.create(5, 8).options
+
+
+def test_the_table_counts_each_case_once_by_its_worst_outcome(tmp_path):
+    rows = [f"scenes,{number},1,{outcome},3,2,0,1.0,,x"
+            for number, outcome in ((0, "silent"), (1, "agreed"), (0, "agreed"))]
+    (tmp_path / "campaign-scenes.csv").write_text(
+        "part,number,seed,outcome,points,runs,left_out,seconds,found,command\n" + "\n".join(rows)
+        + "\n")
+    assert "| scenes | 2 | 4 | 2 |" in "\n".join(table.lines(tmp_path))
+    assert not table.failed(tmp_path, ["scenes"])
+
+
+# Faults planted in the sources
+
+
+def test_faults_and_their_tests_stand_in_the_sources():
+    listed = faults.read_faults()
+    assert faults.stale(listed) == []
+    assert len(set(listed)) == len(listed) >= 100
+    assert all(fault.area and fault.text != fault.fault for fault in listed)
+    for file, _, test in (argument.partition("::") for fault in listed
+                          for argument in faults.arguments(fault)):
+        assert f"def {test or 'test_'}" in (ROOT / file).read_text(encoding="utf-8")
+
+
+def test_a_fault_is_planted_in_a_copy_and_found_there():
+    """The law's tangent with a wrong sign; what changes nothing is not found."""
+    fault = next(fault for fault in faults.read_faults()
+                 if fault.text.strip() == "np.multiply(slope - secant, direction")
+    fault = fault._replace(tests="laws::test_taylor_remainder_is_of_second_order")
+    assert ("test_taylor_remainder" in faults.tried(fault)[0]
+            and faults.tried(fault._replace(fault=fault.text))[0] == "")
+    assert faults.stale([fault]) == []
+
+
+def test_faults_have_a_table_of_their_own(tmp_path):
+    rows = [f"faults,{number},1,{outcome},0,1,0,1.0,,x"
+            for number, outcome in ((0, "silent"), (1, "agreed"))]
+    (tmp_path / "campaign-faults.csv").write_text(
+        "part,number,seed,outcome,points,runs,left_out,seconds,found,command\n" + "\n".join(rows)
+        + "\n")
+    assert table.lines(tmp_path)[-1] == "| all | 2 | 1 |" and table.lost(tmp_path)
