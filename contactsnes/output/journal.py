@@ -15,7 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
+from .files import ArchiveError
+
 HEADING = "contactsnes journal 1 of "
+FLAGS = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 ENTRY = struct.Struct("<QQI")
 """Point, size of what follows, and its CRC-32."""
 
@@ -44,15 +47,19 @@ class Journal:
         """Add the arrays (name -> array of numbers or text) of a point; OSError where the disk
         does not take them."""
         if self._file is None:
-            self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+            self._file = os.open(self.path, FLAGS, 0o666)
             self._write(_heading(self.key))
         self._write(encoded(point, arrays))
 
     def _write(self, data):
-        """Write everything, or nothing that is an entry."""
+        """Write everything, or nothing."""
         done = 0
-        while done < len(data):
-            done += os.write(self._file, data[done:])
+        try:
+            while done < len(data):
+                done += os.write(self._file, data[done:])
+        except OSError:
+            os.ftruncate(self._file, self.size)
+            raise
         self.size += len(data)
 
     def remove(self):
@@ -70,11 +77,11 @@ def _heading(key):
 
 
 def encoded(point, arrays):
-    """An entry as bytes; ValueError for an array of objects."""
+    """An entry as bytes; ArchiveError for an array of objects."""
     arrays = {name: np.asarray(array) for name, array in arrays.items()}
     for name, array in arrays.items():
         if array.dtype.hasobject:
-            raise ValueError(f"{name!r} is neither an array nor a number nor a text")
+            raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
     head = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()])
     parts = [head.encode(), b"\n", *(array.tobytes() for array in arrays.values())]
     data = b"".join(parts)

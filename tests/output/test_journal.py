@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from contactsnes.output import journal
+from contactsnes.output.files import ArchiveError
 
 KEY = "0123456789abcdef"
 
@@ -70,5 +71,5 @@ def test_a_removed_journal_begins_anew(tmp_path):
 
 
 def test_objects_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="'bad' is neither"):
+    with pytest.raises(ArchiveError, match="'bad' is neither"):
         journal.encoded(1, {"bad": np.array([object()])})
