@@ -97,7 +97,7 @@ class Run:
             self.progress.log(f"going on after point {self.known} of {self.archive.path}")
             for change in resuming.changes(self.archive.runs[-1].options, database_text()):
                 self.progress.log(f"from point {self.known + 1} on {change}")
-        status, reason = self._points()
+        status, reason = self._settled(*self._points())
         for name in unused_options(solver_options()):
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
@@ -112,6 +112,15 @@ class Run:
         if reason:
             complain("error", reason.rstrip(".") + self._way_on())
         return status
+
+    def _settled(self, status, reason):
+        """Exit status and reason after what waits for the archive is in its file."""
+        try:
+            if self.archive:
+                self.archive.settle()
+        except ArchiveError as error:
+            return status or 1, reason or str(error)
+        return status, reason
 
     def _points(self):
         """Take all points; exit status and, if it is not 0, the reason in words."""

@@ -1,35 +1,42 @@
 """Archives of branches: HDF5 files to which a run adds point by point, and which h5py alone can
 read.
 
-A run may be killed at any moment, so a file changes in two ways only. As long as there is room, a
-point is written in place: first its row, fields and state, last the root attribute ``points``,
-which alone says how many rows count; none of these writes moves or breaks anything that counts.
-When room is lacking, or an interrupted write has left unknown things behind, the archive is written
-anew beside the file, with more room, and takes its place by an atomic rename. Between points the
-file is closed, so that other programs can read it.
+Quick points wait in the journal beside the file (`journal`) until many are written at once; it is
+read with the file, and goes when the file has what is in it.
 """
 
-import contextlib
-import math
-import os
+import time
+import uuid
 
-import h5py
+import numpy as np
 
-from ..system.devices import Lenient, reason
 from . import checksums, resuming, stored
 from .files import (
     FORMAT,
     ArchiveError,
-    WriteError,
     check_folder,
     check_new,
-    open_archive,
-    opened,
     resolved,
     safely,
 )
-from .layout import CHUNKS, Layout
+from .journal import Journal, beside
+from .layout import Layout
 from .reading import read
+from .store import Store, unwritten
+
+BATCH = 64
+"""Points that wait in the journal, at most."""
+
+LARGE = 1 << 14
+"""Numbers of the fields of a point beyond which it is written to the file at once: there, writing
+it twice would take longer than what HDF5 does besides."""
+
+MOST = 8 << 20
+"""Bytes that the journal grows to."""
+
+SECONDS = 1.0
+"""Time after which points that wait are written with the next one, so that slow runs have each
+point in the file."""
 
 
 class Archive:
@@ -55,7 +62,7 @@ class Archive:
 
     Attributes
     ----------
-    points : int, points that are safely in the file
+    points : int, points that are safely in the file or its journal
     complete : bool, whether the path was followed to its regular end (`finish`), and has no more to
         offer
     runs : list of `resuming.Run`, those before this one
@@ -65,7 +72,6 @@ class Archive:
                  components=1, initial_gap=None, modes=False, units=None, warnings=()):
         self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units)
         self.path = resolved(path)
-        self.points = 0
         self.complete = False
         self.runs = []
         self._first = 0  # point of this run
@@ -73,8 +79,15 @@ class Archive:
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
-        # points, and bytes of a state, that the file has room for as it is
-        self._room, self._slot = 0, 0
+        self._journal = Journal(beside(self.path), uuid.uuid4().hex)
+        self._store = Store(self.path, self._layout, self._write_frame)
+        self._waiting = []  # points that are in the journal, but not in the file
+        self._settled = time.monotonic()
+
+    @property
+    def points(self):
+        """Points that survive a kill."""
+        return self._store.held + len(self._waiting)
 
     @classmethod
     def create(cls, path, *, overwrite=False, **content):
@@ -94,7 +107,8 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        archive._commit(lambda file: None)
+        archive._store.commit(lambda file: None)
+        archive._journal.remove()
         return archive
 
     @classmethod
@@ -114,6 +128,7 @@ class Archive:
         check_folder(archive.path)
         if read(archive.path).points:
             safely(archive.path, archive._take_over)
+            archive.settle()
         return archive if archive.points else cls.create(path, overwrite=True, **content)
 
     def append(self, row, state, displacement=None, traction=None, mode=None):
@@ -129,17 +144,39 @@ class Archive:
         """
         if self.complete:
             raise ArchiveError(f"{self.path} is complete; no point can be added.")
-        layout, place = self._layout, self.points + 1
-        row, state = layout.numbers(row), stored.pack(place, state)
-        fields = layout.checked({"displacement": displacement, "traction": traction, "mode": mode})
-        self._commit(lambda file: layout.put(file, place, row, state, fields), place, state.size)
-        self.points += 1
+        fields = self._layout.checked({"displacement": displacement, "traction": traction,
+                                       "mode": mode})
+        point = stored.Kept(self._layout.numbers(row), state, fields)
+        # The first point of a run, or after a write that failed, shows whether the file can be
+        # written.
+        if not self._store.room or sum(map(np.size, fields.values())) > LARGE:
+            self.settle()
+            self._store.put([point])
+            self._settled = time.monotonic()
+            return
+        try:
+            self._journal.append(self.points + 1, point.arrays())
+        except OSError as error:
+            raise unwritten(self.path, error) from error
+        self._waiting.append(point)
+        if (len(self._waiting) == BATCH or self._journal.size > MOST
+                or time.monotonic() - self._settled > SECONDS):
+            self.settle()
+
+    def settle(self):
+        """Write the points that wait in the journal to the file."""
+        if self._waiting:
+            self._store.put(self._waiting)
+            self._settled = time.monotonic()
+            self._waiting = []
+            self._journal.remove()
 
     def finish(self):
         """Mark the archive as complete: the path was followed to its regular end."""
         if self.complete:
             return
-        self._commit(lambda file: file.attrs.modify("complete", True), self.points)
+        self.settle()
+        self._store.commit(lambda file: file.attrs.modify("complete", True), self._store.held)
         self.complete = True
 
     def states(self):
@@ -154,10 +191,12 @@ class Archive:
     def _take_over(self, file):
         """Go on from the points of a file; raise if they belong to another run than this archive
         describes."""
-        self.points, self.runs = int(file.attrs["points"]), resuming.runs(file)
+        self._store.held, self.runs = int(file.attrs["points"]), resuming.runs(file)
+        self._waiting = stored.waiting(file)
+        self._journal.key = file.attrs.get("journal", self._journal.key)
         self._first = self.points
-        last = [{}, *map(stored.unpack, stored.states(file, self.points).values())][-1]
-        done = int(file["branch/leg"][self.points - 1]) - (last.get("position") != 1.0)
+        last, leg = self._last(file)
+        done = int(leg) - (last.get("position") != 1.0)
         self._refuse(resuming.differences(dict(file["scene"].attrs), file.attrs["options"],
                                           self._scene, self._options, done))
         more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
@@ -171,6 +210,13 @@ class Archive:
         for name in set(file.get("fields", ())) & {"displacement", "traction", "mode"}:
             for point in stored.field_points(file):
                 stored.field(file, name, point)  # what is copied later on has to be whole
+
+    def _last(self, file):
+        """State and leg of the last point."""
+        if self._waiting:
+            return self._waiting[-1].state, self._waiting[-1].row["leg"]
+        states = [{}, *map(stored.unpack, stored.states(file, self._store.held).values())]
+        return states[-1], file["branch/leg"][self._store.held - 1]
 
     def _check_layout(self, file):
         """Raise if a file keeps other fields or columns than this run; keep modes if it does."""
@@ -194,75 +240,12 @@ class Archive:
                                "-archive_file, or replace this one with "
                                "-archive_overwrite.")
 
-    def _commit(self, write, points=1, slot=0):
-        """Let `write` act on the file in place if there is room, else on the archive written
-        anew."""
-        # nothing is built upon what an interrupted write leaves behind
-        room, self._room = self._room, 0
-        file = None
-        try:
-            if points <= room and slot <= self._slot:
-                self._reserve(room // CHUNKS)
-                # kept open by another program, which goes on to see the old file
-                with contextlib.suppress(OSError):
-                    file = opened(self.path, "r+")
-            if file:
-                with file:
-                    self._check_alone(file)
-                    write(file)
-                self._room = room
-            else:
-                self._write_anew(write, slot)
-        except (OSError, RuntimeError) as error:
-            raise WriteError(f"{self.path} cannot be written ({reason(error)}): "
-                             "make room, or name another -archive_file.") from error
-
-    def _reserve(self, chunk):
-        """Lengthen the file by what the next point needs: a full disk must show before HDF5 counts
-        on the space."""
-        if self._layout.fields == "all" and self.points % chunk == 0:
-            with open(self.path, "rb+") as file:
-                file.seek(0, os.SEEK_END)
-                numbers = len(self._layout.arrays) * chunk * math.prod(self._layout.shape)
-                file.write(bytes(8 * numbers))
-
-    def _write_anew(self, write, slot):
-        """Copy the archive beside itself, with room for twice its points; let `write` act on it;
-        put it in place."""
-        partial = self.path.with_name(self.path.name + ".partial")
-        try:
-            with Lenient(partial) as device, h5py.File(device, "w", libver="earliest") as new:
-                with open_archive(self.path) if self.points else contextlib.nullcontext() as old:
-                    if old:
-                        self._check_alone(old)
-                    states = stored.states(old, self.points) if old else {}
-                    slot = max([slot, *(state.size for state in states.values())]) * 3 // 2
-                    chunk = max(1, -(-2 * self.points // CHUNKS))
-                    self._write_frame(new, slot, chunk)
-                    if old:
-                        self._layout.copy(old, new, states)
-                write(new)
-            device.check()
-            with open(partial, "rb+") as file:
-                os.fsync(file.fileno())
-            os.replace(partial, self.path)
-        finally:
-            with contextlib.suppress(OSError):
-                partial.unlink()
-        self._room, self._slot = chunk * CHUNKS, slot
-
-    def _check_alone(self, file):
-        """Raise if the file does not hold the points that this run wrote."""
-        if file.attrs["points"] != self.points:
-            raise ArchiveError(
-                f"{self.path} has been changed by another program, which may still be running.")
-
     def _write_frame(self, file, slot, chunk):
         """Everything but the points."""
         file.attrs.update({"format": FORMAT, "points": 0, "complete": False,
                            "options": self._options, "versions": self._versions,
                            "warnings": self._warnings, "fields": self._layout.fields,
-                           "shape": self._layout.shape})
+                           "shape": self._layout.shape, "journal": self._journal.key})
         file.create_group("scene").attrs.update(self._scene)
         runs = [*(run for run in self.runs if run.first < self._first),
                 resuming.Run(self._first, self._options, self._versions)]

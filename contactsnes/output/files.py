@@ -13,6 +13,11 @@ FORMAT = "contactsnes 1"
 PATIENCE = 1.0
 """Seconds to wait for another program that is just reading or writing the file."""
 
+SAFE = {"libver": "earliest", "alignment_threshold": 3000, "alignment_interval": 4096}
+"""How HDF5 writes: the oldest format has no mark of being open that a kill would leave behind, and
+a kill may cut what is written between pages, over which no node of an index (3136 bytes) reaches.
+"""
+
 
 class ArchiveError(ValueError):
     """An archive that cannot be written, read or continued; the message is one sentence for the
@@ -29,8 +34,7 @@ def opened(path, mode):
     patience = time.monotonic() + PATIENCE
     while True:
         try:
-            # The oldest format has no mark of being open that a kill would leave behind.
-            return h5py.File(path, mode, libver="earliest", rdcc_nbytes=0)
+            return h5py.File(path, mode, rdcc_nbytes=0, **SAFE)
         except OSError as error:
             if "unable to lock" not in str(error) or time.monotonic() > patience:
                 raise

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import checksums
 from .files import ArchiveError
-from .stored import SLOTS, field_points
+from .stored import SLOTS, field_points, packed
 
 UNITS = {
     "coordinates": "beta",
@@ -176,49 +176,55 @@ class Layout:
         new["checksums"].resize(points, axis=0)
         new["checksums"][:] = sums
 
-    def put(self, file, point, row, state, fields):
-        """Write a point; what makes it safe is the order, held by the flushes.
+    def put(self, file, first, points):
+        """Write points; what makes it safe is the order, held by the flushes.
 
         Parameters
         ----------
         file : h5py.File
-        point : int, its number from 1
-        row : mapping of columns to numbers
-        state : array of bytes, its packed state
-        fields : mapping of fields to (components, *grid) arrays; nan where one is lacking
+        first : int, number of the first one, from 1
+        points : list of `stored.Kept`
         """
+        last = first + len(points) - 1
         if self.fields == "last":
             file["fields"].attrs.modify("point", 0)
             file.flush()
         for name in self.arrays:
             if self.fields == "all":
-                file["fields"][name].resize(point, axis=0)
-            file["fields"][name][-1] = fields.get(name, np.nan)
-        file["checksums"].resize(point, axis=0)
-        file["checksums"][-1] = self._checksums(row, fields)
-        _put_row(file["branch"].id, point, row)
-        file[f"states/{point % SLOTS}"][: state.size] = state
+                file["fields"][name].resize(last, axis=0)
+            kept = points if self.fields == "all" else points[-1:]
+            for place, point in zip(range(-len(kept), 0), kept):
+                file["fields"][name][place] = point.fields.get(name, np.nan)
+        rows = {name: np.array([point.row[name] for point in points], column.stored)
+                for name, column in self.columns.items()}
+        file["checksums"].resize(last, axis=0)
+        file["checksums"][first - 1:] = self._checksums(rows, points)
+        _put_rows(file["branch"].id, first, rows)
+        for number, state in packed(first, points).items():
+            file[f"states/{number % SLOTS}"][: state.size] = state
         file.flush()
         if self.fields == "last":
-            file["fields"].attrs.modify("point", point)
-        file.attrs.modify("points", point)
+            file["fields"].attrs.modify("point", last)
+        file.attrs.modify("points", last)
         file.flush()
 
-    def _checksums(self, row, fields):
-        """Checksums of a point: of its row, and of its fields, lacking ones included."""
-        line = {name: np.array([row[name]], column.stored) for name, column in self.columns.items()}
-        whole = (np.broadcast_to(np.asarray(fields.get(name, np.nan), "f8"), self.shape)
-                 for name in self.arrays)
-        return [checksums.rows(line)[0], *map(checksums.of, whole)]
+    def _checksums(self, rows, points):
+        """Checksums of points: of their rows, and of their fields, lacking ones included."""
+        sums = np.empty((len(points), 1 + len(self.arrays)), "u4")
+        sums[:, 0] = checksums.rows(rows)
+        for own, point in zip(sums, points):
+            whole = (np.broadcast_to(np.asarray(point.fields.get(name, np.nan), "f8"), self.shape)
+                     for name in self.arrays)
+            own[1:] = list(map(checksums.of, whole))
+        return sums
 
 
-def _put_row(branch, point, row):
-    """Write the row of a point by HDF5's own calls: there are many columns, and this takes half the
-    time."""
-    scalar = h5py.h5s.create(h5py.h5s.SCALAR)
-    for name, value in row.items():
+def _put_rows(branch, first, rows):
+    """Write rows from number ``first`` on by HDF5's own calls: there are many columns, and this
+    takes half the time."""
+    for name, values in rows.items():
         column = h5py.h5d.open(branch, name.encode())
-        column.set_extent((point,))
+        column.set_extent((first - 1 + len(values),))
         place = column.get_space()
-        place.select_hyperslab((point - 1,), (1,))
-        column.write(scalar, place, np.asarray(value, column.dtype))
+        place.select_hyperslab((first - 1,), (len(values),))
+        column.write(h5py.h5s.create_simple((len(values),)), place, values)

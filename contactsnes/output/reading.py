@@ -47,10 +47,12 @@ class Record(Mapping):
         self.names = {name: tuple(branch[name].attrs["names"]) for name in branch
                       if "names" in branch[name].attrs}
         self._columns = {name: branch[name][: self.points] for name in branch}
+        self._waiting = stored.waiting(file)
         self.coordinates = tuple(fields[name][:] for name in "xy" if name in fields)
         self.initial_gap = fields["initial_gap"][...] if "initial_gap" in fields else None
         self.field_points = stored.field_points(file)
         self._check(file)
+        self._add(attributes["fields"])
         for name, names in self.names.items():
             self._columns[name] = np.array(names)[self._columns[name]]
 
@@ -62,6 +64,17 @@ class Record(Mapping):
                                                           checksums.rows(self._columns))):
             raise ArchiveError(
                 f"{self.path} is damaged: its checksums are not those of what it holds.")
+
+    def _add(self, fields):
+        """Add the points that are in the journal yet to those in the file."""
+        if not self._waiting:
+            return
+        self.points += len(self._waiting)
+        for name, column in self._columns.items():
+            rows = np.array([point.row[name] for point in self._waiting], column.dtype)
+            self._columns[name] = np.concatenate([column, rows])
+        self.field_points = {"none": [], "last": [self.points - 1],
+                             "all": list(range(self.points))}[fields]
 
     def __getitem__(self, name):
         return self._columns[name]
@@ -75,6 +88,9 @@ class Record(Mapping):
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
         `field_points`, from the file."""
+        held = self.points - len(self._waiting)
+        if held <= point < self.points and point in self.field_points:
+            return self._waiting[point - held].fields[name]
         return safely(self.path, lambda file: stored.field(file, name, point))
 
 

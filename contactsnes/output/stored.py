@@ -1,11 +1,14 @@
 """What an open archive holds of its points besides their rows: fields, and states to go on from."""
 
 import io
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from . import checksums
 from .files import ArchiveError
+from .journal import beside, entries
 
 STATES = 4
 """States that are kept: what a predictor may extrapolate from."""
@@ -59,6 +62,46 @@ def states(file, points):
         if label == point:
             kept[point] = slot[:size]
     return kept
+
+
+class Kept(NamedTuple):
+    """What an archive keeps of a point.
+
+    row : mapping of columns to numbers
+    state : mapping of arrays, numbers and texts, to go on from
+    fields : mapping of fields to (components, *grid) arrays
+    """
+
+    row: Mapping
+    state: Mapping
+    fields: Mapping
+
+    def arrays(self):
+        """All of it as one mapping, for the journal."""
+        return {f"{part} {name}": value for part, values in zip(self._fields, self)
+                for name, value in values.items()}
+
+    @classmethod
+    def of(cls, arrays):
+        """The point that such a mapping was made of."""
+        parts = {part: {} for part in cls._fields}
+        for key, value in arrays.items():
+            part, _, name = key.partition(" ")
+            parts[part][name] = value if value.ndim else value[()]
+        return cls(**parts)
+
+
+def waiting(file):
+    """The points of an open archive that are in its journal yet, a list of `Kept`."""
+    path, key = beside(file.filename), file.attrs.get("journal", "")
+    return [Kept.of(arrays) for arrays in entries(path, key, int(file.attrs["points"]) + 1)]
+
+
+def packed(first, points):
+    """Packed states of the last of some points, the first of which has the number ``first``: number
+    -> bytes."""
+    numbered = list(enumerate(points, first))[-STATES:]
+    return {number: pack(number, point.state) for number, point in numbered}
 
 
 def pack(point, state):

@@ -215,9 +215,9 @@ def test_a_full_disk_ends_a_run_with_its_points(tmp_path):
     one_sentence(done, 1, "cannot be written (File too large)", "-archive_resume goes on")
     points = read(tmp_path / "run.h5").points
     assert (points and f"{points} points are in" in done.stderr
-            and os.listdir(tmp_path) == ["run.h5"])
+            and set(os.listdir(tmp_path)) <= {"run.h5", "run.h5.journal"})
     assert shell(f"CONTACTSNES run STILL {path} -archive_resume", tmp_path).returncode == 0
-    assert read(tmp_path / "run.h5").complete
+    assert read(tmp_path / "run.h5").complete and os.listdir(tmp_path) == ["run.h5"]
 
 
 def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
@@ -290,6 +290,7 @@ def test_damaged_archives_are_refused_or_read_right(tmp_path):
         field = np.full((1, 16), float(number))
         whole.append({"leg": number, "normal_force": 2.5 * number, "event": "fold"}, {"load": 1.0},
                      field, -field)
+    whole.settle()
     content = (tmp_path / "run.h5").read_bytes()
     good = read(tmp_path / "run.h5")
     random = np.random.default_rng(1)
@@ -325,6 +326,7 @@ def test_a_number_changed_anywhere_is_damage(tmp_path):
     for value in (1.0, 2.0):
         made.append(dict.fromkeys(columns, value), {}, np.full((1, 4), value),
                     np.full((1, 4), -value))
+    made.settle()
     names = [*(f"branch/{name}" for name in columns), "fields/x", "fields/initial_gap",
              "fields/displacement", "fields/traction", "runs/first"]
     assert read(tmp_path / "run.h5").field("displacement", 1).max() == 2.0
@@ -350,6 +352,7 @@ def test_a_changed_number_is_damage(tmp_path):
         made = Archive.create(path, scene={"poisson": 0.5}, options="", versions={},
                                       columns=columns)
         made.append({"normal_force": 2.0, "event": "none"}, {})
+        made.settle()
         read(path)
         with h5py.File(path, "r+") as file:
             change(file)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from contactsnes.output import archive as writing
-from contactsnes.output import files, resuming
+from contactsnes.output import files, resuming, store
 from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column, Layout
@@ -32,6 +32,12 @@ X = np.linspace(-5, 5, 32, endpoint=False)
 def no_children(monkeypatch):
     """Archives that are whole are read a thousand times here: not in a child process first."""
     monkeypatch.setattr(files, "failure", lambda read: "")
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """No point waits in the journal, but in tests of that."""
+    monkeypatch.setattr(writing, "BATCH", 1)
 
 
 def content(**changed):
@@ -338,7 +344,7 @@ def test_wrong_points_are_refused_and_leave_no_trace(tmp_path):
     for wrong, message in [
         (({"leg": 1}, state, field, traction), "one value for each column.*contact_area"),
         (({**row, "event": "sliding"}, state, field, traction), "event cannot be 'sliding'"),
-        ((row, {"parent": None}, field, traction), "'parent'"),
+        ((row, {"parent": None}, field, traction), "parent'"),
         ((row, state, field[0], traction), r"displacement has the shape \(32,\)"),
         ((row, state), r"displacement has the shape \(\)"),
     ]:
@@ -358,7 +364,8 @@ def test_a_file_that_is_taken_away_stops_the_run(tmp_path):
     archive.path.unlink()
     with pytest.raises(ArchiveError, match="cannot be written|no such file"):
         append(archive, 1)
-    assert os.listdir(tmp_path) == []
+    # what waits for its file
+    assert os.listdir(tmp_path) == ["run.h5.journal"]
 
 
 # Other programs
@@ -389,17 +396,17 @@ def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
     append(archive, 3)
     put = Layout.put
 
-    def interrupted(self, file, point, row, state, fields):
-        put(self, file, point, row, state, {})
-        file.attrs.modify("points", archive.points)
+    def interrupted(self, file, first, points):
+        put(self, file, first, [point._replace(fields={}) for point in points])
+        file.attrs.modify("points", first - 1)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr(Layout, "put", interrupted)
         append(archive, 1)
-    assert check(archive.path, "all").points == 3
+    assert read(archive.path).points == 4  # the last one from the journal
     append(archive, 1)
-    assert check(archive.path, "all").points == 4
+    assert check(archive.path, "all").points == 5
 
 
 # Full disks and kills
@@ -473,10 +480,10 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         if mode == "r":
             return opened(name, mode)
         recorders.append(Recorder(path))
-        return h5py.File(recorders[-1], mode, libver="earliest", rdcc_nbytes=0)
+        return opened(recorders[-1], mode)
 
     with monkeypatch.context() as patch:
-        patch.setattr(writing, "opened", recording)
+        patch.setattr(store, "opened", recording)
         append(archive, 1)
     assert len(recorders) == 1
     for content in recorders[0].prefixes(before):
@@ -497,8 +504,10 @@ def run_until_killed(path, fields, told=lambda: None):
         told()
 
 
-@pytest.mark.parametrize("fields", ["last", "all"])
-def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields):
+@pytest.mark.parametrize("fields, batch", [("last", 1), ("all", 1), ("last", 5), ("all", 64)])
+def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields, batch,
+                                                                      monkeypatch):
+    monkeypatch.setattr(writing, "BATCH", batch)
     random = np.random.default_rng(7)
     path = tmp_path / "run.h5"
     points = []
@@ -515,3 +524,112 @@ def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, 
         if path.exists():
             points.append(check(path, fields).points)
     assert len(points) > 5 and points == sorted(points) and points[-1] > points[0]
+
+
+# Points that wait in the journal
+
+
+def waiting(path, monkeypatch, count, fields="all"):
+    """An archive with one point in the file, and others in the journal."""
+    monkeypatch.setattr(writing, "BATCH", 64)
+    monkeypatch.setattr(writing, "SECONDS", np.inf)
+    archive = Archive.create(path, **fields_content(fields))
+    append(archive, 1)
+    archive.settle()
+    append(archive, count)
+    with h5py.File(path) as file:
+        assert file.attrs["points"] == 1
+    return archive
+
+
+@pytest.mark.parametrize("fields", ["none", "last", "all"])
+def test_points_in_the_journal_are_read_with_the_file(tmp_path, monkeypatch, fields):
+    archive = waiting(tmp_path / "run.h5", monkeypatch, 5, fields)
+    record = read(archive.path)
+    assert record.points == archive.points == 6 and list(record["leg"]) == list(range(6))
+    assert record["event"].tolist() == ["none", "fold"] * 3
+    assert record.field_points == {"none": [], "last": [5], "all": list(range(6))}[fields]
+    assert all(np.all(record.field("traction", number) == -number)
+               for number in record.field_points)
+    archive.settle()
+    assert os.listdir(tmp_path) == ["run.h5"] and check(archive.path, fields).points == 6
+
+
+@pytest.mark.parametrize("fields", ["none", "last", "all"])
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 9, 40])
+def test_a_resumed_run_takes_the_journal_in(tmp_path, monkeypatch, fields, count):
+    archive = waiting(tmp_path / "run.h5", monkeypatch, count, fields)
+    del archive  # killed
+    assert check(tmp_path / "run.h5", fields).points == 1 + count
+    assert os.listdir(tmp_path) == ["run.h5"]
+    append(Archive.resume(tmp_path / "run.h5", **fields_content(fields)), 30)
+    assert check(tmp_path / "run.h5", fields).points == 31 + count
+
+
+def test_a_batch_is_written_at_once_and_leaves_no_journal(tmp_path, monkeypatch):
+    archive = waiting(tmp_path / "run.h5", monkeypatch, 63)
+    append(archive, 1)
+    with h5py.File(archive.path) as file:
+        assert file.attrs["points"] == 65
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_slow_points_and_large_ones_do_not_wait(tmp_path, monkeypatch):
+    for name, value in (("SECONDS", 0.0), ("LARGE", 100)):
+        with monkeypatch.context() as patch:
+            archive = waiting(tmp_path / f"{name}.h5", patch, 3)
+            patch.setattr(writing, name, value)
+            append(archive, 1)
+            with h5py.File(archive.path) as file:
+                assert file.attrs["points"] == archive.points == 5
+
+
+def test_the_journal_of_another_run_is_left_alone_and_replaced(tmp_path, monkeypatch):
+    path = tmp_path / "run.h5"
+    waiting(path, monkeypatch, 5)
+    other = (tmp_path / "run.h5.journal").read_bytes()
+    path.unlink()
+    archive = Archive.create(path, **fields_content("all"))
+    append(archive, 1)
+    archive.settle()
+    assert not (tmp_path / "run.h5.journal").exists()
+    (tmp_path / "run.h5.journal").write_bytes(other)
+    assert read(path).points == 1 and check(path, "all").points == 1
+    append(Archive.resume(path, **fields_content("all")), 3)
+    assert check(path, "all").points == 4
+
+
+def test_a_kill_between_the_file_and_the_end_of_the_journal_repeats_no_point(tmp_path, monkeypatch):
+    archive = waiting(tmp_path / "run.h5", monkeypatch, 5)
+    kept = (tmp_path / "run.h5.journal").read_bytes()
+    archive.settle()
+    (tmp_path / "run.h5.journal").write_bytes(kept)
+    assert read(archive.path).points == 6 and check(archive.path, "all").points == 6
+
+
+def test_a_disk_that_takes_no_more_of_the_journal_loses_no_point(tmp_path, monkeypatch):
+    archive = waiting(tmp_path / "run.h5", monkeypatch, 2)
+    write = os.write
+
+    def full(file, data):
+        if len(data) < 100:
+            raise OSError(28, "No space left on device")
+        return write(file, data[:len(data) - 50])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        with pytest.raises(ArchiveError, match="cannot be written .No space left"):
+            append(archive, 1)
+    assert archive.points == read(archive.path).points == 3
+    append(archive, 2)
+    assert check(archive.path, "all").points == 5
+
+
+def test_an_archive_without_a_key_is_resumed(tmp_path):
+    append(Archive.create(tmp_path / "run.h5", **content()), 3)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        del file.attrs["journal"]
+        file.attrs["frame"] = writing.checksums.frame(file)
+    archive = Archive.resume(tmp_path / "run.h5", **content())
+    append(archive, 3)
+    assert check(tmp_path / "run.h5").points == 6

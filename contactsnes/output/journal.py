@@ -1,0 +1,122 @@
+"""The journal of an archive: points that its file does not hold yet, appended by one write each.
+
+The file ``RUN.h5.journal`` beside ``RUN.h5`` begins with a line that names its format and the
+archive it belongs to. An entry is the number of its point, the size and the CRC-32 of what follows,
+a line of JSON that tells names, types and shapes of arrays, and their bytes. What an interrupted
+write leaves behind, or another archive, is no entry.
+"""
+
+import contextlib
+import json
+import os
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from .files import ArchiveError
+
+HEADING = "contactsnes journal 1 of "
+FLAGS = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+ENTRY = struct.Struct("<QQI")
+"""Point, size of what follows, and its CRC-32."""
+
+
+def beside(archive):
+    """The path of the journal of an archive."""
+    return Path(archive).with_name(Path(archive).name + ".journal")
+
+
+class Journal:
+    """A journal that is being written.
+
+    Parameters
+    ----------
+    path : of its file, which is made anew with the first entry
+    key : text, which the archive has, too
+    """
+
+    def __init__(self, path, key):
+        self.path = path
+        self.key = key
+        self._file = None
+        self.size = 0
+
+    def append(self, point, arrays):
+        """Add the arrays (name -> array of numbers or text) of a point; OSError where the disk
+        does not take them."""
+        if self._file is None:
+            self._file = os.open(self.path, FLAGS, 0o666)
+            self._write(_heading(self.key))
+        self._write(encoded(point, arrays))
+
+    def _write(self, data):
+        """Write everything, or nothing."""
+        done = 0
+        try:
+            while done < len(data):
+                done += os.write(self._file, data[done:])
+        except OSError:
+            os.ftruncate(self._file, self.size)
+            raise
+        self.size += len(data)
+
+    def remove(self):
+        """Take the file away: the archive holds what was in it."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+        self.size = 0
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(self.path)
+
+
+def _heading(key):
+    return f"{HEADING}{key}\n".encode()
+
+
+def encoded(point, arrays):
+    """An entry as bytes; ArchiveError for an array of objects."""
+    arrays = {name: np.asarray(array) for name, array in arrays.items()}
+    for name, array in arrays.items():
+        if array.dtype.hasobject:
+            raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
+    head = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()])
+    parts = [head.encode(), b"\n", *(array.tobytes() for array in arrays.values())]
+    data = b"".join(parts)
+    return ENTRY.pack(point, len(data), zlib.crc32(data)) + data
+
+
+def decoded(data):
+    """The arrays of an entry, name -> array."""
+    head, _, rest = data.partition(b"\n")
+    found, place = {}, 0
+    for name, kind, shape in json.loads(head):
+        size = int(np.prod(shape, dtype=int))
+        kind = np.dtype(kind)
+        found[name] = np.frombuffer(rest, kind, size, place).reshape(shape)
+        place += size * kind.itemsize
+    return found
+
+
+def entries(path, key, first):
+    """The whole entries of a journal, those of the points ``first``, ``first`` + 1, ... in order: a
+    list of mappings of names to arrays; none where it is of another archive."""
+    try:
+        content = Path(path).read_bytes()
+    except FileNotFoundError:
+        return []
+    heading = _heading(key)
+    if not content.startswith(heading):
+        return []
+    place, found = len(heading), []
+    while place + ENTRY.size <= len(content):
+        point, size, sum_ = ENTRY.unpack_from(content, place)
+        data = content[place + ENTRY.size:place + ENTRY.size + size]
+        if len(data) < size or zlib.crc32(data) != sum_:
+            break
+        place += ENTRY.size + size
+        if point == first + len(found):
+            found.append(decoded(data))
+    return found

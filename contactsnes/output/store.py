@@ -1,0 +1,121 @@
+"""The file of an archive, which a run that is killed at any moment leaves whole.
+
+It changes in two ways only. As long as there is room, points are written in place: first their
+rows, fields and states, last the root attribute ``points``, which alone says how many rows count;
+none of these writes moves or breaks anything that counts. When room is lacking, or an interrupted
+write has left unknown things behind, the archive is written anew beside the file, with more room,
+and takes its place by an atomic rename. In between the file is closed, so that other programs can
+read it.
+"""
+
+import contextlib
+import math
+import os
+
+import h5py
+
+from ..system.devices import Lenient, reason
+from . import stored
+from .files import SAFE, ArchiveError, WriteError, open_archive, opened
+from .layout import CHUNKS
+
+
+def unwritten(path, error):
+    """The error to raise where a disk does not take what is written for an archive."""
+    return WriteError(f"{path} cannot be written ({reason(error)}): make room, or name another "
+                      "-archive_file.")
+
+
+class Store:
+    """The file of an archive that is being computed.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    layout : layout.Layout
+    frame : function (file, slot, chunk) that writes everything but the points
+
+    Attributes
+    ----------
+    held : int, points in the file
+    room : int, points that it has room for as it is, 0 where that is not known
+    """
+
+    def __init__(self, path, layout, frame):
+        self.path = path
+        self.layout = layout
+        self.held = 0
+        self.room = 0
+        self._slot = 0  # bytes of a state that it has room for
+        self._frame = frame
+
+    def put(self, points):
+        """Write points, a list of `stored.Kept`."""
+        first = self.held + 1
+        states = stored.packed(first, points)
+        self.commit(lambda file: self.layout.put(file, first, points), self.held + len(points),
+                    max(state.size for state in states.values()))
+        self.held += len(points)
+
+    def commit(self, write, points=1, slot=0):
+        """Let `write` act on the file in place if there is room, else on the archive written
+        anew."""
+        # nothing is built upon what an interrupted write leaves behind
+        room, self.room = self.room, 0
+        file = None
+        try:
+            if points <= room and slot <= self._slot:
+                self._reserve(room // CHUNKS, points)
+                # kept open by another program, which goes on to see the old file
+                with contextlib.suppress(OSError):
+                    file = opened(self.path, "r+")
+            if file:
+                with file:
+                    self._check_alone(file)
+                    write(file)
+                self.room = room
+            else:
+                self._write_anew(write, points, slot)
+        except (OSError, RuntimeError) as error:
+            raise unwritten(self.path, error) from error
+
+    def _reserve(self, chunk, points):
+        """Lengthen the file by what so many points need: a full disk must show before HDF5 counts
+        on the space."""
+        chunks = -(-points // chunk) - -(-self.held // chunk)
+        if self.layout.fields == "all" and chunks > 0:
+            with open(self.path, "rb+") as file:
+                file.seek(0, os.SEEK_END)
+                numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
+                file.write(bytes(8 * numbers))
+
+    def _write_anew(self, write, points, slot):
+        """Copy the archive beside itself, with room for twice so many points; let `write` act on
+        it; put it in place."""
+        partial = self.path.with_name(self.path.name + ".partial")
+        try:
+            with Lenient(partial) as device, h5py.File(device, "w", **SAFE) as new:
+                with open_archive(self.path) if self.held else contextlib.nullcontext() as old:
+                    if old:
+                        self._check_alone(old)
+                    states = stored.states(old, self.held) if old else {}
+                    slot = max([slot, *(state.size for state in states.values())]) * 3 // 2
+                    chunk = max(1, -(-2 * points // CHUNKS))
+                    self._frame(new, slot, chunk)
+                    if old:
+                        self.layout.copy(old, new, states)
+                write(new)
+            device.check()
+            with open(partial, "rb+") as file:
+                os.fsync(file.fileno())
+            os.replace(partial, self.path)
+        finally:
+            with contextlib.suppress(OSError):
+                partial.unlink()
+        self.room, self._slot = chunk * CHUNKS, slot
+
+    def _check_alone(self, file):
+        """Raise if the file does not hold the points that this run wrote."""
+        if file.attrs["points"] != self.held:
+            raise ArchiveError(
+                f"{self.path} has been changed by another program, which may still be running.")
