@@ -10,7 +10,6 @@ from test_cli import call
 
 from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
 from contactsnes.branch import branch as run
-from contactsnes.branch.corrector import Corrector
 from contactsnes.branch.tracing import Tracer
 from contactsnes.contact.balance import Balance, Response
 from contactsnes.contact.even_form import EvenForm, Symmetry
@@ -472,13 +471,13 @@ def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
 
 def test_the_state_that_is_stored_is_asked(monkeypatch):
     """A solver that ends anywhere else than it says makes no point."""
-    state_of = Corrector._state
+    state_of = EvenForm.state
 
-    def moved(self, form, unknown):
-        found = state_of(self, form, unknown)
+    def moved(form, unknown):
+        found = state_of(form, unknown)
         return State(found.window, found.displacement + 1e-7, found.means)
 
-    monkeypatch.setattr(Corrector, "_state", moved)
+    monkeypatch.setattr(EvenForm, "state", moved)
     with pytest.raises(NotConverged, match="residual_norm"):
         next(iter(Branch(LINE, Load(path="normal_displacement=1"))))
 

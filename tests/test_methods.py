@@ -17,7 +17,7 @@ from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
-from contactsnes.branch.first_points import COLD  # noqa: E402
+from contactsnes.branch.first_points import COLD, cold  # noqa: E402
 from contactsnes.commands import session
 from contactsnes.compare import methods
 from contactsnes.compare.recorder import Meter  # noqa: E402
@@ -175,7 +175,7 @@ def test_overflow_on_the_way_is_a_failed_solve(entries, damping):
                      "snes_linesearch_damping": damping})
     try:
         with pytest.raises(NotConverged), np.errstate(all="ignore"):
-            Corrector(Contact(Scene(**SCENE)), options.read(Form)).cold(NORMAL, np.ones(1))
+            cold(Corrector(Contact(Scene(**SCENE)), options.read(Form)), NORMAL, np.ones(1))
     finally:
         options.install(before)
 

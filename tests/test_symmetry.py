@@ -403,12 +403,12 @@ def test_a_jump_may_end_symmetry(monkeypatch):
     point = next(iter(branch))
     relaxed = jumps.relaxed
 
-    def tilted(system, form, unknown, tolerance, where, prefix="jump_"):
-        found = relaxed(system, form, unknown, tolerance, where, prefix)
+    def tilted(run, form, unknown, tolerance, where, prefix="jump_"):
+        found = relaxed(run, form, unknown, tolerance, where, prefix)
         return found + 1e-5 * np.sin(2 * np.pi * np.arange(found.size) / found.size) / form.root
 
     monkeypatch.setattr(jumps, "relaxed", tilted)
-    settled = jumps.fallen(branch.corrector, point.state, point.controls, point.load, "here")
+    settled = jumps.by_inertia(branch.corrector, point.state, point.controls, point.load, "here")
     assert len(sentences) == 1 and "not even" in sentences[0]
     np.testing.assert_allclose(settled.forces, point.forces, rtol=1e-5)
 

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from petsc4py import PETSc
 
+from ..branch.first_points import cold
 from ..contact import states
 from ..contact.observables import Measurement
 from ..continuation.natural import leg_history, predict
@@ -291,8 +292,8 @@ class Comparison:
         corrector.history.restart()
         try:
             with np.errstate(all="ignore"):
-                point = corrector.cold(wanted.controls, wanted.load) if target.guess is None else \
-                    corrector.solve(target.guess, wanted.controls, wanted.load)
+                point = (cold(corrector, wanted.controls, wanted.load) if target.guess is None
+                         else corrector.solve(target.guess, wanted.controls, wanted.load))
         except Exception as error:  # whatever it is, it is how this method fails
             reason = self._reason(error)
         self.meter.limit = np.inf

@@ -90,9 +90,10 @@ class Recorder(Corrector):
         super().__init__(contact, settings)
         self.history = History(contact.grid.counter)
 
-    def _newton(self, form, unknown, most_iterations, snes=None):
+    def run(self, form, unknown, most_iterations, snes=None):
+        """As `Corrector.run`, the SNES watched."""
         snes = self.snes if snes is None else snes
         if snes.getAttr("recorded") is None:
             snes.setAttr("recorded", True)
             self.history.watch(snes)
-        return super()._newton(form, unknown, most_iterations, snes)
+        return super().run(form, unknown, most_iterations, snes)

@@ -107,6 +107,8 @@ class EvenForm:
         """Mean displacements of the force-controlled components, ranges of the law."""
         return unknown[self.count:]
 
+    state = DisplacementForm.state
+
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in memory of the form."""
         return self.half.gap(self.plain(unknown))

@@ -15,6 +15,7 @@ import numpy as np
 from ..grid.boxes import convolution
 from ..grid.cell import Convolution
 from .problem import APPROACH, DISPLACEMENT, FORCE
+from .states import State
 
 
 class DisplacementForm:
@@ -88,6 +89,15 @@ class DisplacementForm:
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""
         return unknown[self.count:]
+
+    def state(self, unknown):
+        """The State of an unknown: its displacements, and means by the load and the tractions."""
+        displacement = self.displacement(unknown).copy()
+        traction = self.contact.law.traction(self.gap(unknown))
+        means = (self.contact.far_displacement(self.components, self.load) - self.rigid_compliance
+                 * self.grid.mean(traction))
+        means[self.forced] = self.scalars(unknown)
+        return State(self.window, displacement, means)
 
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in ``work``."""
@@ -237,6 +247,11 @@ class ForceForm:
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""
         return self.grid.mean(self.displacement(unknown))[self.forced]
+
+    def state(self, unknown):
+        """The State of an unknown, whose means are those of its displacements."""
+        displacement = self.displacement(unknown).copy()
+        return State(self.window, displacement, self.grid.mean(displacement))
 
     def target(self):
         """What the zero mode of F is balanced against, for each component."""

@@ -90,7 +90,7 @@ def _window():
     from contactsnes.branch.corrector import Corrector
     from contactsnes.contact import states
 
-    fitted = Corrector._fitted
+    fitted = Corrector.fitted
 
     def held(self, state):
         state = fitted(self, state)
@@ -99,7 +99,7 @@ def _window():
                                                                 state.means)
 
     states.covers = lambda contact, state: True
-    Corrector._fitted = held
+    Corrector.fitted = held
 
 
 def _evenness():
