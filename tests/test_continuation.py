@@ -179,13 +179,15 @@ class System:
     def doubtful(self, *_):
         return False
 
+    detached = doubtful
+
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
 
-    def lowered(self, point, *_):
+    def within_range(self, point, *_):
         return None
 
-    let_go = lowered
+    end_of_attraction = within_range
 
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
@@ -203,7 +205,7 @@ class System:
                                     lambda u: problem.jacobian(u, load[-1]), guess)
         return self._point(state, load, count)
 
-    def lost(self, point, leg, heading):
+    def end_of_branch(self, point, leg, heading):
         return "it went far away" if np.abs(point.state).max() > 50.0 else ""
 
     def margin(self, point, event):

@@ -119,7 +119,7 @@ def test_lowered_is_moved_as_a_whole():
     contact, rng = line(), np.random.default_rng(1)
     window = contact.grid.whole
     field = np.array([40.0 + rng.normal(size=POINTS), rng.normal(size=POINTS)])
-    lowered = states.lowered(contact, states.State(window, field, contact.grid.mean(field)))
+    lowered = states.within_range(contact, states.State(window, field, contact.grid.mean(field)))
     assert states.normal_gap(contact, lowered).min() == pytest.approx(1.0)
     assert np.ptp(lowered.displacement[0] - field[0]) < 1e-9
     np.testing.assert_array_equal(lowered.displacement[1], field[1])

@@ -44,7 +44,7 @@ class Ends:
         steps = np.gradient(field[node[0]].reshape(len(window.parts), -1), axis=1).reshape(-1)
         return float(abs(steps[node[1]] / moved[node]))
 
-    def lost(self, point, leg, heading):
+    def end_of_branch(self, point, leg, heading):
         """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in
         words, or ""."""
         gap = states.normal_gap(self.contact, point.state)
@@ -59,7 +59,7 @@ class Ends:
                 return "the whole contact slides without end"
         return ""
 
-    def let_go(self, point, leg, position):
+    def end_of_attraction(self, point, leg, position):
         """The fold, at its position, of a body off the flat that a growing force moves; None for
         any other.
 
@@ -81,8 +81,8 @@ class Ends:
         away.displacement[1:], away.means[1:] = point.state.means[1:, None], point.state.means[1:]
         return replace(self.solve(away, leg.controls, load), position=position)
 
-    def lowered(self, point):
+    def within_range(self, point):
         """A state within the law's range for a body that a force moves freely, off the flat; None
         for any other."""
         free = point.controls[0] == FORCE and not point.in_contact
-        return states.lowered(self.contact, point.state) if free else None
+        return states.within_range(self.contact, point.state) if free else None

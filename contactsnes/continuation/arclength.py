@@ -143,7 +143,7 @@ class ArcWalk(Walk):
         except NotConverged as error:
             self.system.log(f"step to {self._place(target)} failed ({error}): looking "
                             "for the branch's direction")
-            if self.system.let_go(last, self.leg, here) is not None:
+            if self.system.end_of_attraction(last, self.leg, here) is not None:
                 yield from self._fold(error, target - here)
                 return
             try:
@@ -253,7 +253,7 @@ class ArcWalk(Walk):
 
         No point where the fold turns out to lie before the last one.
         """
-        fold, late = (None, False) if self.system.lost(point, self.leg,
+        fold, late = (None, False) if self.system.end_of_branch(point, self.leg,
                                                        self.heading) else self._fold_before(point)
         if late:
             return fold, None
@@ -386,7 +386,7 @@ class ArcWalk(Walk):
         if len(self.history) < 2:
             return
         (before, previous), (here, last) = self.history[-2:]
-        why = self.system.lost(last, self.leg, self.heading)
+        why = self.system.end_of_branch(last, self.leg, self.heading)
         if here == 0.0 < before:
             why = "it came back to where the leg began"
         if self.steps > 5 and max(self._way(self.begun, previous),

@@ -25,8 +25,8 @@ def starts(system, fold, beyond):
     beyond : State, of the branch behind the fold
     """
     kicks = [lambda kick=kick: system.kicked(fold, beyond, kick) for kick in KICKS]
-    lowered = system.lowered(fold)
-    return kicks if lowered is None else [lambda: lowered, *kicks]
+    near = system.within_range(fold)
+    return kicks if near is None else [lambda: near, *kicks]
 
 
 def jumped(system, leg, fold, starts, where, check_end):

@@ -260,15 +260,15 @@ class Walk:
         """Find out what stops the walk before the end of a refused step; yield the fold and, by
         default, the point after the jump."""
         place, last = self.history[-1]
-        fold, passed = self.system.let_go(last, self.leg, place), None
+        fold, passed = self.system.end_of_attraction(last, self.leg, place), None
         if fold is None:
             fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error, refused)
             starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
-            lowered = self.system.lowered(fold)
+            near = self.system.within_range(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
                            fold_precision=np.finfo(float).eps)
-            starts = [lambda: lowered]
+            starts = [lambda: near]
         if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
             yield from self._leave(replace(last, tangents=fold.tangents), starts)
             return
