@@ -9,10 +9,11 @@ import pytest
 from test_cli import call
 
 from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
-from contactsnes.branch import branch as run
+from contactsnes.branch.remarks import DILUTED
 from contactsnes.branch.tracing import Tracer
 from contactsnes.contact.balance import Balance, Response
 from contactsnes.contact.even_form import EvenForm, Symmetry
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.states import State
 from contactsnes.grid.boxes import Spots, convolution
 from contactsnes.grid.cell import Window
@@ -471,13 +472,14 @@ def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
 
 def test_the_state_that_is_stored_is_asked(monkeypatch):
     """A solver that ends anywhere else than it says makes no point."""
-    state_of = EvenForm.state
+    state_of = DisplacementForm.state
 
     def moved(form, unknown):
         found = state_of(form, unknown)
         return State(found.window, found.displacement + 1e-7, found.means)
 
-    monkeypatch.setattr(EvenForm, "state", moved)
+    for form in (DisplacementForm, EvenForm):
+        monkeypatch.setattr(form, "state", moved)
     with pytest.raises(NotConverged, match="residual_norm"):
         next(iter(Branch(LINE, Load(path="normal_displacement=1"))))
 
@@ -524,7 +526,7 @@ def test_a_node_far_out_of_balance_is_told(monkeypatch):
     monkeypatch.setattr(Balance, "__call__", lambda *given: own(*given)._replace(largest=2e-6))
     list(Branch(LINE, Load(path="normal_displacement=1"), log=said.append))
     assert len([sentence for sentence in said
-                if "largest_residual" in sentence]) == 1 and run.DILUTED == 100.0
+                if "largest_residual" in sentence]) == 1 and DILUTED == 100.0
 
 
 def test_largest_residual_is_kept():

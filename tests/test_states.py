@@ -8,7 +8,7 @@ from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
-from contactsnes.continuation.natural import lagrange_weights
+from contactsnes.continuation.points import lagrange_weights
 from contactsnes.grid.cell import Window
 from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps

@@ -9,8 +9,10 @@ from ..contact.even_form import refuse
 from ..contact.isolated import IsolatedContact, lay_out
 from ..contact.problem import DISPLACEMENT, FORCE, Contact
 from ..contact.states import State
-from ..continuation import natural, walks
+from ..continuation import path, steppers
+from ..continuation.natural import NaturalSteps
 from ..continuation.points import Leg, NotConverged, Point
+from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid.boxes import of_boxes
@@ -87,7 +89,7 @@ class Branch:
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, solver_type())
         refuse_without_tangent(self.steps.stability, form, solver_type())
-        walks.refuse(self.steps, solver_type())
+        steppers.refuse(self.steps, solver_type())
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector,
                                    self.steps.stability) if self.steps.stability != "off" else None
@@ -99,7 +101,7 @@ class Branch:
         self._controls = controls_along(scene.initial(load), self.legs)
         self.history = history
         self._log = log
-        self._remarks = None
+        self._remarks, self._predictor = None, PREDICTORS[self.steps.predictor]
 
     @property
     def history(self):
@@ -129,11 +131,11 @@ class Branch:
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points)
                   for number in range(1, len(self.legs) + 1)]
-        points = natural.branch(self.corrector, self._start, makers, predictor=self.steps.predictor,
+        points = path.branch(self.corrector, self._start, makers, predictor=self._predictor,
                                 at_fold=self.steps.at_fold, stops=self.load.stops,
                                 history=self.history, certify=self.stability
                                 or (lambda point: point), at_bifurcation=self.steps.at_bifurcation,
-                                walker=walks.walker(self.steps))
+                                stepper=steppers.stepper(self.steps))
         ledger = energies.Ledger(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None, self._has_tangent(),
@@ -207,7 +209,7 @@ class Branch:
             asked = np.array([initial[component].value for component in range(count)])
             return self._certified(self.corrector.adapted(point, self._controls[0][:count], asked))
         spent = dict(point.spent)
-        for point in natural.Walk(self.corrector, leg, [(0.0, point)], self.steps.predictor,
+        for point in NaturalSteps(self.corrector, leg, [(0.0, point)], self._predictor,
                                   "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
         point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="",

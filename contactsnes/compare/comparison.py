@@ -25,6 +25,7 @@ from ..contact import states
 from ..contact.observables import Measurement
 from ..continuation.natural import leg_history, predict
 from ..continuation.points import Leg, NoEquilibrium, NotConverged
+from ..continuation.predictors import PREDICTORS
 from ..options.database import install, read
 from ..scene.settings import Form
 from .recorder import Meter, Recorder
@@ -173,7 +174,8 @@ def _predicted(branch, before, point):
     leg = Leg(point.leg, point.controls, point.origin, end, moving, 0.0, 0.0, 0.0)
     history = [(place, branch.corrector.adapted(last, leg.controls, leg.load(place)))
                for place, last in leg_history(before, point.leg)]
-    return predict(branch.corrector, history, leg, point.position, branch.steps.predictor)
+    return predict(branch.corrector, history, leg, point.position,
+                   PREDICTORS[branch.steps.predictor])
 
 
 # The methods

@@ -6,10 +6,11 @@ import numpy as np
 
 from . import bifurcations, departures
 from .events import events_between, locate
-from .folds import Turn
+from .folds import FoldSearch
 from .limit_points import FOLD_TOLERANCE, LimitPoint
-from .natural import Walk, fold_kind, grown
+from .natural import NaturalSteps, fold_kind, grown
 from .points import NoEquilibrium, NotConverged, lagrange_weights
+from .predictors import after_failure
 
 APART = 0.1
 """Points nearer to each other than this part of the next step add noise to a prediction, not
@@ -41,19 +42,19 @@ PACE, STILL = 0.1, 1e-12
 it is rounding."""
 
 
-class ArcWalk(Walk):
+class ArcLengthSteps(NaturalSteps):
     """Pseudo-arclength continuation along one leg: an iterator of points, through folds or to them.
 
     Steps are lengths along the branch (``Tracer.chord_length``), by the rules of natural
     continuation: the first is the leg's initial step, they grow with few iterations, and none moves
-    the load by more than the largest step. Parameters as of `Walk`, and 'trace' for ``at_fold``,
-    which goes on through folds.
+    the load by more than the largest step. Parameters as of `NaturalSteps`, and 'trace' for
+    ``at_fold``, which goes on through folds.
     """
 
     @staticmethod
     def past(points, number):
-        """[(position, point), ...] of the last points of leg ``number``, from which the walk goes
-        on."""
+        """[(position, point), ...] of the last points of leg ``number``, from which the steps
+        go on."""
         found = []
         for point in reversed(points):
             place = point.position if point.leg == number else 0.0
@@ -70,7 +71,7 @@ class ArcWalk(Walk):
         self.begun = self.history[-1][1]
         self.steps = 0
         self.length = self.history[-1][1].arc
-        failures = 0
+        failures, again = 0, after_failure(self.predictor)
         self.patience = PATIENCE
         self.turns = []
         self.told = False
@@ -84,15 +85,15 @@ class ArcWalk(Walk):
             here, last = self.history[-1]
             self.length = self.length or self._way(self.history[-2][1], last)
             try:
-                point = self._ahead(self.length, self.predictor if failures < 1 else "secant")
+                point = self._ahead(self.length, again if failures else self.predictor)
                 fold, point = self._met(point)
                 examined = None
                 if fold is None and last.event != "fold":
                     examined = point, _ = self._examined(self._marked(point))
             except NotConverged as error:
-                failures, self.length = failures + 1, (1.0 if failures == 0
-                                                       and self.predictor == "edge"
-                                                       else 0.25) * self.length
+                if failures or again is self.predictor:
+                    self.length *= 0.25
+                failures += 1
                 self.system.log(f"a step along the branch from {self._place(here)} "
                                 f"failed ({error}): trying another one")
                 self.patience -= 1
@@ -147,7 +148,7 @@ class ArcWalk(Walk):
                 yield from self._fold(error, target - here)
                 return
             try:
-                trail = Turn(self.system, self.leg, self.history).trail()
+                trail = FoldSearch(self.system, self.leg, self.history).trail()
             except NotConverged:
                 self._give_up(error, f"at {self._place(1.0)}")
             self.history = [(place, replace(point, leg=self.leg.number, position=place))
@@ -206,12 +207,11 @@ class ArcWalk(Walk):
             apart = self._way(point, points[0])
             if apart > APART * length or (len(points) == 1 and point is self.history[0][1]):
                 points, places = [point, *points], [places[0] - apart, *places]
-        used = 3 if predictor == "edge" else 2
+        used = max(2, predictor.order)
         points, places = points[-used:], places[-used:]
         weights = lagrange_weights(places, length)
-        followed = self.system.follow_edge(points, weights) if predictor == "edge" else None
-        guess = self.system.extrapolate(points, weights) if followed is None else followed
-        return guess, float(weights @ [point.position for point in points])
+        return (predictor.state(self.system, points, places, length),
+                float(weights @ [point.position for point in points]))
 
     def _check(self, guess, point):
         """NotConverged unless a point is the neighbour of the last one that a prediction led to."""

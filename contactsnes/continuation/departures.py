@@ -7,7 +7,7 @@ KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
 """How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the
 next if it leads back.
 
-Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
+Backwards, too: an unstable branch, which steps may have reached, is left on that side.
 """
 
 MISHAPS = 5

@@ -16,7 +16,7 @@ AHEAD = 0.01
 plateau."""
 
 
-class Turn:
+class FoldSearch:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
     of the solve."""
 
@@ -78,7 +78,7 @@ class Turn:
         raise NoFold(f"{error}; arc length made no headway either")
 
     def _short_of(self, refused, trail):
-        """Length of the first arc step: of the last one, but no farther than to what the walk could
+        """Length of the first arc step: of the last one, but no farther than to what steps could
         not reach."""
         (before, first), (here, last) = trail[-2:]
         return self.system.chord_length(first.state, last.state) * min(1.0,
@@ -176,7 +176,7 @@ class Turn:
         return self._passed(point, place)
 
     def _passed(self, point, place):
-        """A point with which the walk goes on."""
+        """A point with which the steps go on."""
         reached = min(self.initial, place - self.history[-1][0])
         return replace(point, leg=self.leg.number, position=place,
                        step=max(reached, self.leg.smallest))

@@ -1,18 +1,13 @@
-"""Branches of equilibria: points, predictors, step control, folds, jumps and events.
-
-A branch is an iterator of converged points along the legs of a load path. What is solved, and how,
-is the business of the ``system`` that ``branch`` is given
-(``contactsnes.branch.corrector.Corrector``); here a state is something that the system combines.
-"""
+"""Natural continuation: steps of the load along a leg, with rollback, folds and jumps."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from . import bifurcations, departures
-from .events import further_events, pulled_off, with_events
-from .folds import SHORT, Turn
-from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
+from .folds import SHORT, FoldSearch
+from .points import NoEquilibrium, NoFold, NotConverged
+from .predictors import PREDICTORS, after_failure
 
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
@@ -21,23 +16,20 @@ LITTLE = 0.02
 they stay in place."""
 
 
-def predict(system, history, leg, position, kind):
-    """The state from which a solve at ``position`` starts, from the leg's last points [(position,
-    point), ...]."""
-    here, last = history[-1]
-    if kind == "none":
-        return last.state
-    if len(history) > 1 and kind != "tangent":
-        used = history[-3:] if kind == "edge" else history[-2:]
-        points = [point for _, point in used]
-        weights = lagrange_weights([place for place, _ in used], position)
-        followed = (system.follow_edge(points, weights) if kind == "edge"
-                    else system.extrapolate(points, weights))
-        if followed is not None:
-            return followed
-    if kind == "secant":
-        return last.state
-    return system.along_tangent(last, leg, here, position - here)
+def predict(system, history, leg, position, predictor):
+    """The state from which a solve begins.
+
+    Parameters
+    ----------
+    system : System
+    history : [(position, Point), ...] of the leg, oldest first
+    leg : Leg
+    position : where the solve is to be, a place in the leg
+    predictor : Predictor
+    """
+    (here, last), (places, points) = history[-1], zip(*history)
+    return predictor.state(system, points, places, position,
+                           lambda: system.along_tangent(last, leg, here, position - here))
 
 
 def grown(step, iterations, largest, target=8):
@@ -48,23 +40,36 @@ def grown(step, iterations, largest, target=8):
     return min(largest, step * (1.0 + ((target - iterations) / target) ** 2))
 
 
-class Walk:
+def leg_history(points, number):
+    """[(position, point), ...] of the points that steps along leg ``number`` extrapolates from."""
+    found = []
+    for point in reversed(points):
+        if point.event != "bifurcation" or not found:
+            found.append((point.position if point.leg == number else 0.0, point))
+        if point.leg != number or point.event == "jump":
+            break
+    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:])
+                             if later[0] < earlier[0]]
+    return distinct[::-1]
+
+
+class NaturalSteps:
     """Natural continuation along one leg: an iterator of points, with rollback, folds and jumps.
 
     Parameters
     ----------
     system : what solves (``Corrector``)
     leg : Leg
-    history : [(position, point), ...] of this leg, oldest first; the last one is where the walk
-        goes on
-    predictor : 'none', 'secant', 'tangent' or 'edge'
+    history : [(position, point), ...] of this leg, oldest first; the last one is where the steps
+        go on
+    predictor : Predictor
     at_fold : 'jump' or 'stop'
     certify : function (Point) -> Point that says of a point that is accepted whether it is stable
         (``Stability``)
     at_bifurcation : 'pass', 'stop' or 'follow'
     """
 
-    past = staticmethod(lambda points, number: leg_history(points, number))
+    past = staticmethod(leg_history)
 
     def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point,
                  at_bifurcation="pass"):
@@ -92,7 +97,7 @@ class Walk:
                     if left < 2.0 * step else step)
             target = 1.0 if step == left else position + step
             try:
-                point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge"
+                point = self._step(target, after_failure(self.predictor) if failures
                                    else self.predictor)
                 point, critical = self._examined(point)
             except NotConverged as error:
@@ -224,8 +229,10 @@ class Walk:
         if guess is not last.state:
             yield guess
         for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
-            yield predict(self.system, self.history[-used:], self.leg, target, "edge")
-            yield predict(self.system, self.history[-used:], self.leg, target, "secant")
+            yield predict(self.system, self.history[-used:], self.leg, target,
+                          PREDICTORS["edge"])
+            yield predict(self.system, self.history[-used:], self.leg, target,
+                          PREDICTORS["secant"])
         if len(self.history) == 1:
             yield from self._foretold_by_tangent(guess, target)
 
@@ -257,12 +264,13 @@ class Walk:
         return point
 
     def _fold(self, error, refused=np.inf):
-        """Find out what stops the walk before the end of a refused step; yield the fold and, by
+        """Find out what stops the steps before the end of a refused step; yield the fold and, by
         default, the point after the jump."""
         place, last = self.history[-1]
         fold, passed = self.system.end_of_attraction(last, self.leg, place), None
         if fold is None:
-            fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error, refused)
+            search = FoldSearch(self.system, self.leg, self.history)
+            fold, beyond, passed = search.search(error, refused)
             starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
@@ -305,75 +313,3 @@ def fold_kind(leg, heading=1.0):
     if leg.moving > 0:
         return "sliding"
     return "jump_in" if heading * leg.direction[0] > 0.0 else "pull_off"
-
-
-def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(),
-           certify=lambda point: point, at_bifurcation="pass", walker=Walk):
-    """Iterate over the converged points of a load path.
-
-    Parameters
-    ----------
-    system : solves, extrapolates and jumps (``Corrector``)
-    start : function () -> Point, the first point with what it cost, for a path without ``history``
-    legs : functions (last point) -> Leg or None (nothing to do), one a leg
-    predictor, at_fold, at_bifurcation : options ``-continuation_*``
-    stops : names of events that end the path
-    history : the last points of an interrupted path, oldest first
-    certify : function (Point) -> Point that says of the points of legs whether they are stable
-        (``Stability``)
-    walker : class of what walks along a leg
-
-    Raises
-    ------
-    NotConverged, NoEquilibrium : after the points before the failure have been handed out
-    """
-    emitted = list(history)
-    if emitted and (emitted[-1].event in stops or (at_fold == "stop"
-                                                   and emitted[-1].event == "fold")):
-        return
-    if emitted:
-        # A point may have been archived without the further events at its load.
-        last = replace(emitted[-1], spent=dict.fromkeys(system.account(), 0))
-        fresh = list(further_events(emitted[-2] if len(emitted) > 1 else None, last))
-    else:
-        fresh = [start()]
-    for point in fresh:
-        emitted.append(point)
-        yield point
-        if point.event in stops:
-            return
-    for number, make_leg in enumerate(legs, start=1):
-        if number < emitted[-1].leg:
-            continue
-        leg = make_leg(emitted)
-        if leg is None:
-            continue
-        walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify,
-                      at_bifurcation)
-        try:
-            for arrived in walk:
-                previous = emitted[-1]
-                for point in with_events(previous, arrived):
-                    emitted = [*emitted[-5:], point]
-                    yield point
-                    if point.event in stops:
-                        return
-        except NoEquilibrium:
-            if "pull_off" in stops and pulled_off(emitted[-1]):
-                return
-            raise
-        if walk.stopped:
-            return
-
-
-def leg_history(points, number):
-    """[(position, point), ...] of the points that a walk along leg ``number`` extrapolates from."""
-    found = []
-    for point in reversed(points):
-        if point.event != "bifurcation" or not found:
-            found.append((point.position if point.leg == number else 0.0, point))
-        if point.leg != number or point.event == "jump":
-            break
-    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:])
-                             if later[0] < earlier[0]]
-    return distinct[::-1]

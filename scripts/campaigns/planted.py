@@ -38,7 +38,7 @@ RELEASED = {**LINE, "load_start": "normal_displacement=1", "load_path": "normal_
 
 def _steps():
     """Every step that converged is accepted."""
-    from contactsnes.continuation.natural import Walk
+    from contactsnes.continuation.natural import NaturalSteps
 
     def step(self, target, predictor):
         from dataclasses import replace
@@ -49,7 +49,7 @@ def _steps():
         return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60),
                        leg=self.leg.number, position=target)
 
-    Walk._step = step
+    NaturalSteps._step = step
 
 
 def _residual():

@@ -1,18 +1,18 @@
-"""Which walk along a leg is asked for: by steps of the load, by arc length, or by both in turn."""
+"""Which steps along a leg are asked for: of the load, of arc length, or both in turn."""
 
 from ..options.fields import InputError
-from .arclength import ArcWalk
-from .natural import Walk
+from .arclength import ArcLengthSteps
+from .natural import NaturalSteps
 
 
-class Trace(ArcWalk):
+class TracedSteps(ArcLengthSteps):
     """Natural continuation to the first fold of a leg, arc length from there on."""
 
     def __iter__(self):
         last = self.history[-1][1]
         if not last.arc and last.event != "fold":
             self.at_fold = "stop"
-            yield from Walk.__iter__(self)
+            yield from NaturalSteps.__iter__(self)
             if not self.stopped or self.history[-1][1].event != "fold":
                 return
             self.at_fold, self.stopped = "trace", False
@@ -31,8 +31,8 @@ def refuse(steps, solver):
                          "jumps or stops at a fold")
 
 
-def walker(steps):
-    """The class of walks that ``-continuation_type`` and ``-continuation_at_fold`` ask for."""
+def stepper(steps):
+    """The class of steps that ``-continuation_type`` and ``-continuation_at_fold`` ask for."""
     if steps.type == "arclength":
-        return ArcWalk
-    return Trace if steps.at_fold == "trace" else Walk
+        return ArcLengthSteps
+    return TracedSteps if steps.at_fold == "trace" else NaturalSteps
