@@ -18,7 +18,7 @@ from contactsnes.contact import observables, states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
-from contactsnes.continuation.limit_points import LimitPoint, Station  # noqa: E402
+from contactsnes.continuation.limit_points import BracketEnd, LimitPoint  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.continuation.predictors import PREDICTORS  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
@@ -324,12 +324,12 @@ def test_methods_without_a_tangent_are_refused(options, steps):
 def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
     """On position = s^3 - back s, from -1 to 1, which leads on at both ends; what nearly turns may
     do so."""
-    def station(place):
+    def bracket_end(place):
         point = SimpleNamespace(position=heading * (place ** 3 - back * place))
-        return Station(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
+        return BracketEnd(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
 
     limit = LimitPoint.__new__(LimitPoint)
-    limit.left, limit.right = station(-1.0), station(1.0)
+    limit.left, limit.right = bracket_end(-1.0), bracket_end(1.0)
     assert limit.turns_between(heading) is turns
 
 

@@ -20,6 +20,7 @@ from contactsnes.grid.cell import Window
 from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import tangential_legs
+from contactsnes.solvers.capabilities import NEWTON
 
 OFF = Form(symmetry="off")
 
@@ -489,14 +490,14 @@ def test_states_on_one_side_are_not_even():
     scene = replace(LINE, points=64)
     x = (np.arange(64) - 32) * scene.spacings[0]
     contact, said = Contact(scene, -4.0 * (np.abs(x) - 5.0) ** 2), []
-    symmetry = Symmetry(contact, Form(), "newtonls", said.append)
+    symmetry = Symmetry(contact, Form(), NEWTON, said.append)
     window = Window(contact.grid, (32,), (31,))
     assert np.flatnonzero(lone(window)).tolist() == list(range(1, 31))
     symmetry.checked(State(window, np.zeros((1, 31)), np.zeros(1)))
     assert said == ["the state is not even about the apex: going on without symmetry"]
     both = Spots(contact.grid, [(10,), (50,)], (5,))
     assert np.array_equal(lone(both), [False] * 10)
-    symmetry = Symmetry(contact, Form(), "newtonls", said.append)
+    symmetry = Symmetry(contact, Form(), NEWTON, said.append)
     symmetry.checked(State(both, np.arange(10.0)[None], np.zeros(1)))
     assert len(said) == 2
 

@@ -25,7 +25,8 @@ from contactsnes.compare import figure as comparison_figure
 from contactsnes.compare import methods
 from contactsnes.compare import table as comparison_table
 from contactsnes.compare.methods import CompareOptions, Method  # noqa: E402
-from contactsnes.compare.recorder import History, Meter  # noqa: E402
+from contactsnes.compare.recorder import History  # noqa: E402
+from contactsnes.grid.counter import Counter
 from contactsnes.options import database as options
 from contactsnes.output import tables  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -430,7 +431,7 @@ def test_database_is_switched_without_a_trace():
 
 
 def test_meter_and_history():
-    meter = Meter(64)
+    meter = Counter(64)
     history = History(meter)
     meter.transforms += 3.5
     meter.limit = 4.0

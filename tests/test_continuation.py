@@ -772,7 +772,7 @@ def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
     before, beyond = (replace(system._point(np.array([u]), leg.load(0.5 * (u ** 3 - u + 1.0)), 3),
                               position=0.5 * (u ** 3 - u + 1.0), softest=0.5) for u in (-0.7, -0.5))
     limit = LimitPoint(system, leg, before, beyond)
-    found = followed(limit._station(0.5 * limit.right.place, tight) for _ in range(1))[1]
+    found = followed(limit._point_at(0.5 * limit.right.place, tight) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
 
 

@@ -13,6 +13,7 @@ from contactsnes.contact import states
 from contactsnes.contact.even_form import Symmetry
 from contactsnes.dynamics import jumps, relaxing
 from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
+from contactsnes.solvers.capabilities import NEWTON
 from contactsnes.solvers.snes import RegularisedStep
 
 LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
@@ -34,7 +35,7 @@ class Watched(OverdampedMotion):
 
 
 def flow(contact, controls, load, state, tolerance=0.005, even=True, cls=Watched, steps=3000):
-    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), "newtonls",
+    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), NEWTON,
                         lambda sentence: None)
     return cls(contact, symmetry, controls, np.array(load),
                symmetry.centred(states.fitted(contact, state)), dict.fromkeys(COUNTS, 0),

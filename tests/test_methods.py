@@ -20,7 +20,6 @@ from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.first_points import COLD, cold  # noqa: E402
 from contactsnes.commands import session
 from contactsnes.compare import methods
-from contactsnes.compare.recorder import Meter  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
@@ -84,7 +83,7 @@ def solve(tasks, entries, connection):
     options.check_values(session.solver_options())
     options.read(Steps)  # as a run does; what it says is not needed here
     for name, task in tasks.items():
-        meter = task.contact.grid.counter = Meter(task.contact.grid.size)
+        meter = task.contact.grid.counter
         meter.limit = TRANSFORMS
         try:
             with np.errstate(all="ignore"):

@@ -25,18 +25,14 @@ from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
 from ..scene.resolution import PINNING, resolution
 from ..scene.traction import with_law
-from ..solvers.multigrid import GridsOptions
-from ..solvers.preconditioners import CoreOptions
-from ..solvers.pseudotime import PseudoOptions
-from ..solvers.snes import NewtonOptions, solver_type
-from ..solvers.stepping import AdaptiveOptions, FireOptions, KineticOptions, VerletOptions
+from ..solvers.capabilities import asked, has_modes
+from ..solvers.registry import OPTIONS
 from . import failures, first_points
 from .grid_choice import chosen, heights, refuse_too_large
 from .remarks import Remarks
 from .tracing import Tracer
 
-SOLVER_OPTIONS = (NewtonOptions, GridsOptions, CoreOptions, VerletOptions, AdaptiveOptions,
-                  KineticOptions, FireOptions, PseudoOptions, MotionOptions)
+SOLVER_OPTIONS = (*OPTIONS, MotionOptions)
 """Dataclasses of the options of our own PC and SNES types, and of motions."""
 
 KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact",
@@ -87,9 +83,9 @@ class Branch:
             self.contact = Contact(scene, self._heights)
             check_edge(self.contact)
         self._sheared = scenes.tangential_legs(scene, load)
-        refuse(self.contact, self._sheared, form, solver_type())
-        refuse_without_tangent(self.steps.stability, form, solver_type())
-        steppers.refuse(self.steps, solver_type())
+        refuse(self.contact, self._sheared, form, self.method)
+        refuse_without_tangent(self.steps.stability, form)
+        steppers.refuse(self.steps, self.method)
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector,
                                    self.steps.stability) if self.steps.stability != "off" else None
@@ -115,6 +111,11 @@ class Branch:
         self._history = resuming.on_path(points, self.scene.initial(self.load), self.legs,
                                          self._controls, self.scene.loads)
 
+    @property
+    def method(self):
+        """What the type of SNES that the user asks for can do (`solvers.capabilities`)."""
+        return asked()
+
     def attributes(self):
         """Name -> value of what decides the states besides the load: the scene's, and what is made
         of it and its files."""
@@ -136,13 +137,13 @@ class Branch:
                                 history=self.history, certify=self.stability
                                 or (lambda point: point), at_bifurcation=self.steps.at_bifurcation,
                                 stepper=steppers.stepper(self.steps))
-        ledger = energies.Ledger(self.contact, self.history)
+        works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
-        self._remarks = Remarks(self.corrector, self.stability is not None, self._has_tangent(),
-                                self._log, last)
+        self._remarks = Remarks(self.corrector, self.stability is not None,
+                                has_modes(self.corrector.settings), self._log, last)
         grid = failures.Resolution(self.contact, self._log, last)
         try:
-            for point in map(grid.marked, map(ledger.entered, points)):
+            for point in map(grid.marked, map(works.completed, points)):
                 yield self._remarks.marked(point)
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared), self._modes) from None
@@ -151,15 +152,11 @@ class Branch:
         """Modes of the last point under the controls of the leg under way; None without one, or a
         tangent."""
         last, leg = self._remarks.last, self._under_way
-        if last is None or not self._has_tangent():
+        if last is None or not has_modes(self.corrector.settings):
             return None
         if leg is not None and tuple(last.controls) != leg.controls:
             last = self.corrector.adapted(last, leg.controls, leg.start)
         return Stability(self.corrector, SIGN).modes(last, None)
-
-    def _has_tangent(self):
-        """Whether the method has a tangent whose modes can be found."""
-        return self.corrector.settings.form == "displacement" or solver_type().startswith("newton")
 
     def observe(self, point):
         """Name -> value of everything that a point can tell (``observables.table``)."""

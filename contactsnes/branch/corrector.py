@@ -9,12 +9,13 @@ from petsc4py import PETSc
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
 from ..contact.even_form import EvenForm, Symmetry
-from ..contact.forms import ForceForm
+from ..contact.forms import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
-from ..solvers.snes import WARM, create_snes, solver_type
+from ..solvers.capabilities import asked, of_snes
+from ..solvers.snes import WARM, create_snes
 
 
 def _names(cls):
@@ -57,7 +58,7 @@ class Corrector:
         self.boxes = 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                      "function_evaluations", "jacobian_products"), 0)
-        self.symmetry = Symmetry(contact, settings, solver_type(), log)
+        self.symmetry = Symmetry(contact, settings, asked(), log)
         self.balance = Balance(contact)
         self._accounted = self._spent_so_far()
 
@@ -76,7 +77,7 @@ class Corrector:
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows
         when a solution asks."""
         guess = states.with_components(finite(guess), len(controls))
-        if self.settings.first == "relaxation" and self.settings.form == "displacement":
+        if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
             guess = self.symmetry.checked(nearer(self.run, self.contact, guess, controls, load,
                                                  self.settings.first_tolerance))
         for _ in range(6):
@@ -100,11 +101,11 @@ class Corrector:
     def fitted(self, state):
         """The state on the window that the settings and the law ask for."""
         widest = self.contact.widest
-        whole = self.settings.window == "off" or self.settings.form == "force"
+        whole = self.settings.window == "off" or FORMS[self.settings.form].whole_cell
         if not whole:
             state = states.fitted(self.contact, state)
             # Coarser grids for the full approximation scheme are made of one window.
-            whole = len(state.window.parts) > 1 and solver_type() == "fas"
+            whole = len(state.window.parts) > 1 and asked().one_window
         if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
         return self.symmetry.centred(state)
@@ -112,13 +113,14 @@ class Corrector:
     def form_on(self, guess, controls):
         """The form on the guess's window, kept with its SNES while window and controls stay."""
         kept = self.form
-        kind = ForceForm if self.settings.form == "force" else self.symmetry.form(len(controls))
+        kind = FORMS[self.settings.form]
+        kind = kind if kind.whole_cell else self.symmetry.form(len(controls))
         if (type(kept) is not kind or kept.window != guess.window
             or kept.controls != tuple(controls)):
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
-            self.form = kind(self.contact, *(() if kind is ForceForm else (guess.window,)),
+            self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
         return self.form
@@ -129,7 +131,7 @@ class Corrector:
         Raises NotConverged with PETSc's reasons by name.
         """
         snes = self.snes if snes is None else snes
-        newton = snes.getType().startswith("newton")
+        newton = of_snes(snes).has_tangent
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
@@ -193,10 +195,10 @@ class Corrector:
         solver.
         """
         if ((self.tolerance is not None or APPROACH in form.controls)
-            and form.name == "displacement" and self.snes.getType().startswith("newton")):
+            and form.in_displacements and of_snes(self.snes).has_tangent):
             return Imbalance(self.contact.grid.norm(self.snes.getFunction()[0].getArray(
                 readonly=True)), np.nan)
-        if form.name == "force":
+        if form.whole_cell:
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
         self.totals["function_evaluations"] += 1

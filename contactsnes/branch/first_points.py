@@ -11,13 +11,15 @@ guess. Where a body that touches the flat has one equilibrium only, all levels l
 import numpy as np
 
 from ..contact import states
+from ..contact.forms import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
 from ..dynamics.jumps import settle
 from ..grid.cell import Window
 from ..grid.transfer import extent, interpolation, resampled
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
-from ..solvers.snes import COLD, solver_type
+from ..solvers.capabilities import asked
+from ..solvers.snes import COLD
 from .corrector import Corrector
 
 SPACING = 2.0 * LARGEST_RESOLUTION
@@ -57,8 +59,8 @@ def start(system, controls, load):
 
 def ambiguous(system):
     """Why a cold solve may end elsewhere than the undeformed body, in words; None if not."""
-    relaxed = system.settings.form == "force"
-    if relaxed and solver_type() == "python":
+    relaxed = FORMS[system.settings.form].whole_cell
+    if relaxed and asked().is_relaxation:
         return None
     if not system.contact.convex:
         return "the gap is not convex, so that several equilibria may exist"
@@ -79,8 +81,8 @@ def coarser(system, contact, tolerance):
     """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid
     but its own serves it."""
     form = system.settings
-    if not (form.cascade and form.form == "displacement" and form.first == "none"
-            and solver_type().startswith("newton")):
+    if not (form.cascade and not FORMS[form.form].whole_cell and form.first == "none"
+            and asked().has_tangent):
         return None
     coarse = Corrector(contact, system.settings, system.log, tolerance)
     coarse.totals = system.totals

@@ -10,7 +10,8 @@ from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
-from ..solvers.snes import WARM, create_snes, kept, solver_type
+from ..solvers.capabilities import asked
+from ..solvers.snes import WARM, create_snes, kept
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
@@ -83,7 +84,7 @@ class Tracer(Corrector, Neighbours, Ends):
         field = form.displacement(change[:-1])
         rate = float(change[-1])
         grid = self.contact.grid
-        if form.name == "force":
+        if form.whole_cell:
             return Direction(states.State(form.window, field, grid.mean(field)), rate)
         gap = form.displacement(unknown[:-1])
         gap[0] += form.window.take(self.contact.initial_gap)
@@ -121,7 +122,7 @@ class Tracer(Corrector, Neighbours, Ends):
         ahead = law.regularised_step(gap, field[0] - state.displacement[0], law.moving_stiffness)
         field[0] = state.displacement[0] + ahead
         moved = form.pack(field, form.scalars(moved))
-        if form.name == "displacement" and form.forced:
+        if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
             # the law acts.
             aside = form.displacement(form.residual(moved, np.empty(form.size)))
@@ -135,7 +136,7 @@ class Tracer(Corrector, Neighbours, Ends):
     def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """Form, form with the arc length, its SNES and its unknown, for a state and position on or
         near a chord."""
-        own = solver_type().startswith("newton")
+        own = asked().has_tangent
         state = self.fitted(guess) if own else states.fitted(self.contact, guess)
         form = (self.form_on(state, leg.controls) if own
                 else DisplacementForm(self.contact, state.window, leg.controls))

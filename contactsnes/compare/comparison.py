@@ -28,7 +28,7 @@ from ..continuation.points import Leg, NoEquilibrium, NotConverged
 from ..continuation.predictors import PREDICTORS
 from ..options.database import install, read
 from ..scene.settings import Form
-from .recorder import Meter, Recorder
+from .recorder import Recorder
 
 PATH_TOLERANCE, POLISHED = "1e-10", ("1e-11", "1e-12", "1e-13")
 """-snes_atol of the reference's path, and those that its points are then brought to, as far as
@@ -201,7 +201,7 @@ class Comparison:
         self.given = given
         self.settings, self.log = settings, log
         self.contact = branch.contact
-        self.meter = self.contact.grid.counter = Meter(self.contact.grid.size)
+        self.meter = self.contact.grid.counter
         # Watched are the solves of the first point and of the middle one of each leg.
         self.targets = []
         self.watched = []

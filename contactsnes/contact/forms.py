@@ -35,6 +35,9 @@ class DisplacementForm:
 
     Attributes
     ----------
+    in_displacements : whether F is an imbalance of displacements, whose 2-norm is
+        ``residual_norm``; else one of tractions
+    whole_cell : whether it is solved on the whole cell, mean displacements among its unknowns
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
@@ -42,6 +45,7 @@ class DisplacementForm:
     """
 
     name = "displacement"
+    in_displacements, whole_cell = True, False
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 
@@ -201,6 +205,7 @@ class ForceForm:
     """
 
     name = "force"
+    in_displacements, whole_cell = False, True
     linear_tolerance = 0.0
 
     def __init__(self, contact, controls):
@@ -329,3 +334,7 @@ class ForceForm:
         rigid[self.forced] = 0.0
         return float(np.hypot(field + np.sqrt(np.sum(rigid ** 2) / self.components),
                               np.linalg.norm(rows[self.forced])))
+
+
+FORMS = {form.name: form for form in (DisplacementForm, ForceForm)}
+"""Forms by their names, of ``-contact_form``."""

@@ -19,13 +19,13 @@ class TracedSteps(ArcLengthSteps):
         yield from super().__iter__()
 
 
-def refuse(steps, solver):
+def refuse(steps, method):
     """InputError where the length of a branch is asked for and the type of SNES solves without a
     tangent."""
     asked = ("-continuation_type is 'arclength'" if steps.type == "arclength" else
              "-continuation_at_fold is 'trace'" if steps.at_fold == "trace" else "")
-    if asked and not solver.startswith("newton"):
-        raise InputError(f"{asked}, but -snes_type {solver} has no tangent to "
+    if asked and not method.has_tangent:
+        raise InputError(f"{asked}, but -snes_type {method.name} has no tangent to "
                          "follow a branch by: allowed are Newton's methods "
                          "(newtonls, newtontr), or natural continuation that "
                          "jumps or stops at a fold")

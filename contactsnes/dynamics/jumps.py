@@ -10,7 +10,8 @@ from ..contact.energies import straight, weights
 from ..contact.forms import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
-from ..solvers.snes import COLD, solver_type
+from ..solvers.capabilities import has_modes
+from ..solvers.snes import COLD
 from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from .relaxing import ENDLESS, relaxed
 
@@ -77,8 +78,7 @@ def settle(system, state, controls, load, where, origin=None):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
-    newton = system.settings.form == "displacement" or solver_type().startswith("newton")
-    overdamped = options.type == "overdamped" and newton
+    overdamped = options.type == "overdamped" and has_modes(system.settings)
     failure = None
     if overdamped:
         try:

@@ -30,6 +30,7 @@ from ..continuation.points import NotConverged
 from ..grid.even import UNEVEN, asymmetry, centred
 from ..options.database import read
 from ..options.fields import InputError
+from ..solvers.capabilities import asked, has_modes
 from ..solvers.preconditioners import CoreOptions, CoreZone
 from .modes import ACCURATE, joined, leading_modes, oriented, summed
 
@@ -195,11 +196,11 @@ def _inner_compliance(contact, rigid):
     return shift * circle * contact.ranges[:len(rigid)] ** 2
 
 
-def refuse_without_tangent(kind, settings, solver):
+def refuse_without_tangent(kind, settings):
     """InputError where stability is asked for and the method has no tangent."""
-    if kind != OFF and settings.form == "force" and not solver.startswith("newton"):
+    if kind != OFF and not has_modes(settings):
         raise InputError(f"-continuation_stability is '{kind}', but relaxation "
-                         f"(-contact_form force, -snes_type {solver}) has no "
+                         f"(-contact_form {settings.form}, -snes_type {asked().name}) has no "
                          "tangent whose eigenvalues could be found: take "
                          "-contact_form displacement with Newton's method "
                          "(-snes_type newtonls), or -continuation_stability off")

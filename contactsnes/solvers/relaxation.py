@@ -10,6 +10,7 @@ from ..contact.forms import ForceForm
 from ..options.database import read
 from ..options.fields import InputError, as_text
 from . import stepping
+from .capabilities import Capabilities
 from .motion import Motion
 from .snes import NOT_A_NUMBER
 
@@ -39,6 +40,7 @@ class Relaxation:
     options_class: ClassVar[type]
     method_class: ClassVar[type]
     estimates: ClassVar[tuple] = ()
+    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True)
 
     def __init__(self):
         self.options = self.options_class()

@@ -136,10 +136,10 @@ def _folds():
 
 def _jumps():
     """The energy that a jump loses is not counted."""
-    from contactsnes.contact.energies import Ledger
+    from contactsnes.contact.energies import PathEnergies
 
-    summed = Ledger._summed
-    Ledger._summed = (lambda self, point, before, external, interface,
+    summed = PathEnergies._summed
+    PathEnergies._summed = (lambda self, point, before, external, interface,
                       lost: summed(self, point, before, external, interface, 0.0 * lost))
 
 
