@@ -26,7 +26,7 @@ from test_continuation import (
 from test_stability import Cell  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
-from contactsnes.continuation import bifurcations  # noqa: E402
+from contactsnes.continuation import branching  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
 from contactsnes.continuation.bifurcations import between, probe  # noqa: E402
 from contactsnes.continuation.natural import NaturalSteps  # noqa: E402
@@ -234,7 +234,7 @@ def test_a_motion_that_leads_back_is_no_other_branch(end, back):
     of where it began, or farther away."""
     system = Landing([end], curve(lambda u: -u, lambda u: -np.ones_like(u)))
     (_, critical), (_, beyond) = system.points([0.0], [0.0])
-    found = bifurcations.followed(system, Dense(system), UNIT_LEG,
+    found = branching.followed(system, Dense(system), UNIT_LEG,
                                   replace(critical, mode=np.ones(1)), beyond)
     assert (found is None) == back and any("led back" in sentence
                                            for sentence in system.sentences) == back

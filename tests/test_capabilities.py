@@ -8,7 +8,8 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.contact.even_form import EvenForm  # noqa: E402
-from contactsnes.contact.forms import FORMS, DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import FORMS, ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.scene.settings import Form  # noqa: E402
 from contactsnes.solvers import capabilities  # noqa: E402
 from contactsnes.solvers.registry import OPTIONS  # noqa: E402

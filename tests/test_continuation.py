@@ -11,12 +11,12 @@ from contactsnes.continuation.arclength import ArcLengthSteps
 from contactsnes.continuation.events import with_events
 from contactsnes.continuation.folds import FoldSearch
 from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
+from contactsnes.continuation.load_steps import predict
 from contactsnes.continuation.natural import (
     NaturalSteps,
     fold_kind,
     grown,
     leg_history,
-    predict,
 )
 from contactsnes.continuation.path import branch
 from contactsnes.continuation.points import (

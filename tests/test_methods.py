@@ -21,7 +21,8 @@ from contactsnes.branch.first_points import COLD, cold  # noqa: E402
 from contactsnes.commands import session
 from contactsnes.compare import methods
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options import database as options

@@ -15,7 +15,8 @@ from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.first_points import start  # noqa: E402
 from contactsnes.commands.session import solver_options  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.grid.cell import Window, transform_cost  # noqa: E402

@@ -22,7 +22,8 @@ from contactsnes.branch.first_points import start  # noqa: E402
 from contactsnes.branch.grid_choice import memory_of_solve  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options.database import database  # noqa: E402

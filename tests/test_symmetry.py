@@ -21,7 +21,8 @@ from contactsnes.grid.cell import Convolution, Grid, Window
 from contactsnes.grid.even import Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
 from contactsnes.grid.transfer import smooth
 from contactsnes.options.fields import InputError
-from contactsnes.solvers.preconditioners import CoreOptions, zone
+from contactsnes.solvers.core_zone import CoreOptions
+from contactsnes.solvers.preconditioners import zone
 
 LINE = Scene(points=512, period=40.0, normal_maugis=3.0, residual_friction=0.5)
 SOFT = replace(LINE, points=64, period=16.0, normal_maugis=2.0, tangential_maugis=1.5,

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
 from ..contact.even_form import EvenForm, Symmetry
-from ..contact.forms import FORMS
+from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer

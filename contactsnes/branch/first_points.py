@@ -11,7 +11,7 @@ guess. Where a body that touches the flat has one equilibrium only, all levels l
 import numpy as np
 
 from ..contact import states
-from ..contact.forms import FORMS
+from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
 from ..dynamics.jumps import settle

@@ -23,7 +23,8 @@ from petsc4py import PETSc
 from ..branch.first_points import cold
 from ..contact import states
 from ..contact.observables import Measurement
-from ..continuation.natural import leg_history, predict
+from ..continuation.load_steps import predict
+from ..continuation.natural import leg_history
 from ..continuation.points import Leg, NoEquilibrium, NotConverged
 from ..continuation.predictors import PREDICTORS
 from ..options.database import install, read

@@ -6,7 +6,8 @@ import numpy as np
 from ..grid.boxes import cost
 from ..grid.even import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
 from ..options.fields import InputError
-from .forms import FORMS, DisplacementForm
+from .force_form import FORMS
+from .forms import DisplacementForm
 from .states import State, normal_gap, onto
 
 EVEN = 1e-6

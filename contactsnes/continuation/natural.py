@@ -4,32 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import bifurcations, departures
+from . import bifurcations, branching, departures
 from .folds import SHORT, FoldSearch
+from .load_steps import LoadSteps
 from .points import NoEquilibrium, NoFold, NotConverged
-from .predictors import PREDICTORS, after_failure
+from .predictors import after_failure
 
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
-LITTLE = 0.02
-"""Part of a first step by which its tangent tells how fast edges of contact move: so short that
-they stay in place."""
-
-
-def predict(system, history, leg, position, predictor):
-    """The state from which a solve begins.
-
-    Parameters
-    ----------
-    system : System
-    history : [(position, Point), ...] of the leg, oldest first
-    leg : Leg
-    position : where the solve is to be, a place in the leg
-    predictor : Predictor
-    """
-    (here, last), (places, points) = history[-1], zip(*history)
-    return predictor.state(system, points, places, position,
-                           lambda: system.along_tangent(last, leg, here, position - here))
 
 
 def grown(step, iterations, largest, target=8):
@@ -53,34 +35,11 @@ def leg_history(points, number):
     return distinct[::-1]
 
 
-class NaturalSteps:
-    """Natural continuation along one leg: an iterator of points, with rollback, folds and jumps.
-
-    Parameters
-    ----------
-    system : what solves (``Corrector``)
-    leg : Leg
-    history : [(position, point), ...] of this leg, oldest first; the last one is where the steps
-        go on
-    predictor : Predictor
-    at_fold : 'jump' or 'stop'
-    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
-        (``Stability``)
-    at_bifurcation : 'pass', 'stop' or 'follow'
-    """
+class NaturalSteps(LoadSteps):
+    """Natural continuation along one leg: an iterator of points, with rollback, folds and jumps;
+    parameters as of `LoadSteps`."""
 
     past = staticmethod(leg_history)
-
-    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point,
-                 at_bifurcation="pass"):
-        self.system, self.leg = system, leg
-        # What was stable under other controls may not be under these.
-        self.history = [(place, system.adapted(point if point.controls == leg.controls
-                                               else replace(point, stable=-1), leg.controls,
-                                               leg.load(place))) for place, point in history]
-        self.predictor, self.at_fold = predictor, at_fold
-        self.certify, self.at_bifurcation = certify, at_bifurcation
-        self.stopped = False
 
     def __iter__(self):
         yield from self._resumed()
@@ -91,15 +50,11 @@ class NaturalSteps:
         failures, searched = 0, None
         while self.history[-1][0] < 1.0:
             position = self.history[-1][0]
-            # The last two steps share what is left, so that none is tiny.
-            left = 1.0 - position
-            step = (left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left)
-                    if left < 2.0 * step else step)
-            target = 1.0 if step == left else position + step
+            step, target = shared(step, position)
             try:
-                point = self._step(target, after_failure(self.predictor) if failures
-                                   else self.predictor)
-                point, critical = self._examined(point)
+                point, critical = self._examined(
+                    self._step(target, after_failure(self.predictor) if failures
+                               else self.predictor))
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
@@ -156,7 +111,7 @@ class NaturalSteps:
                 self.stopped = True
                 return
             if self.at_bifurcation == "follow" and point.unstable_modes > last[1].unstable_modes:
-                found = bifurcations.followed(self.system, self.certify, self.leg, critical, point)
+                found = branching.followed(self.system, self.certify, self.leg, critical, point)
                 if found is not None:
                     self.history = []
                     yield self._accept(replace(found, step=min(point.step, self.leg.initial)))
@@ -183,78 +138,6 @@ class NaturalSteps:
             self.system.settle(last.state, self.leg.controls, load, where)
         except NotConverged:
             pass
-
-    def _place(self, position):
-        return self.system.told(self.leg.controls, self.leg.load(position))
-
-    def _step(self, target, predictor):
-        """Predict and correct; a correction as long as the step itself is another branch's, not a
-        neighbour."""
-        guess = predict(self.system, self.history, self.leg, target, predictor)
-        point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-        here, last = self.history[-1]
-        missed = self.system.missed(guess, point.state)
-        moved = self.system.missed(last.state, point.state)
-        wrong = 0.0 if guess is last.state else missed
-        if len(self.history) == 1 and moved > 1.0:
-            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
-            # branch: look back.
-            back = self.system.along_tangent(point, self.leg, target, here - target)
-            wrong = max(wrong, self.system.missed(back, last.state))
-        far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
-        if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
-            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
-                               f"its prediction, {moved:.3g} from the last "
-                               "point, perhaps on another branch")
-        point = replace(point, leg=self.leg.number, position=target)
-        bifurcations.probe(self.system, self.leg, self.history, point)
-        return point
-
-    def _strayed(self, guess, target, point):
-        """Whether some node ended where no prediction has it, however the solve began: part of the
-        contact has jumped."""
-        here, last = self.history[-1]
-        for foretold in self._foretold(guess, target):
-            if self.system.strayed(foretold, last.state, point.state) <= 0.0:
-                if not self.system.doubtful(foretold, last.state, point.state):
-                    return False
-                back = self.system.along_tangent(point, self.leg, target, here - target)
-                return self.system.detached(foretold, last.state, point.state, back)
-        return True
-
-    def _foretold(self, guess, target):
-        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and
-        those by fewer or more points."""
-        here, last = self.history[-1]
-        if guess is not last.state:
-            yield guess
-        for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
-            yield predict(self.system, self.history[-used:], self.leg, target,
-                          PREDICTORS["edge"])
-            yield predict(self.system, self.history[-used:], self.leg, target,
-                          PREDICTORS["secant"])
-        if len(self.history) == 1:
-            yield from self._foretold_by_tangent(guess, target)
-
-    def _foretold_by_tangent(self, guess, target):
-        """Predictions of a first step by the tangent where it begins: in place, and with the edges
-        of contact moved on."""
-        here, last = self.history[-1]
-        if guess is last.state:
-            yield self.system.along_tangent(last, self.leg, here, target - here)
-        near = replace(last, state=self.system.along_tangent(last, self.leg, here,
-                                                             LITTLE * (target - here)))
-        followed = self.system.follow_edge([last, near], [1.0 - 1.0 / LITTLE, 1.0 / LITTLE])
-        if followed is not None:
-            yield followed
-
-    def _expected(self, target):
-        """How far a step to ``target`` would move at the rate of the last one; inf for a first
-        step."""
-        if len(self.history) < 2:
-            return np.inf
-        (before, first), (here, last) = self.history[-2:]
-        return self.system.missed(first.state, last.state) * (target - here) / (here - before)
 
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
@@ -301,11 +184,20 @@ class NaturalSteps:
                f"{self._place(fold.position)}")
         point = departures.jumped(self.system, self.leg, fold, starts, where,
                                   lambda: self._end(end))
-        point = bifurcations.settled(self.system, self.certify, point, where)
+        point = branching.settled(self.system, self.certify, point, where)
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial,
                         event="jump")
         self.history = []
         yield self._accept(point)
+
+
+def shared(step, position):
+    """(step, its end) from a position; the last two steps share what is left, so that none is
+    tiny."""
+    left = 1.0 - position
+    step = (left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left)
+            if left < 2.0 * step else step)
+    return step, 1.0 if step == left else position + step
 
 
 def fold_kind(leg, heading=1.0):

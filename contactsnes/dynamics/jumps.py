@@ -7,7 +7,7 @@ import numpy as np
 
 from ..contact import states
 from ..contact.energies import straight, weights
-from ..contact.forms import ForceForm
+from ..contact.force_form import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes

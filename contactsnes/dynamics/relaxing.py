@@ -1,6 +1,6 @@
 """Dynamic relaxation on the whole cell, from an unknown of the force form to a state near rest."""
 
-from ..contact.forms import ForceForm
+from ..contact.force_form import ForceForm
 from ..continuation.points import NotConverged
 from ..solvers.snes import create_snes
 from .overdamped import Leaving

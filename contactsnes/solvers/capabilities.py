@@ -10,7 +10,7 @@ from functools import cache
 from importlib import import_module
 from typing import NamedTuple
 
-from ..contact.forms import FORMS
+from ..contact.force_form import FORMS
 
 
 class Capabilities(NamedTuple):

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from ..contact.forms import ForceForm
+from ..contact.force_form import ForceForm
 from ..options.database import read
 from ..options.fields import InputError, as_text
 from . import stepping

@@ -43,7 +43,7 @@ def _steps():
     def step(self, target, predictor):
         from dataclasses import replace
 
-        from contactsnes.continuation.natural import predict
+        from contactsnes.continuation.load_steps import predict
 
         guess = predict(self.system, self.history, self.leg, target, predictor)
         return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60),
