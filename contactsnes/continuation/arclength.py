@@ -43,15 +43,8 @@ class ArcLengthSteps(FoldingSteps):
     def __iter__(self):
         self.history = [(place, replace(point, position=place)) for place, point in self.history]
         yield from self._resumed()
-        self.begun = self.history[-1][1]
-        self.steps = 0
-        self.length = self.history[-1][1].arc
+        self._restart()
         failures, again = 0, after_failure(self.predictor)
-        self.patience = PATIENCE
-        self.turns = []
-        self.told = False
-        self.departed = None
-        self.level = None
         while not self.stopped and self.history[-1][0] != 1.0:
             self._check_end()
             if len(self.history) == 1:
@@ -85,6 +78,14 @@ class ArcLengthSteps(FoldingSteps):
                 continue
             self.steps, self.patience = self.steps + 1, min(self.patience + 1, PATIENCE)
             yield from self._reach(point, examined)
+
+    def _restart(self):
+        """Begin to count at the last point: steps, failures, folds."""
+        self.begun = self.history[-1][1]
+        self.steps, self.patience = 0, PATIENCE
+        self.length = self.history[-1][1].arc
+        self.turns, self.told = [], False
+        self.departed = self.level = None
 
     def _begin(self):
         """The second point: by a step of the load, or, where that fails, next to the first one by

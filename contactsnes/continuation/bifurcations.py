@@ -128,37 +128,28 @@ def _doubt(system, leg, last, point):
 
 
 def between(system, stability, leg, before, after):
-    """Points with event ``bifurcation`` where the number of unstable modes changes between two
-    neighbours of a leg, in order.
+    """Points with event ``bifurcation`` where unstable modes change between neighbours, in order.
 
     None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a
     bracketed root of its eigenvalue (Brent's method) along the branch, which is solved for in
     between. NotConverged where that fails and an odd number changes: that happens at folds and
     bifurcations only (the index of a branch stays), so that the neighbours lie on two branches.
-    Else what is not located is told of.
 
     Parameters
     ----------
-    system : Corrector
-    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that
-        eigenvalue, point marked at it)
-    leg : Leg
+    system, stability, leg : System, Stability (`system.Stability`), Leg
     before, after : (position, Point)
     """
-    if min(before[1].unstable_modes, after[1].unstable_modes) < 0:
-        return []
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
     found = []
+    if fewer < 0:
+        return found
     if before[1].event == "bifurcation" and fewer < more:
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
     for index in range(fewer, more):
-        sentence = (f"unstable modes change from {before[1].unstable_modes} to "
-                    f"{after[1].unstable_modes} between "
-                    f"{system.told(leg.controls, leg.load(before[0]))} and "
-                    f"{system.told(leg.controls, leg.load(after[0]))}, but no bifurcation "
-                    "was located there")
+        sentence = _not_located(system, leg, before, after)
         try:
             if any(_fades(stability, point, index) for _, point in (before, after)):
                 continue
@@ -176,6 +167,13 @@ def between(system, stability, leg, before, after):
                for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _not_located(system, leg, before, after):
+    """The begin of a sentence on a change of unstable modes without a bifurcation."""
+    first, last = (system.told(leg.controls, leg.load(position)) for position, _ in (before, after))
+    return (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} "
+            f"between {first} and {last}, but no bifurcation was located there")
 
 
 def _fades(stability, point, index):

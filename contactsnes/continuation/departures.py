@@ -20,7 +20,7 @@ def starts(system, fold, beyond):
 
     Parameters
     ----------
-    system : Corrector
+    system : System
     fold : Point
     beyond : State, of the branch behind the fold
     """
@@ -31,15 +31,11 @@ def starts(system, fold, beyond):
 
 def jumped(system, leg, fold, starts, where, check_end):
     """The equilibrium at a fold's load to which motion leads from the first start that does not
-    lead back.
-
-    A body that leaves, from one start, says nothing of others, nor of other loads.
+    lead back. A body that leaves, from one start, says nothing of others, nor of other loads.
 
     Parameters
     ----------
-    system : Corrector
-    leg : Leg
-    fold : Point
+    system, leg, fold : System, Leg, Point
     starts : functions () -> State
     where : str, what messages say of the place
     check_end : function () that raises NoEquilibrium if motion under the load of the leg's end
@@ -66,12 +62,17 @@ def jumped(system, leg, fold, starts, where, check_end):
                 break
             system.log(f"{error}; trying again from elsewhere")
             continue
-        # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
-        if system.missed(fold.state, point.state) > 0.5 * system.missed(fold.state, state) \
-                or system.progress(fold.state, state, point.state) > 0.05:
+        if _elsewhere(system, fold.state, state, point.state):
             return point
         system.log(f"the motion {where} led back to it; trying again from farther away")
     if not failures:
         check_end()
-    raise NotConverged(f"no other equilibrium was reached {where}: "
-                       f"{failures[0] if failures else 'the motion led back'}")
+    reason = failures[0] if failures else "the motion led back"
+    raise NotConverged(f"no other equilibrium was reached {where}: {reason}")
+
+
+def _elsewhere(system, fold, start, found):
+    """Whether a motion from a start beside a fold led on: forward, perhaps by a little, for an edge
+    that a coarse grid pins moves on by a node."""
+    return (system.missed(fold, found) > 0.5 * system.missed(fold, start)
+            or system.progress(fold, start, found) > 0.05)

@@ -30,10 +30,7 @@ class FoldSearch:
 
     def search(self, error, refused=np.inf):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past
-        the trouble.
-
-        Raises NoFold (``error`` again) where no solution can be followed any further.
-        """
+        the trouble; NoFold (``error`` again) where no solution can be followed any further."""
         begin = self.history[-1][0]
         try:
             trail = self.trail()
@@ -45,11 +42,8 @@ class FoldSearch:
             try:
                 point = self._ahead(trail, length)
             except NotConverged as second:
-                length *= 0.25
-                if length < 1e-4 * first:
-                    raise NoFold(f"{error}; following the branch by arc length "
-                                 "failed too, so that no fold was "
-                                 f"located: {second}") from None
+                length = self._shorter(length, first, f"{error}; following the branch by arc "
+                                       f"length failed too, so that no fold was located: {second}")
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
@@ -59,9 +53,8 @@ class FoldSearch:
                     fold, beyond, trail = self._locate(trail)
                 except NotConverged as second:
                     # Between points that are nearer to it a search succeeds.
-                    length *= 0.25
-                    if length < 1e-4 * first:
-                        raise NoFold(f"{error}; the fold there was not located: {second}") from None
+                    length = self._shorter(length, first, f"{error}; the fold there was not "
+                                           f"located: {second}")
                     trail.pop()
                     continue
                 if fold is not None and fold.position <= 1.0:
@@ -72,10 +65,17 @@ class FoldSearch:
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
                 length *= min(1.7, self.largest / max(place - trail[-2][0], 1e-300))
-        ahead = trail[-1][0]
-        if ahead > begin + 2.0 * self.leg.smallest:
-            return None, None, self._natural(trail, min(ahead, 1.0))
-        raise NoFold(f"{error}; arc length made no headway either")
+        if trail[-1][0] <= begin + 2.0 * self.leg.smallest:
+            raise NoFold(f"{error}; arc length made no headway either")
+        return None, None, self._natural(trail, min(trail[-1][0], 1.0))
+
+    @staticmethod
+    def _shorter(length, first, sentence):
+        """A quarter of a step; NoFold, with a sentence, where that is next to nothing of the first
+        one."""
+        if 0.25 * length < 1e-4 * first:
+            raise NoFold(sentence) from None
+        return 0.25 * length
 
     def _short_of(self, refused, trail):
         """Length of the first arc step: of the last one, but no farther than to what steps could

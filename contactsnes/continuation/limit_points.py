@@ -49,7 +49,7 @@ class LimitPoint:
 
     Parameters
     ----------
-    system : what solves (``Tracer``)
+    system : System
     leg : Leg
     before, beyond : points of the branch
     heading : 1 or -1, where the load goes from a fold before, whose own slope is rounding; else its

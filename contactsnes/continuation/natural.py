@@ -63,12 +63,7 @@ class NaturalSteps(LoadSteps):
                 if searched != position and (step < self.leg.smallest or step < 0.1 * short
                                              or failures > 1 and step < short):
                     searched, before = position, self.history[-1][1]
-                    try:
-                        yield from self._fold(error, 4.0 * step)
-                    except NoFold as lost:
-                        if step < self.leg.smallest:
-                            self._give_up(lost, f"at {self._place(1.0)}")
-                        self.system.log(f"{lost}: going on with shorter steps")
+                    yield from self._look_ahead(error, step)
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
@@ -85,6 +80,16 @@ class NaturalSteps(LoadSteps):
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _look_ahead(self, error, step):
+        """Yield what stops the steps, as `_fold` does; where nothing is found, shorter ones go
+        on."""
+        try:
+            yield from self._fold(error, 4.0 * step)
+        except NoFold as failure:
+            if step < self.leg.smallest:
+                self._give_up(failure, f"at {self._place(1.0)}")
+            self.system.log(f"{failure}: going on with shorter steps")
 
     def _resumed(self):
         """What follows a fold that the path goes on from, whose way out is not known any more."""

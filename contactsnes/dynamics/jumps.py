@@ -78,40 +78,37 @@ def settle(system, state, controls, load, where, origin=None):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
-    overdamped = options.type == "overdamped" and has_modes(system.settings)
-    failure = None
-    if overdamped:
-        try:
-            return by_creep(system, state, controls, load, origin, options)
-        except Leaving:
-            raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
-        except (Unsettled, NotConverged) as error:
-            failure = str(error)
-            system.log(f"the overdamped motion {where} cannot be followed "
-                       f"({error}): following motion with inertia on the "
-                       "whole cell, which may lead to another equilibrium")
+    if options.type != "overdamped" or not has_modes(system.settings):
+        return inertial(system, state, controls, load, where, options)
+    try:
+        return by_creep(system, state, controls, load, origin, options)
+    except Leaving:
+        raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+    except (Unsettled, NotConverged) as error:
+        failure = str(error)
+    system.log(f"the overdamped motion {where} cannot be followed ({failure}): following motion "
+               "with inertia on the whole cell, which may lead to another equilibrium")
     try:
         return by_inertia(system, state, controls, load, where)
     except Leaving:
-        # Inertia may carry a body past an equilibrium.
-        if failure is None:
-            return by_creep_after_inertia(system, state, controls, load, where, options)
-    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
-                       "the overdamped motion there cannot be followed: "
-                       f"{failure}")
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped "
+                           f"motion there cannot be followed: {failure}") from None
 
 
-def by_creep_after_inertia(system, state, controls, load, where, options):
-    """What overdamped motion leads to where motion with inertia has no end; errors as of
-    `settle`."""
+def inertial(system, state, controls, load, where, options):
+    """The equilibrium that motion with inertia leads to; where that has no end, since inertia may
+    carry a body past an equilibrium, overdamped motion decides. Errors as of `settle`."""
+    try:
+        return by_inertia(system, state, controls, load, where)
+    except Leaving:
+        pass
     try:
         return by_creep(system, state, controls, load, None, options)
     except Leaving:
         raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
     except Unsettled as error:
-        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
-                           "the overdamped motion there cannot be "
-                           f"followed: {error}") from None
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped "
+                           f"motion there cannot be followed: {error}") from None
 
 
 def by_creep(system, state, controls, load, origin, options):

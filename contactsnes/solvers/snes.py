@@ -195,12 +195,17 @@ def create_snes(form, prefix="", tolerance=None):
     if method.has_tangent:
         ksp.setComputeEigenvalues(True)
         snes.setMonitor(form.ritz)
-    regularised = read(NewtonOptions, prefix)
-    for solver, its_form in ((snes, form),
-                             *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
-        if regularised.gap and solver.getType() == "newtonls":
-            solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
+    inner = [(solver, form) for solver in inner_solvers(snes, form)]
+    regularise([(snes, form), *inner, *smoothers], read(NewtonOptions, prefix))
     return snes
+
+
+def regularise(solvers, options):
+    """Have Newton's steps of solvers, [(SNES, form), ...], taken in the regularised gap, if options
+    say so."""
+    for solver, form in solvers:
+        if options.gap and solver.getType() == "newtonls":
+            solver.setLineSearchPreCheck(RegularisedStep(form, options.stiffness))
 
 
 def inner_solvers(snes, form):
