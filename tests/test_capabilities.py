@@ -1,5 +1,11 @@
 """What methods can do is declared in one place, and options and types of SNES are found there."""
 
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import petsc4py
 import pytest
 
@@ -15,6 +21,10 @@ from contactsnes.solvers import capabilities  # noqa: E402
 from contactsnes.solvers.registry import OPTIONS  # noqa: E402
 
 RELAXATION = "contactsnes.solvers.relaxation."
+ROOT = Path(__file__).resolve().parents[1]
+TINY = ["-scene_points", "64", "-scene_period", "20", "-scene_normal_maugis", "1", "-load_path",
+        "normal_displacement=0.5", "-continuation_initial_step", "0.25",
+        "-continuation_largest_step", "0.25"]
 
 
 @pytest.mark.parametrize("kind, tangent", [("newtonls", True), ("newtontr", True), ("fas", False),
@@ -65,3 +75,44 @@ def test_options_of_all_types_are_found():
     assert {cls.prefix for cls in OPTIONS} == {
         "snes_regularised_", "snes_grids_", "pc_core_", "snes_verlet_", "snes_adaptive_",
         "snes_kinetic_", "snes_fire_", "snes_pseudo_"} and len(OPTIONS) == 8
+
+
+@pytest.fixture(scope="module")
+def extended(tmp_path_factory):
+    """A function that runs the command of a copy of the package with the two files that
+    docs/extending.md shows."""
+    folder = tmp_path_factory.mktemp("extended")
+    shutil.copytree(ROOT / "contactsnes", folder / "contactsnes",
+                    ignore=shutil.ignore_patterns("__pycache__"))
+    page = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    shown = re.findall(r"```python\n(.*?)```", page, flags=re.S)
+    for name, text in (("solvers/heavy_ball.py", "class HeavyBall("),
+                       ("continuation/predictors/cubic.py", "class Cubic(")):
+        source, = (code for code in shown if text in code)
+        (folder / "contactsnes" / name).write_text('"""One file."""\n\n' + source)
+
+    def run(*words):
+        return subprocess.run([sys.executable, "-m", "contactsnes", *words], cwd=folder, text=True,
+                              capture_output=True, check=False)
+    return run
+
+
+def test_a_predictor_takes_one_file(extended):
+    helped = " ".join(extended("run", "-help").stdout.split())
+    assert "edge (follows contact edges and slip fronts, where there are any), cubic" in helped
+    done = extended("run", *TINY, "-continuation_predictor", "cubic", "-archive_file", "cubic.h5")
+    assert done.returncode == 0, done.stderr
+    done = extended("run", *TINY, "-continuation_predictor", "cubic", "-continuation_type",
+                    "arclength", "-archive_file", "arc.h5")
+    assert done.returncode == 0, done.stderr
+    assert extended("run", *TINY, "-continuation_predictor", "quartic").returncode == 2
+
+
+def test_a_type_of_snes_takes_one_file(extended):
+    method = ["-contact_form", "force", "-snes_type", "python", "-snes_python_type",
+              "contactsnes.solvers.heavy_ball.HeavyBall"]
+    assert "-snes_heavy_ball_kept" in extended("run", "-help").stdout
+    done = extended("run", *TINY, *method, "-snes_heavy_ball_kept", "0.8", "-archive_file", "b.h5")
+    assert done.returncode == 0, done.stderr
+    done = extended("run", *TINY, *method, "-snes_heavy_ball_kepd", "0.8")
+    assert done.returncode == 2 and "-snes_heavy_ball_kept" in done.stderr
