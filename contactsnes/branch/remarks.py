@@ -134,5 +134,5 @@ class Remarks:
                       f"branch: at {self.corrector.told(point.controls, point.load)} the "
                       "displacement goes against the force; -continuation_stability "
                       "sign tells more")
-        alone = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
-        return replace(point, stable=0) if alone else point
+        single = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
+        return replace(point, stable=0) if single else point

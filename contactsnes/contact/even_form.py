@@ -173,9 +173,9 @@ class Symmetry:
             return False
         if centred(state.window) == state.window:
             return True
-        alone = lone(state.window)
+        unpaired = lone(state.window)
         return self.contact.grid.minimum(normal_gap(self.contact, state),
-                                         where=alone) >= self.contact.law.certain
+                                         where=unpaired) >= self.contact.law.certain
 
     def leave(self, why):
         """Take no state for even from now on, for a reason in words."""

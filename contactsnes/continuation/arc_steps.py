@@ -5,9 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from .load_steps import MISSED, SHARE
 from .natural import NaturalSteps
 from .points import NotConverged, lagrange_weights
 
+ALONG = 0.35
+"""Part of its way by which a step may miss its prediction without being asked whether the branch
+leads back from there."""
 APART = 0.1
 """Points nearer to each other than this part of the next step add noise to a prediction, not
 knowledge."""
@@ -103,13 +107,13 @@ class ArcSteps(NaturalSteps):
         (_, before), (here, last) = self.history[-2:]
         missed = self.system.missed(guess, point.state)
         moved = self.system.missed(last.state, point.state)
-        if (missed > 0.15 and missed > 0.5 * moved) or self.system.strayed(guess, last.state,
+        if (missed > MISSED and missed > SHARE * moved) or self.system.strayed(guess, last.state,
                                                                            point.state) > 0.0:
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its "
                                f"prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
-        if missed > ASIDE and (missed > 0.35 * moved or self.system.missed(self._back(point),
-                                                                           last.state) > 0.5
+        if missed > ASIDE and (missed > ALONG * moved or self.system.missed(self._back(point),
+                                                                           last.state) > SHARE
                                * moved):
             raise NotConverged("the branch where the step ended hardly leads back")
         ahead = self._way(last, point)

@@ -14,6 +14,11 @@ may be anywhere."""
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
+MISSED = 0.5
+"""Part of a step that a solve within it may end from its prediction."""
+VANISHED = 1e-3
+"""Part of its values at the ends of a step below which an eigenvalue is zero at a root, and does
+not jump through it."""
 PARTED = 0.01
 """Part of a step by which states are apart on either side of a place if they lie on two
 branches."""
@@ -212,7 +217,7 @@ def _root(system, stability, leg, ends, index):
     precision = min(_precision(leg, position) for position, _ in ends)
     place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
     value(place)
-    if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
+    if abs(values[place]) > VANISHED * max(abs(first), abs(last)):
         if _apart(system, known, values) > PARTED * far:
             raise NotConverged("an eigenvalue jumps through zero, and the state with it")
         return None
@@ -237,6 +242,6 @@ def _solved(system, leg, known, position, far):
              min(place for place in known if place > position)]
     guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
     point = system.solve(guess, leg.controls, leg.load(position))
-    if system.missed(guess, point.state) > 0.5 * far:
+    if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")
     return point

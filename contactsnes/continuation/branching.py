@@ -4,6 +4,11 @@ from dataclasses import replace
 
 from .points import NoEquilibrium, NotConverged
 
+APART = 0.3
+"""Part of the kick by which a motion has to end away from a branch not to have led back to it."""
+JUMPED = 0.5
+"""Part of the distance from a branch to what a motion reached within which the same solution is
+still next to the branch at the bifurcation: it begins there, and there is no jump."""
 KICKS = (1.0, -1.0, 5.0, -5.0)
 """How far along the mode, in parts of the kick that is asked for, a motion away from the branch
 begins; the next if it leads back."""
@@ -33,7 +38,7 @@ def followed(system, stability, leg, critical, beyond):
             system.log(f"{error}; trying again from elsewhere")
             failure = failure or error
             continue
-        if system.missed(beyond.state, reached.state) >= 0.3 * system.missed(beyond.state, start):
+        if system.missed(beyond.state, reached.state) >= APART * system.missed(beyond.state, start):
             return _branched(system, leg, critical, beyond, reached)
     if failure is not None:
         raise failure
@@ -49,7 +54,7 @@ def _branched(system, leg, critical, beyond, reached):
         there = system.solve(reached.state, leg.controls, leg.load(critical.position))
     except NotConverged:
         return reached
-    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state,
+    if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
                                                                         reached.state):
         return reached
     return replace(there, leg=leg.number, position=critical.position, step=leg.initial,

@@ -10,6 +10,10 @@ next if it leads back.
 Backwards, too: an unstable branch, which steps may have reached, is left on that side.
 """
 
+APART = 0.5
+"""Part of the kick by which a motion has to end away from its fold not to have led back to it."""
+FORWARD = 0.05
+"""The same in the direction of the kick, for an edge that a coarse grid pins moves on by a node."""
 MISHAPS = 5
 """Motions beside a fold that may end in no equilibrium before the jump is given up."""
 
@@ -72,7 +76,6 @@ def jumped(system, leg, fold, starts, where, check_end):
 
 
 def _elsewhere(system, fold, start, found):
-    """Whether a motion from a start beside a fold led on: forward, perhaps by a little, for an edge
-    that a coarse grid pins moves on by a node."""
-    return (system.missed(fold, found) > 0.5 * system.missed(fold, start)
-            or system.progress(fold, start, found) > 0.05)
+    """Whether a motion from a start beside a fold led on."""
+    return (system.missed(fold, found) > APART * system.missed(fold, start)
+            or system.progress(fold, start, found) > FORWARD)

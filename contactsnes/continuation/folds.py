@@ -5,12 +5,19 @@ from dataclasses import replace
 import numpy as np
 
 from .limit_points import FOLD_TOLERANCE, LimitPoint
+from .load_steps import SHARE
 from .points import NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold:
 arc length finds out."""
 
+MISSED = 0.1
+"""Ranges of the law that a solve by arc length may end from its prediction whatever its way: less
+than for steps of the load, whose predictions are less exact next to a fold."""
+STEADY = 0.7
+"""Part of the slope of the load before a step that is left after it where no fold is near: a slope
+that falls linearly vanishes after more than two further steps of that length."""
 AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
@@ -47,7 +54,7 @@ class FoldSearch:
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
-            steady = slope[2] > 0.7 * slope[1]
+            steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:
                 try:
                     fold, beyond, trail = self._locate(trail)
@@ -130,7 +137,7 @@ class FoldSearch:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")
         aside = system.missed(guess, point.state)
-        if (aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state)) \
+        if (aside > MISSED and aside > SHARE * system.missed(last.state, point.state)) \
                 or system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "
                                "its prediction, perhaps on another branch")
@@ -152,7 +159,7 @@ class FoldSearch:
                                             lagrange_weights([before, behind], target))
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-                if (self.system.missed(guess, point.state) <= max(0.1,
+                if (self.system.missed(guess, point.state) <= max(MISSED,
                                                                   self.system.missed(first.state,
                                                                                      second.state))
                     and self.system.strayed(guess, first.state, point.state) <= 0.0):

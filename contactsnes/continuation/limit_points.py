@@ -20,6 +20,8 @@ CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
+MISSED, SHARE = 0.1, 0.5
+"""Ranges of the law, and part of the bracket, that a solve in it may end from its prediction."""
 NEARLY = 0.25
 """Least slope of a cubic within a step, over its mean, with which it may turn where a longer
 polynomial would."""
@@ -202,7 +204,7 @@ class LimitPoint:
                                     right.point.position])
         point = self.system.solve_arc(self.chord, place, guess, position, self.leg, tight=tight)
         if self.system.missed(guess, point.state) > max(
-            0.1, 0.5 * self.system.missed(left.point.state, right.point.state)
+            MISSED, SHARE * self.system.missed(left.point.state, right.point.state)
         ):
             raise NotConverged("the search for the fold strayed from the branch")
         if not tight and point.softest < 0.0 <= min(left.point.softest, right.point.softest):

@@ -8,6 +8,19 @@ from . import bifurcations
 from .points import NotConverged
 from .predictors import PREDICTORS
 
+MISSED = 0.15
+"""Ranges of the law that a solve may end from its prediction whatever the way of the step: edges of
+contact that pass nodes miss by as much."""
+SHARE = 0.5
+"""Part of its own way by which a step may miss its prediction: what lies on another branch may be
+missed by the whole way."""
+FAR = 0.3
+"""Ranges of the law from which on the way of a step is compared with that of the last one."""
+FASTER = 4.0
+"""How much farther than the last step, per unit of the load, one may lead that missed its
+prediction."""
+FIRST = 1.0
+"""Way of a first step, ranges of the law, from which on the tangent at its end has to lead back."""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that
 they stay in place."""
@@ -69,13 +82,13 @@ class LoadSteps:
         missed = self.system.missed(guess, point.state)
         moved = self.system.missed(last.state, point.state)
         wrong = 0.0 if guess is last.state else missed
-        if len(self.history) == 1 and moved > 1.0:
+        if len(self.history) == 1 and moved > FIRST:
             # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
             # branch: look back.
             back = self.system.along_tangent(point, self.leg, target, here - target)
             wrong = max(wrong, self.system.missed(back, last.state))
-        far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
-        if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
+        far = missed > MISSED and moved > FAR and moved > FASTER * self._expected(target)
+        if far or (wrong > MISSED and wrong > SHARE * moved) or self._strayed(guess, target, point):
             raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
                                f"its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
