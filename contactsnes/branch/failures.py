@@ -73,14 +73,32 @@ class Resolution:
         alternating = short_waves(self.contact, point) if point.in_contact else 0.0
         coarse = alternating > SHORT_WAVES
         pinned = max(resolution(scene, sheared)) > PINNING or sharpened
+        self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
+                   alternating)
+        self.last = point
+        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
+
+    def _tell(self, point, jumped, sharpened, crowded, pinned, sheared, alternating):
+        """Say why a point is not resolved.
+
+        Parameters
+        ----------
+        point : Point
+        jumped, crowded, pinned : whether a jump is the grid's, folds are too near to each other,
+            and edges stick between nodes
+        sharpened : steepest softening of the law, E*/beta, where the grid is too coarse for it;
+            else None
+        sheared : whether fronts of slip are to be resolved, too
+        alternating : part of the largest traction that alternates from node to node
+        """
         if jumped:
             self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold "
                       "may be the grid's, where an edge of contact or "
                       "slip passes from node to node; see whether it "
                       "stays on a grid twice as fine")
-        elif sharpened:
+        elif sharpened is not None:
             self._say("sharpened", "friction softens faster than the grid resolves, "
-                      f"by {found:.3g}, at "
+                      f"by {sharpened:.3g}, at "
                       f"{self.contact.scene.loads(point.controls, point.load)}: rims of "
                       "contact sink, and edges may stick between nodes; a "
                       "grid twice as fine goes farther")
@@ -92,13 +110,11 @@ class Resolution:
         elif pinned and point.event == "fold":
             self._say("fold", f"this fold ({point.fold_kind}) may be the grid's: "
                               f"{resolution_warning(self.contact.scene, sheared)}")
-        elif coarse and not pinned:
+        elif alternating > SHORT_WAVES and not pinned:
             self._say("coarse", "the traction alternates from node to node by "
                       f"{alternating:.2g} of its largest value, at "
-                      f"{scene.loads(point.controls, point.load)}: the grid does not "
+                      f"{self.contact.scene.loads(point.controls, point.load)}: the grid does not "
                       "resolve it; take more -scene_points")
-        self.last = point
-        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
 
     def _say(self, kind, sentence):
         """Log a sentence, once of each kind."""

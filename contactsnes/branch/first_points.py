@@ -11,12 +11,16 @@ guess. Where a body that touches the flat has one equilibrium only, all levels l
 import numpy as np
 
 from ..contact import states
+from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
+from ..dynamics.jumps import settle
 from ..grid.transfer import extent, interpolation, resampled
 from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
+from ..solvers.capabilities import asked
 from ..solvers.snes import COLD
+from .corrector import Corrector
 
 SPACING = 2.0 * LARGEST_RESOLUTION
 """Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks
@@ -29,6 +33,60 @@ that sticks."""
 FEWEST, SHORTEST = 8, 32
 """Nodes of each direction on the flat, at least, in the start of the coarsest grid; and nodes of
 the cell."""
+
+
+def start(system, controls, load):
+    """The first point: the equilibrium that the undeformed body reaches under given loads.
+
+    A cold solve finds it where the gap is convex; elsewhere, and where that fails, motion
+    decides.
+    """
+    why = ambiguous(system)
+    if why is None:
+        if not system.contact.convex:
+            system.log("the gap is not convex: inertial motion leads to the first point, and where "
+                       "several equilibria exist it may be another one than overdamped motion "
+                       "reaches")
+        try:
+            return cold(system, controls, load)
+        except NotConverged as error:
+            why = f"no cold solve ({error})"
+    system.log(f"{why}: the first point is where motion from the undeformed body leads")
+    undeformed = beginning(system.contact, controls, load)
+    return settle(system, undeformed, controls, load,
+                  f"at {system.contact.scene.loads(controls, load)} from the undeformed body")
+
+
+def ambiguous(system):
+    """Why a cold solve may end elsewhere than the undeformed body, in words; None if not."""
+    relaxed = FORMS[system.settings.form].whole_cell
+    if relaxed and asked().is_relaxation:
+        return None
+    if not system.contact.convex:
+        return "the gap is not convex, so that several equilibria may exist"
+    if not relaxed and max(resolution(system.contact.scene, sheared=False)) > PINNING:
+        return ("edges stick between nodes of so coarse a grid, where "
+                "Newton's method may find an unstable branch")
+    return None
+
+
+def cold(system, controls, load):
+    """The point at given loads that the body reaches from the start without overlap, without
+    friction first."""
+    point = first_point(system, controls[:1], load[:1])
+    return point if len(controls) == 1 else system.solve(point.state, controls, load, COLD)
+
+
+def coarser(system, contact, tolerance):
+    """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid
+    but its own serves it."""
+    form = system.settings
+    if not (form.cascade and not FORMS[form.form].whole_cell and form.first == "none"
+            and asked().has_tangent):
+        return None
+    coarse = Corrector(contact, system.settings, system.log, tolerance)
+    coarse.totals = system.totals
+    return coarse
 
 
 def first_point(system, controls, load):
@@ -116,7 +174,7 @@ def through_grids(system, start, controls, load):
     where none serves."""
     state, found = None, levels(system.contact, start)
     for finer, level in reversed(list(zip(found, found[1:]))):
-        coarse = system.on(level, tolerance(level, finer))
+        coarse = coarser(system, level, tolerance(level, finer))
         if coarse is None:
             return None
         point = (on_grid(coarse, controls, load) if state is None

@@ -8,23 +8,24 @@ from petsc4py import PETSc
 from ..contact import states
 from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
-from ..contact.problem import FORCE
 from ..continuation.points import Direction, NotConverged
-from ..scene.resolution import PINNING, resolution
-from ..solvers.snes import WARM, create_snes, kept, solver_type
+from ..dynamics import jumps
+from ..solvers.capabilities import asked
+from ..solvers.snes import WARM, create_snes, kept
 from .corrector import KSP_REASONS, Corrector, finite
+from .ends import Ends
+from .neighbours import Neighbours
 
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
 TIGHT = 1e-11
 """Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the
 residual a hundredfold."""
-FAR = 8.0
-"""Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
 
 
-class Tracer(Corrector):
-    """A corrector that knows the branch's direction, too, and goes along it by arc length.
+class Tracer(Corrector, Neighbours, Ends):
+    """The system that continuation asks (``continuation.system.System``): a corrector that knows
+    the branch's direction, too, and goes along it by arc length.
 
     A ``chord``, a pair of states, measures how far a state has gone (``states.chord``). The
     ``examiner`` (`stability.Stability`), if it is given one, counts unstable modes where nobody
@@ -32,6 +33,12 @@ class Tracer(Corrector):
     """
 
     examiner = None
+    kicked = jumps.kicked
+    settle = jumps.settle
+
+    def told(self, controls, load):
+        """Loads in words."""
+        return self.contact.scene.loads(controls, load)
 
     def solve_arc(self, chord, length, guess, position, leg, border=(1.0, 0.0), tight=False):
         """The point at a place of a chord, near a guess and its position in the leg; NotConverged
@@ -50,14 +57,14 @@ class Tracer(Corrector):
             if tight:
                 snes.setTolerances(atol=min(TIGHT, tolerance))
                 snes.getKSP().setTolerances(atol=0.5 * TIGHT * form.linear_tolerance)
-            unknown, iterations = self._newton(arc, start, WARM, snes)
+            unknown, iterations = self.run(arc, start, WARM, snes)
             snes.setTolerances(atol=tolerance)
             arc.set_position(unknown[-1])
-            state = self._state(form, unknown[:-1])
+            state = form.state(unknown[:-1])
             if not states.covers(self.contact, state):
                 guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
                 continue
-            unknown, state, imbalance = self._balanced(form, unknown, state, arc, snes)
+            unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:
                 arc.set_position(unknown[-1])
                 point = self._point(form, state, imbalance, iterations)
@@ -77,7 +84,7 @@ class Tracer(Corrector):
         field = form.displacement(change[:-1])
         rate = float(change[-1])
         grid = self.contact.grid
-        if form.name == "force":
+        if form.whole_cell:
             return Direction(states.State(form.window, field, grid.mean(field)), rate)
         gap = form.displacement(unknown[:-1])
         gap[0] += form.window.take(self.contact.initial_gap)
@@ -98,58 +105,11 @@ class Tracer(Corrector):
         return Direction(states.State(change.window, change.displacement / length,
                                       change.means / length), direction.rate / length)
 
-    def margin(self, point, event):
-        """What is at least 0 where there is an event, 'pull_off' or 'gross_sliding': a gap or slip
-        over its threshold, ranges."""
-        gap = states.normal_gap(self.contact, point.state)
-        threshold = self.contact.scene.contact_threshold
-        if event == "pull_off":
-            return float(self.contact.grid.minimum(gap) - threshold)
-        slip = np.linalg.norm(point.state.displacement[1:], axis=0)
-        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3)
-                     - np.nextafter(self.contact.law.slip_peak, np.inf))
-
-    def stride(self, point, direction):
-        """Length along a branch in which the edge that moves fastest, of contact or slip, passes a
-        node of a line.
-
-        0 in the plane, whose edges pass nodes here and there, and on grids that are known to pin.
-        """
-        scene = self.contact.scene
-        if scene.dimension == 2 or max(resolution(scene, len(point.controls) > 1)) > PINNING:
-            return 0.0
-        state, window = point.state, direction.state.window
-        field, moved = states.onto(state, window).copy(), direction.state.displacement
-        field[0] += window.take(self.contact.initial_gap)
-        node = np.unravel_index(np.argmax(np.abs(np.where(field[0] < states.NEAR, moved, 0.0))),
-                                moved.shape)
-        steps = np.gradient(field[node[0]].reshape(len(window.parts), -1), axis=1).reshape(-1)
-        return float(abs(steps[node[1]] / moved[node]))
-
-    def lost(self, point, leg, heading):
-        """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in
-        words, or ""."""
-        gap = states.normal_gap(self.contact, point.state)
-        free = point.controls[0] == FORCE or heading < 0.0
-        if free and not point.in_contact and self.contact.grid.minimum(
-                gap) > self.contact.law.range:
-            return "it has left the range of the law"
-        if FORCE in point.controls[1:] and point.in_contact:
-            slip = np.linalg.norm(point.state.displacement[1:], axis=0)
-            touching = gap < self.contact.scene.contact_threshold
-            if self.contact.grid.minimum(slip, where=touching) > FAR:
-                return "the whole contact slides without end"
-        return ""
-
-    def chord_length(self, first, last):
-        """Root mean square way from one state to another where the law acts, ranges of the law."""
-        return states.chord(self.contact, first, last, last.window)[1]
-
     def along_tangent(self, point, leg, position, step):
         """The state of a point of a leg moved along the branch's tangent: one linear solve with the
         Jacobian there."""
-        state, direction = self._fitted(point.state), leg.direction
-        form = self._form_for(state, leg.controls)
+        state, direction = self.fitted(point.state), leg.direction
+        form = self.form_on(state, leg.controls)
         form.set_load(leg.load(position))
         unknown = form.pack(state.displacement, state.means[form.forced])
         form.linearise(unknown)
@@ -162,7 +122,7 @@ class Tracer(Corrector):
         ahead = law.regularised_step(gap, field[0] - state.displacement[0], law.moving_stiffness)
         field[0] = state.displacement[0] + ahead
         moved = form.pack(field, form.scalars(moved))
-        if form.name == "displacement" and form.forced:
+        if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
             # the law acts.
             aside = form.displacement(form.residual(moved, np.empty(form.size)))
@@ -176,9 +136,9 @@ class Tracer(Corrector):
     def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """Form, form with the arc length, its SNES and its unknown, for a state and position on or
         near a chord."""
-        own = solver_type().startswith("newton")
-        state = self._fitted(guess) if own else states.fitted(self.contact, guess)
-        form = (self._form_for(state, leg.controls) if own
+        own = asked().has_tangent
+        state = self.fitted(guess) if own else states.fitted(self.contact, guess)
+        form = (self.form_on(state, leg.controls) if own
                 else DisplacementForm(self.contact, state.window, leg.controls))
         none = np.zeros(len(form.forced))
         first, last = (form.pack(states.onto(end, form.window), none) for end in chord)

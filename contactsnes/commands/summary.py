@@ -87,14 +87,14 @@ def skipped(settings, branch):
                  else f"{len(window.parts)} boxes with {window.size}")
         sentences.append("nodes beyond the law's range: the window has "
                          f"{nodes} of {_by(cell)} nodes at the start")
-    return [*sentences, _mirror_images(settings, branch.contact, sheared)]
+    return [*sentences, _mirror_images(settings, branch, sheared)]
 
 
-def _mirror_images(settings, contact, sheared):
+def _mirror_images(settings, branch, sheared):
     """Sentence on what symmetry leaves out, or why it does not."""
     if settings.form.symmetry == "off":
         return "no symmetry is used: -contact_symmetry is off"
-    why = _asymmetries(settings, contact, sheared)
+    why = _asymmetries(settings, branch, sheared)
     reason = next(filter(None, why), None)
     if all(why):
         return f"no symmetry is used: {reason}"
@@ -106,11 +106,11 @@ def _mirror_images(settings, contact, sheared):
     return f"mirror images, so that {part} is solved: scene and load path are even about the apex"
 
 
-def _asymmetries(settings, contact, sheared):
+def _asymmetries(settings, branch, sheared):
     """Why states are not even at the start and in each leg, or None."""
     if settings.form.symmetry == "off":
         return ["it is not wanted"] * len(sheared)
-    return obstacles(contact, sheared, settings.form, database().get("snes_type", "newtonls"))
+    return obstacles(branch.contact, sheared, settings.form, branch.method)
 
 
 def _by(shape):
@@ -212,7 +212,7 @@ def about_unknowns(settings, branch):
     largest = 0
     sheared_legs = scenes.tangential_legs(scene, settings.load)
     for number, (sheared, uneven) in enumerate(zip(sheared_legs,
-                                                   _asymmetries(settings, branch.contact,
+                                                   _asymmetries(settings, branch,
                                                                 sheared_legs))):
         if number:
             controls = controls | legs[number - 1].controls

@@ -18,10 +18,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from petsc4py import PETSc
 
+from ..branch.first_points import cold
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import install, read
 from ..scene.settings import Form
-from .recorder import Meter, Recorder
+from .recorder import Recorder
 from .targets import ERRORS, follow_reference, targets
 
 CONVERGED = "converged"
@@ -81,7 +82,7 @@ class Comparison:
         self.given = given
         self.settings, self.log = settings, log
         self.contact = branch.contact
-        self.meter = self.contact.grid.counter = Meter(self.contact.grid.size)
+        self.meter = self.contact.grid.counter
         # Watched are the solves of the first point and of the middle one of each leg.
         self.targets = []
         self.watched = []
@@ -174,8 +175,8 @@ class Comparison:
         corrector.history.restart()
         try:
             with np.errstate(all="ignore"):
-                point = corrector.cold(wanted.controls, wanted.load) if target.guess is None else \
-                    corrector.solve(target.guess, wanted.controls, wanted.load)
+                point = (cold(corrector, wanted.controls, wanted.load) if target.guess is None
+                         else corrector.solve(target.guess, wanted.controls, wanted.load))
         except Exception as error:  # whatever it is, it is how this method fails
             reason = self._reason(error)
         self.meter.limit = np.inf

@@ -13,6 +13,7 @@ from typing import ClassVar, NamedTuple
 from ..options.database import split_arguments
 from ..options.fields import InputError, Options, option
 from ..options.files import folders, is_option, read_file
+from ..solvers import capabilities
 
 
 @dataclass(frozen=True)
@@ -36,10 +37,6 @@ class CompareOptions(Options):
     overwrite: bool = option(False, "replace existing files")
 
 
-FAMILIES = {"fas": "multigrid", "qn": "quasi-Newton", "composite": "compositions",
-            **dict.fromkeys(("ngmres", "anderson", "ncg", "nrichardson"), "nonlinear Krylov")}
-"""Type of SNES -> what kind of method it is, in words."""
-
 
 class Method(NamedTuple):
     """A method: its name, and its options as name (lower case, without dash) -> value."""
@@ -50,14 +47,10 @@ class Method(NamedTuple):
     @property
     def family(self):
         """What kind of method it is, in words."""
-        kind = self.entries.get("snes_type", "newtonls")
-        if kind == "python":
-            return "dynamic relaxation" if "relaxation" in self.entries.get("snes_python_type",
-                                                                            "") else "others"
-        if kind.startswith("newton"):
-            return ("Newton after relaxation" if self.entries.get("contact_first") == "relaxation"
-                    else "Newton")
-        return FAMILIES.get(kind, "others")
+        method = capabilities.of(self.entries.get("snes_type", "newtonls"),
+                                 self.entries.get("snes_python_type", ""))
+        after = method.has_tangent and self.entries.get("contact_first") == "relaxation"
+        return f"{method.kind} after relaxation" if after else method.kind
 
 
 def split(arguments):

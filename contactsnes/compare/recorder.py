@@ -1,5 +1,4 @@
-"""A corrector whose solves leave a history, and a count of transforms that stops what would go on
-for ever."""
+"""A corrector whose solves leave a history."""
 
 import time
 
@@ -7,38 +6,6 @@ import numpy as np
 
 from ..branch.corrector import Corrector
 from ..solvers.snes import displacement_test
-
-
-class Meter:
-    """Counts the transforms of a grid in its place, and stops who needs more than is allowed.
-
-    The one count that no method gets past, whatever it nests.
-
-    Parameters
-    ----------
-    size : nodes of the grid, of which one transform counts one
-
-    Attributes
-    ----------
-    limit : count beyond which every transform raises RuntimeError
-    """
-
-    def __init__(self, size):
-        self.size = size
-        self.limit = np.inf
-        self._transforms = 0.0
-
-    @property
-    def transforms(self):
-        """Transforms counted so far."""
-        return self._transforms
-
-    @transforms.setter
-    def transforms(self, count):
-        """Set the count; RuntimeError beyond the limit."""
-        self._transforms = count
-        if count > self.limit:
-            raise RuntimeError("too many transforms")
 
 
 class History:
@@ -90,9 +57,10 @@ class Recorder(Corrector):
         super().__init__(contact, settings)
         self.history = History(contact.grid.counter)
 
-    def _newton(self, form, unknown, most_iterations, snes=None):
+    def run(self, form, unknown, most_iterations, snes=None):
+        """As `Corrector.run`, the SNES watched."""
         snes = self.snes if snes is None else snes
         if snes.getAttr("recorded") is None:
             snes.setAttr("recorded", True)
             self.history.watch(snes)
-        return super()._newton(form, unknown, most_iterations, snes)
+        return super().run(form, unknown, most_iterations, snes)

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..contact import states
 from ..contact.observables import Measurement
-from ..continuation.natural import leg_history, predict
+from ..continuation.load_steps import predict
+from ..continuation.natural import leg_history
 from ..continuation.points import Leg, NoEquilibrium, NotConverged
+from ..continuation.predictors import PREDICTORS
 from ..options.database import install
 
 PATH_TOLERANCE, POLISHED = "1e-10", ("1e-11", "1e-12", "1e-13")
@@ -118,4 +120,5 @@ def _predicted(branch, before, point):
     leg = Leg(point.leg, point.controls, point.origin, end, moving, 0.0, 0.0, 0.0)
     history = [(place, branch.corrector.adapted(last, leg.controls, leg.load(place)))
                for place, last in leg_history(before, point.leg)]
-    return predict(branch.corrector, history, leg, point.position, branch.steps.predictor)
+    return predict(branch.corrector, history, leg, point.position,
+                   PREDICTORS[branch.steps.predictor])

@@ -29,6 +29,7 @@ class ArcLength:
         self.length = length
         self.rate = rate
         self.name = form.name
+        self.in_displacements = form.in_displacements
         self.contact = form.contact
         self.grid = form.grid
         self.components = form.components

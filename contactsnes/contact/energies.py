@@ -39,7 +39,7 @@ BALANCES = ("", "potential", "motion", "unknown")
 """By what is known what a jump dissipates: the law's potential, the motion, or not at all."""
 
 
-class Station(NamedTuple):
+class Entry(NamedTuple):
     """A point with its displacements D, U, ... and forces W, T, ... (components of the scene), the
     datum of D that of the body."""
 
@@ -117,14 +117,14 @@ def line_integral(places, values, along, first):
     return area(places[-1]) - area(places[first])
 
 
-class Ledger:
-    """Enters the points of a path with their energies and works, in their order; needs the last
+class PathEnergies:
+    """Energies and works of the points of a path, which are told in their order; needs the last
     four of them.
 
     Parameters
     ----------
     contact : Contact
-    history : points already entered, of an interrupted path, oldest first
+    history : points already told, of an interrupted path, oldest first
     """
 
     def __init__(self, contact, history=()):
@@ -132,47 +132,47 @@ class Ledger:
         for point in history:
             self._keep(point)
 
-    def entered(self, point):
+    def completed(self, point):
         """The point with its energies, and its works since the path began."""
         elastic, interfacial = stored(self.contact, point)
         point = replace(point, elastic_energy=elastic, interfacial_energy=interfacial)
         if not self.trail:
             point = replace(point, **dict.fromkeys(WORKS, 0.0))
         else:
-            station, last = self._station(point), self.trail[-1]
-            if self._same(station, last):
+            entry, last = self._entry(point), self.trail[-1]
+            if self._same(entry, last):
                 return replace(point, smooth_steps=last.point.smooth_steps,
                                **{name: getattr(last.point, name) for name in WORKS})
-            let_go = point.event == "fold" and not (point.in_contact or point.tangents)
-            point = self._after_jump(station, last) if point.event == "jump" else \
-                self._away(station, last) if let_go else self._after_step(station, last)
+            out_of_range = point.event == "fold" and not (point.in_contact or point.tangents)
+            point = self._after_jump(entry, last) if point.event == "jump" else \
+                self._after_release(entry, last) if out_of_range else self._after_step(entry, last)
         self._keep(point)
         return point
 
-    def _station(self, point):
+    def _entry(self, point):
         """The point with displacements and forces of all components."""
         missing = (0, self.contact.scene.components - len(point.forces))
-        return Station(point, np.pad(far_displacements(self.contact, point), missing),
+        return Entry(point, np.pad(far_displacements(self.contact, point), missing),
                        np.pad(point.forces, missing))
 
     def _keep(self, point):
-        """Remember a point, unless it is a further event at the last one."""
-        station = self._station(point)
-        if not (self.trail and self._same(station, self.trail[-1])):
-            self.trail = [*self.trail[-3:], station]
+        """Keep a point, unless it is a further event at the last one."""
+        entry = self._entry(point)
+        if not (self.trail and self._same(entry, self.trail[-1])):
+            self.trail = [*self.trail[-3:], entry]
 
-    def _same(self, station, last):
-        """Whether nothing has moved from one station to the next."""
-        return np.array_equal(station.displacements,
-                              last.displacements) and np.array_equal(station.forces, last.forces)
+    def _same(self, entry, last):
+        """Whether nothing has moved from one entry to the next."""
+        return np.array_equal(entry.displacements,
+                              last.displacements) and np.array_equal(entry.forces, last.forces)
 
-    def _after_jump(self, station, last):
+    def _after_jump(self, entry, last):
         """The point behind a jump from ``last``: loads held did work, and what is not stored is
         lost."""
         external = weights(self.contact,
-                           len(station.forces)) @ (last.forces * (station.displacements
+                           len(entry.forces)) @ (last.forces * (entry.displacements
                                                                   - last.displacements))
-        point, before = station.point, last.point
+        point, before = entry.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
         if np.isnan(interface):
@@ -187,13 +187,13 @@ class Ledger:
         point = replace(point, jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
 
-    def _away(self, station, last):
+    def _after_release(self, entry, last):
         """The point out of the law's range at which a force vanishes: too far from ``last`` for a
         quadrature along the branch.
 
         What the loads do on the way, which is reversible, is what body and interface take up.
         """
-        point, before = station.point, last.point
+        point, before = entry.point, last.point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             work = straight(self.contact, before.state, point.state, FAR_PANELS)
@@ -201,30 +201,30 @@ class Ledger:
         external = interface + point.elastic_energy - before.elastic_energy
         return self._summed(point, before, external, interface, 0.0)
 
-    def _after_step(self, station, last):
+    def _after_step(self, entry, last):
         """The point behind a step along the branch. The first three steps of a smooth part are each
         integrated from its start."""
-        steps = 1 + (last.point.smooth_steps if station.point.leg == last.point.leg else 0)
-        stations = [*self.trail[-min(steps, 3):], station]
-        first = 0 if steps == len(stations) - 1 else len(stations) - 2
-        places = self._places(stations)
-        external = sum(part * line_integral(places, [other.forces[i] for other in stations],
-                                            [other.displacements[i] for other in stations], first)
-                       for i, part in enumerate(weights(self.contact, len(station.forces))))
-        point, before = replace(station.point, smooth_steps=steps), stations[first].point
+        steps = 1 + (last.point.smooth_steps if entry.point.leg == last.point.leg else 0)
+        entries = [*self.trail[-min(steps, 3):], entry]
+        first = 0 if steps == len(entries) - 1 else len(entries) - 2
+        places = self._places(entries)
+        external = sum(part * line_integral(places, [other.forces[i] for other in entries],
+                                            [other.displacements[i] for other in entries], first)
+                       for i, part in enumerate(weights(self.contact, len(entry.forces))))
+        point, before = replace(entry.point, smooth_steps=steps), entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)
         return self._summed(point, before, external, interface, 0.0)
 
-    def _places(self, stations):
-        """Chord length along stations; a force counts by what a body of compliance one and the
+    def _places(self, entries):
+        """Chord length along entries; a force counts by what a body of compliance one and the
         rigid compliance give way to it."""
-        count = len(stations[0].forces)
+        count = len(entries[0].forces)
         rigid = self.contact.rigid_compliance(count) / (self.contact.ranges ** 2
                                                         * self.contact.grid.area)
         places = np.array([np.concatenate([other.displacements, (1.0 + rigid) * other.forces])
-                           for other in stations])
+                           for other in entries])
         return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
 
     def _summed(self, point, before, external, interface, lost):

@@ -6,6 +6,7 @@ import numpy as np
 from ..grid.boxes import cost
 from ..grid.even import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
 from ..options.fields import InputError
+from .force_form import FORMS
 from .forms import DisplacementForm
 from .states import State, normal_gap, onto
 
@@ -47,6 +48,7 @@ class EvenForm:
     """
 
     name = "displacement"
+    in_displacements, whole_cell = True, False
     linear_tolerance = DisplacementForm.linear_tolerance
 
     def __init__(self, contact, window, controls):
@@ -107,6 +109,8 @@ class EvenForm:
         """Mean displacements of the force-controlled components, ranges of the law."""
         return unknown[self.count:]
 
+    state = DisplacementForm.state
+
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in memory of the form."""
         return self.half.gap(self.plain(unknown))
@@ -141,15 +145,15 @@ class Symmetry:
     ----------
     contact : Contact
     settings : Form, with ``symmetry`` 'auto', 'even' or 'off'
-    solver : type of SNES
+    method : Capabilities of the type of SNES
     log : function (sentence)
     """
 
-    def __init__(self, contact, settings, solver, log):
+    def __init__(self, contact, settings, method, log):
         self.contact = contact
         self.log = log
         self.asked = settings.symmetry == "even"
-        self.wanted = settings.symmetry != "off" and method_obstacle(settings, solver) is None
+        self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
 
     def holds(self, components):
         """Whether states with so many components are taken for even."""
@@ -169,9 +173,9 @@ class Symmetry:
             return False
         if centred(state.window) == state.window:
             return True
-        alone = lone(state.window)
+        unpaired = lone(state.window)
         return self.contact.grid.minimum(normal_gap(self.contact, state),
-                                         where=alone) >= self.contact.law.certain
+                                         where=unpaired) >= self.contact.law.certain
 
     def leave(self, why):
         """Take no state for even from now on, for a reason in words."""
@@ -207,16 +211,16 @@ class Symmetry:
         return EvenForm if self.holds(components) else DisplacementForm
 
 
-def method_obstacle(settings, solver):
+def method_obstacle(settings, method):
     """Why a form of the equations, or a type of SNES on it, does not use even states, in words;
     None if it does."""
-    if settings.form == "force":
-        return "the force form is solved on the whole cell"
-    return (None if solver.startswith("newton")
-            else f"the method (-snes_type {solver}) is none of Newton's")
+    if FORMS[settings.form].whole_cell:
+        return f"the {settings.form} form is solved on the whole cell"
+    return (None if method.keeps_evenness
+            else f"the method (-snes_type {method.name}) is none of Newton's")
 
 
-def refuse(contact, sheared, settings, solver):
+def refuse(contact, sheared, settings, method):
     """InputError where symmetry is asked for and a leg has none.
 
     Parameters
@@ -224,17 +228,17 @@ def refuse(contact, sheared, settings, solver):
     contact : Contact
     sheared : whether tangential unknowns appear at the start and in each leg
     settings : Form
-    solver : type of SNES
+    method : Capabilities of the type of SNES
     """
-    why = obstacles(contact, sheared, settings, solver) if settings.symmetry == "even" else []
+    why = obstacles(contact, sheared, settings, method) if settings.symmetry == "even" else []
     if any(why):
         raise InputError(f"-contact_symmetry is 'even', but {next(filter(None, why))}: "
                          "allowed here are auto and off")
 
 
-def obstacles(contact, sheared, settings, solver):
+def obstacles(contact, sheared, settings, method):
     """Why states are not taken for even at the start and in each leg, in words or None where they
     are, a list."""
-    method = method_obstacle(settings, solver)
-    return [method or obstacle(contact, contact.scene.components if tangential else 1)
+    why = method_obstacle(settings, method)
+    return [why or obstacle(contact, contact.scene.components if tangential else 1)
             for tangential in sheared]

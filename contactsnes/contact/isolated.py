@@ -9,7 +9,6 @@ finds a periodic contact on the same nodes in ``periodic``.
 import math
 from dataclasses import replace
 from functools import cached_property
-from types import SimpleNamespace
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -17,6 +16,7 @@ from scipy.optimize import brentq
 
 from ..continuation.points import NotConverged
 from ..grid.cell import Operator
+from ..grid.counter import Counter
 from ..grid.windows import Window
 from ..interface import laws
 from ..interface.unbounded import free_space
@@ -78,7 +78,7 @@ class IsolatedContact(Contact):
 
     def __init__(self, cell, counter=None, gap=None, law=None):
         self._guesses, self._rigid = counter is not None, np.zeros(cell.components)
-        own = SimpleNamespace(size=math.prod(n // 2 for n in cell.shape), transforms=0.0)
+        own = Counter(math.prod(n // 2 for n in cell.shape))
         super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law)
 
     @property

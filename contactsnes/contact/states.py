@@ -86,7 +86,7 @@ def _carried(contact, depth):
     return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 
-def lowered(contact, state):
+def within_range(contact, state):
     """The state of a body off the flat moved down as a whole until its lowest node is one range of
     the law away."""
     cell = contact.extended(state)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from .points import NoEquilibrium, NotConverged, lagrange_weights
+from .points import NotConverged, lagrange_weights
 
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat
@@ -14,6 +14,11 @@ may be anywhere."""
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
+MISSED = 0.5
+"""Part of a step that a solve within it may end from its prediction."""
+VANISHED = 1e-3
+"""Part of its values at the ends of a step below which an eigenvalue is zero at a root, and does
+not jump through it."""
 PARTED = 0.01
 """Part of a step by which states are apart on either side of a place if they lie on two
 branches."""
@@ -27,11 +32,6 @@ SOFTER = 0.7
 BACK = 0.5
 """Way, and part of the softest value at its begin, from which on the tangent at its end is asked,
 and what part of the way that has to lead back."""
-KICKS = (1.0, -1.0, 5.0, -5.0)
-"""How far along the mode, in parts of the kick that is asked for, a motion away from the branch
-begins; the next if it leads back."""
-
-
 def examined(system, certify, leg, last, point):
     """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of
     another branch.
@@ -133,37 +133,28 @@ def _doubt(system, leg, last, point):
 
 
 def between(system, stability, leg, before, after):
-    """Points with event ``bifurcation`` where the number of unstable modes changes between two
-    neighbours of a leg, in order.
+    """Points with event ``bifurcation`` where unstable modes change between neighbours, in order.
 
     None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a
     bracketed root of its eigenvalue (Brent's method) along the branch, which is solved for in
     between. NotConverged where that fails and an odd number changes: that happens at folds and
     bifurcations only (the index of a branch stays), so that the neighbours lie on two branches.
-    Else what is not located is told of.
 
     Parameters
     ----------
-    system : Corrector
-    stability : Stability, or what else has ``critical`` (point, index) -> (real part of that
-        eigenvalue, point marked at it)
-    leg : Leg
+    system, stability, leg : System, Stability (`system.Stability`), Leg
     before, after : (position, Point)
     """
-    if min(before[1].unstable_modes, after[1].unstable_modes) < 0:
-        return []
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
     found = []
+    if fewer < 0:
+        return found
     if before[1].event == "bifurcation" and fewer < more:
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
     for index in range(fewer, more):
-        sentence = (f"unstable modes change from {before[1].unstable_modes} to "
-                    f"{after[1].unstable_modes} between "
-                    f"{system.told(leg.controls, leg.load(before[0]))} and "
-                    f"{system.told(leg.controls, leg.load(after[0]))}, but no bifurcation "
-                    "was located there")
+        sentence = _not_located(system, leg, before, after)
         try:
             if any(_fades(stability, point, index) for _, point in (before, after)):
                 continue
@@ -181,6 +172,13 @@ def between(system, stability, leg, before, after):
                for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _not_located(system, leg, before, after):
+    """The begin of a sentence on a change of unstable modes without a bifurcation."""
+    first, last = (system.told(leg.controls, leg.load(position)) for position, _ in (before, after))
+    return (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} "
+            f"between {first} and {last}, but no bifurcation was located there")
 
 
 def _fades(stability, point, index):
@@ -219,7 +217,7 @@ def _root(system, stability, leg, ends, index):
     precision = min(_precision(leg, position) for position, _ in ends)
     place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
     value(place)
-    if abs(values[place]) > 1e-3 * max(abs(first), abs(last)):
+    if abs(values[place]) > VANISHED * max(abs(first), abs(last)):
         if _apart(system, known, values) > PARTED * far:
             raise NotConverged("an eigenvalue jumps through zero, and the state with it")
         return None
@@ -244,71 +242,6 @@ def _solved(system, leg, known, position, far):
              min(place for place in known if place > position)]
     guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
     point = system.solve(guess, leg.controls, leg.load(position))
-    if system.missed(guess, point.state) > 0.5 * far:
+    if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")
-    return point
-
-
-def followed(system, stability, leg, critical, beyond):
-    """The stable point to which a disturbance leads where a branch has lost its stability, and None
-    if it leads nowhere else.
-
-    Motion begins next to the point ``beyond``, which is not stable any more: at the bifurcation
-    itself it would be infinitely slow. Where it leads to a state that is another one at the
-    bifurcation's load, too, that is a jump there (event ``jump``); else it is the branch that
-    begins there.
-
-    Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to
-    another equilibrium.
-    """
-    where = (f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch "
-             "that has lost its stability")
-    failure = None
-    for kick in KICKS:
-        start = system.kicked(beyond, stability.aside(replace(beyond, mode=critical.mode)), kick)
-        try:
-            reached = system.settle(start, leg.controls, leg.load(beyond.position), where)
-        except (NotConverged, NoEquilibrium) as error:
-            # A body that leaves to one side may stay on the other.
-            system.log(f"{error}; trying again from elsewhere")
-            failure = failure or error
-            continue
-        if system.missed(beyond.state, reached.state) >= 0.3 * system.missed(beyond.state, start):
-            return _branched(system, leg, critical, beyond, reached)
-    if failure is not None:
-        raise failure
-    system.log(f"the motion {where} led back to it")
-    return None
-
-
-def _branched(system, leg, critical, beyond, reached):
-    """What a motion beside a branch reached: a point of another branch that begins at the
-    bifurcation, or a jump there."""
-    reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
-    try:
-        there = system.solve(reached.state, leg.controls, leg.load(critical.position))
-    except NotConverged:
-        return reached
-    if system.missed(critical.state, there.state) < 0.5 * system.missed(beyond.state,
-                                                                        reached.state):
-        return reached
-    return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
-                   event="jump")
-
-
-def settled(system, stability, point, where):
-    """The end of a jump, gone on from along its least stable mode while it is marked as unstable;
-    at most three times.
-
-    The motion of an even state is even, but what is not even may grow: only the mark tells.
-    """
-    for _ in range(3):
-        point = stability(point)
-        if point.unstable_modes <= 0:
-            break
-        system.log(f"the jump {where} ended in an unstable state: going on along its mode")
-        start = system.kicked(point, stability.aside(stability.critical(point, 0)[1]), 1.0)
-        found = system.settle(start, point.controls, point.load, where, point.state)
-        point = replace(found, jump_work=point.jump_work + found.jump_work,
-                        viscous_work=point.viscous_work + found.viscous_work)
     return point

@@ -7,9 +7,13 @@ KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
 """How far beyond a fold, in parts of the kick that is asked for, the motion of a jump begins; the
 next if it leads back.
 
-Backwards, too: an unstable branch, on which a walk may have come, is left on that side.
+Backwards, too: an unstable branch, which steps may have reached, is left on that side.
 """
 
+APART = 0.5
+"""Part of the kick by which a motion has to end away from its fold not to have led back to it."""
+FORWARD = 0.05
+"""The same in the direction of the kick, for an edge that a coarse grid pins moves on by a node."""
 MISHAPS = 5
 """Motions beside a fold that may end in no equilibrium before the jump is given up."""
 
@@ -20,26 +24,22 @@ def starts(system, fold, beyond):
 
     Parameters
     ----------
-    system : Corrector
+    system : System
     fold : Point
     beyond : State, of the branch behind the fold
     """
     kicks = [lambda kick=kick: system.kicked(fold, beyond, kick) for kick in KICKS]
-    lowered = system.lowered(fold)
-    return kicks if lowered is None else [lambda: lowered, *kicks]
+    near = system.within_range(fold)
+    return kicks if near is None else [lambda: near, *kicks]
 
 
 def jumped(system, leg, fold, starts, where, check_end):
     """The equilibrium at a fold's load to which motion leads from the first start that does not
-    lead back.
-
-    A body that leaves, from one start, says nothing of others, nor of other loads.
+    lead back. A body that leaves, from one start, says nothing of others, nor of other loads.
 
     Parameters
     ----------
-    system : Corrector
-    leg : Leg
-    fold : Point
+    system, leg, fold : System, Leg, Point
     starts : functions () -> State
     where : str, what messages say of the place
     check_end : function () that raises NoEquilibrium if motion under the load of the leg's end
@@ -66,12 +66,16 @@ def jumped(system, leg, fold, starts, where, check_end):
                 break
             system.log(f"{error}; trying again from elsewhere")
             continue
-        # Forward, perhaps by a little: an edge that a coarse grid pins moves on by a node.
-        if system.missed(fold.state, point.state) > 0.5 * system.missed(fold.state, state) \
-                or system.progress(fold.state, state, point.state) > 0.05:
+        if _elsewhere(system, fold.state, state, point.state):
             return point
         system.log(f"the motion {where} led back to it; trying again from farther away")
     if not failures:
         check_end()
-    raise NotConverged(f"no other equilibrium was reached {where}: "
-                       f"{failures[0] if failures else 'the motion led back'}")
+    reason = failures[0] if failures else "the motion led back"
+    raise NotConverged(f"no other equilibrium was reached {where}: {reason}")
+
+
+def _elsewhere(system, fold, start, found):
+    """Whether a motion from a start beside a fold led on."""
+    return (system.missed(fold, found) > APART * system.missed(fold, start)
+            or system.progress(fold, start, found) > FORWARD)

@@ -18,8 +18,7 @@ def locate(system, leg, event, before, after):
 
     Parameters
     ----------
-    system : what solves (``Tracer``)
-    leg : Leg
+    system, leg : System, Leg
     event : its name
     before, after : points of the branch
     """

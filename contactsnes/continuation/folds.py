@@ -5,18 +5,25 @@ from dataclasses import replace
 import numpy as np
 
 from .limit_points import FOLD_TOLERANCE, LimitPoint
+from .load_steps import SHARE
 from .points import NoFold, NotConverged, lagrange_weights
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold:
 arc length finds out."""
 
+MISSED = 0.1
+"""Ranges of the law that a solve by arc length may end from its prediction whatever its way: less
+than for steps of the load, whose predictions are less exact next to a fold."""
+STEADY = 0.7
+"""Part of the slope of the load before a step that is left after it where no fold is near: a slope
+that falls linearly vanishes after more than two further steps of that length."""
 AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
 
 
-class Turn:
+class FoldSearch:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
     of the solve."""
 
@@ -30,10 +37,7 @@ class Turn:
 
     def search(self, error, refused=np.inf):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past
-        the trouble.
-
-        Raises NoFold (``error`` again) where no solution can be followed any further.
-        """
+        the trouble; NoFold (``error`` again) where no solution can be followed any further."""
         begin = self.history[-1][0]
         try:
             trail = self.trail()
@@ -45,23 +49,19 @@ class Turn:
             try:
                 point = self._ahead(trail, length)
             except NotConverged as second:
-                length *= 0.25
-                if length < 1e-4 * first:
-                    raise NoFold(f"{error}; following the branch by arc length "
-                                 "failed too, so that no fold was "
-                                 f"located: {second}") from None
+                length = self._shorter(length, first, f"{error}; following the branch by arc "
+                                       f"length failed too, so that no fold was located: {second}")
                 continue
             trail.append((point.position, point))
             slope = self._slopes(trail[-3:])[1]
-            steady = slope[2] > 0.7 * slope[1]
+            steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:
                 try:
                     fold, beyond, trail = self._locate(trail)
                 except NotConverged as second:
                     # Between points that are nearer to it a search succeeds.
-                    length *= 0.25
-                    if length < 1e-4 * first:
-                        raise NoFold(f"{error}; the fold there was not located: {second}") from None
+                    length = self._shorter(length, first, f"{error}; the fold there was not "
+                                           f"located: {second}")
                     trail.pop()
                     continue
                 if fold is not None and fold.position <= 1.0:
@@ -72,13 +72,20 @@ class Turn:
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
                 length *= min(1.7, self.largest / max(place - trail[-2][0], 1e-300))
-        ahead = trail[-1][0]
-        if ahead > begin + 2.0 * self.leg.smallest:
-            return None, None, self._natural(trail, min(ahead, 1.0))
-        raise NoFold(f"{error}; arc length made no headway either")
+        if trail[-1][0] <= begin + 2.0 * self.leg.smallest:
+            raise NoFold(f"{error}; arc length made no headway either")
+        return None, None, self._natural(trail, min(trail[-1][0], 1.0))
+
+    @staticmethod
+    def _shorter(length, first, sentence):
+        """A quarter of a step; NoFold, with a sentence, where that is next to nothing of the first
+        one."""
+        if 0.25 * length < 1e-4 * first:
+            raise NoFold(sentence) from None
+        return 0.25 * length
 
     def _short_of(self, refused, trail):
-        """Length of the first arc step: of the last one, but no farther than to what the walk could
+        """Length of the first arc step: of the last one, but no farther than to what steps could
         not reach."""
         (before, first), (here, last) = trail[-2:]
         return self.system.chord_length(first.state, last.state) * min(1.0,
@@ -130,7 +137,7 @@ class Turn:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")
         aside = system.missed(guess, point.state)
-        if (aside > 0.1 and aside > 0.5 * system.missed(last.state, point.state)) \
+        if (aside > MISSED and aside > SHARE * system.missed(last.state, point.state)) \
                 or system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "
                                "its prediction, perhaps on another branch")
@@ -152,7 +159,7 @@ class Turn:
                                             lagrange_weights([before, behind], target))
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-                if (self.system.missed(guess, point.state) <= max(0.1,
+                if (self.system.missed(guess, point.state) <= max(MISSED,
                                                                   self.system.missed(first.state,
                                                                                      second.state))
                     and self.system.strayed(guess, first.state, point.state) <= 0.0):
@@ -176,7 +183,7 @@ class Turn:
         return self._passed(point, place)
 
     def _passed(self, point, place):
-        """A point with which the walk goes on."""
+        """A point with which the steps go on."""
         reached = min(self.initial, place - self.history[-1][0])
         return replace(point, leg=self.leg.number, position=place,
                        step=max(reached, self.leg.smallest))

@@ -20,6 +20,8 @@ CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
+MISSED, SHARE = 0.1, 0.5
+"""Ranges of the law, and part of the bracket, that a solve in it may end from its prediction."""
 NEARLY = 0.25
 """Least slope of a cubic within a step, over its mean, with which it may turn where a longer
 polynomial would."""
@@ -27,7 +29,7 @@ LEVEL = 1e-4
 """Part of a leg below which the load levels off in a step whose end is flatter than all of it."""
 
 
-class Station(NamedTuple):
+class BracketEnd(NamedTuple):
     """A point with its place on the chord of a bracket and the branch's direction there."""
 
     place: float
@@ -49,7 +51,7 @@ class LimitPoint:
 
     Parameters
     ----------
-    system : what solves (``Tracer``)
+    system : System
     leg : Leg
     before, beyond : points of the branch
     heading : 1 or -1, where the load goes from a fold before, whose own slope is rounding; else its
@@ -61,7 +63,7 @@ class LimitPoint:
         self.leg = leg
         self.chord = (before.state, beyond.state)
         length = system.chord_length(*self.chord)
-        self.left, self.right = (Station(place, point, system.direction(point, self.chord, leg))
+        self.left, self.right = (BracketEnd(place, point, system.direction(point, self.chord, leg))
                                  for place, point in ((0.0, before), (length, beyond)))
         self.sign = heading or (1.0 if self.left.slope > 0.0 else -1.0)
 
@@ -177,10 +179,10 @@ class LimitPoint:
         return end + part * (place - end)
 
     def _narrow(self, place, closest=1e-3, tight=False):
-        """Replace an end of the bracket by the station at a place in it, no closer to an end than a
+        """Replace an end of the bracket by the point at a place in it, no closer to an end than a
         part of its width."""
         width = self.right.place - self.left.place
-        found = self._station(min(max(place, self.left.place + closest * width),
+        found = self._point_at(min(max(place, self.left.place + closest * width),
                                   self.right.place - closest * width), tight)
         if found.slope * self.sign > 0.0:
             self.left = found
@@ -188,8 +190,9 @@ class LimitPoint:
             self.right = found
         return found
 
-    def _station(self, place, tight):
-        """The station at a place of the bracket; NotConverged for one of another branch."""
+    def _point_at(self, place, tight):
+        """The point at a place of the bracket, with its direction; NotConverged for one of another
+        branch."""
         left, right = self.left, self.right
         width = right.place - left.place
         t = (place - left.place) / width
@@ -201,13 +204,13 @@ class LimitPoint:
                                     right.point.position])
         point = self.system.solve_arc(self.chord, place, guess, position, self.leg, tight=tight)
         if self.system.missed(guess, point.state) > max(
-            0.1, 0.5 * self.system.missed(left.point.state, right.point.state)
+            MISSED, SHARE * self.system.missed(left.point.state, right.point.state)
         ):
             raise NotConverged("the search for the fold strayed from the branch")
         if not tight and point.softest < 0.0 <= min(left.point.softest, right.point.softest):
             raise NotConverged(
                 "the search for the fold came upon a branch with another mode that is unstable")
-        return Station(place, point, self.system.direction(point, self.chord, self.leg))
+        return BracketEnd(place, point, self.system.direction(point, self.chord, self.leg))
 
     def _is_corner(self, first, last):
         """Whether the slope jumps where a smooth one would hardly change, given the bracket's first
@@ -217,7 +220,7 @@ class LimitPoint:
         return part < 0.01 and change > CORNER * part
 
     def _polished(self):
-        """The flattest station, two steps on: where the load is known to a tolerance, all else is
+        """The flattest point, two steps on: where the load is known to a tolerance, all else is
         known to its root only."""
         found = []
         try:
@@ -225,18 +228,18 @@ class LimitPoint:
                 found.append(self._narrow(self._smooth(), closest=0.0, tight=True))
         except NotConverged:
             pass
-        return min(found or (self.left, self.right), key=lambda station: abs(station.slope))
+        return min(found or (self.left, self.right), key=lambda end: abs(end.slope))
 
     def _fold(self, corner):
         """The fold with the direction there or, at a corner, with both of its sides, of unit
         length."""
         if corner:
-            stations = self.left, self.right
-            best = max(stations, key=lambda station: self.sign * station.point.position)
+            ends = self.left, self.right
+            best = max(ends, key=lambda end: self.sign * end.point.position)
         else:
             best = self._polished()
-            stations = best,
-        tangents = tuple(self.system.unit(station.point, station.direction) for station in stations)
+            ends = best,
+        tangents = tuple(self.system.unit(end.point, end.direction) for end in ends)
         return replace(best.point, event="fold", tangents=tangents,
                        resolved=int(corner or not self._crowded(best)))
 

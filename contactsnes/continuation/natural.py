@@ -1,43 +1,17 @@
-"""Branches of equilibria: points, predictors, step control, folds, jumps and events.
-
-A branch is an iterator of converged points along the legs of a load path. What is solved, and how,
-is the business of the ``system`` that ``branch`` is given
-(``contactsnes.branch.corrector.Corrector``); here a state is something that the system combines.
-"""
+"""Natural continuation: steps of the load along a leg, with rollback, folds and jumps."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from . import bifurcations, departures
-from .events import further_events, pulled_off, with_events
-from .folds import SHORT, Turn
-from .points import NoEquilibrium, NoFold, NotConverged, lagrange_weights
+from . import bifurcations, branching, departures
+from .folds import SHORT, FoldSearch
+from .load_steps import LoadSteps
+from .points import NoEquilibrium, NoFold, NotConverged
+from .predictors import after_failure
 
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
-LITTLE = 0.02
-"""Part of a first step by which its tangent tells how fast edges of contact move: so short that
-they stay in place."""
-
-
-def predict(system, history, leg, position, kind):
-    """The state from which a solve at ``position`` starts, from the leg's last points [(position,
-    point), ...]."""
-    here, last = history[-1]
-    if kind == "none":
-        return last.state
-    if len(history) > 1 and kind != "tangent":
-        used = history[-3:] if kind == "edge" else history[-2:]
-        points = [point for _, point in used]
-        weights = lagrange_weights([place for place, _ in used], position)
-        followed = (system.follow_edge(points, weights) if kind == "edge"
-                    else system.extrapolate(points, weights))
-        if followed is not None:
-            return followed
-    if kind == "secant":
-        return last.state
-    return system.along_tangent(last, leg, here, position - here)
 
 
 def grown(step, iterations, largest, target=8):
@@ -48,34 +22,24 @@ def grown(step, iterations, largest, target=8):
     return min(largest, step * (1.0 + ((target - iterations) / target) ** 2))
 
 
-class Walk:
-    """Natural continuation along one leg: an iterator of points, with rollback, folds and jumps.
+def leg_history(points, number):
+    """[(position, point), ...] of the points that steps along leg ``number`` extrapolates from."""
+    found = []
+    for point in reversed(points):
+        if point.event != "bifurcation" or not found:
+            found.append((point.position if point.leg == number else 0.0, point))
+        if point.leg != number or point.event == "jump":
+            break
+    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:])
+                             if later[0] < earlier[0]]
+    return distinct[::-1]
 
-    Parameters
-    ----------
-    system : what solves (``Corrector``)
-    leg : Leg
-    history : [(position, point), ...] of this leg, oldest first; the last one is where the walk
-        goes on
-    predictor : 'none', 'secant', 'tangent' or 'edge'
-    at_fold : 'jump' or 'stop'
-    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
-        (``Stability``)
-    at_bifurcation : 'pass', 'stop' or 'follow'
-    """
 
-    past = staticmethod(lambda points, number: leg_history(points, number))
+class NaturalSteps(LoadSteps):
+    """Natural continuation along one leg: an iterator of points, with rollback, folds and jumps;
+    parameters as of `LoadSteps`."""
 
-    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point,
-                 at_bifurcation="pass"):
-        self.system, self.leg = system, leg
-        # What was stable under other controls may not be under these.
-        self.history = [(place, system.adapted(point if point.controls == leg.controls
-                                               else replace(point, stable=-1), leg.controls,
-                                               leg.load(place))) for place, point in history]
-        self.predictor, self.at_fold = predictor, at_fold
-        self.certify, self.at_bifurcation = certify, at_bifurcation
-        self.stopped = False
+    past = staticmethod(leg_history)
 
     def __iter__(self):
         yield from self._resumed()
@@ -86,15 +50,11 @@ class Walk:
         failures, searched = 0, None
         while self.history[-1][0] < 1.0:
             position = self.history[-1][0]
-            # The last two steps share what is left, so that none is tiny.
-            left = 1.0 - position
-            step = (left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left)
-                    if left < 2.0 * step else step)
-            target = 1.0 if step == left else position + step
+            step, target = shared(step, position)
             try:
-                point = self._step(target, "tangent" if failures >= 1 and self.predictor == "edge"
-                                   else self.predictor)
-                point, critical = self._examined(point)
+                point, critical = self._examined(
+                    self._step(target, after_failure(self.predictor) if failures
+                               else self.predictor))
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
@@ -103,12 +63,7 @@ class Walk:
                 if searched != position and (step < self.leg.smallest or step < 0.1 * short
                                              or failures > 1 and step < short):
                     searched, before = position, self.history[-1][1]
-                    try:
-                        yield from self._fold(error, 4.0 * step)
-                    except NoFold as lost:
-                        if step < self.leg.smallest:
-                            self._give_up(lost, f"at {self._place(1.0)}")
-                        self.system.log(f"{lost}: going on with shorter steps")
+                    yield from self._look_ahead(error, step)
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
@@ -125,6 +80,16 @@ class Walk:
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _look_ahead(self, error, step):
+        """Yield what stops the steps, as `_fold` does; where nothing is found, shorter ones go
+        on."""
+        try:
+            yield from self._fold(error, 4.0 * step)
+        except NoFold as failure:
+            if step < self.leg.smallest:
+                self._give_up(failure, f"at {self._place(1.0)}")
+            self.system.log(f"{failure}: going on with shorter steps")
 
     def _resumed(self):
         """What follows a fold that the path goes on from, whose way out is not known any more."""
@@ -151,7 +116,7 @@ class Walk:
                 self.stopped = True
                 return
             if self.at_bifurcation == "follow" and point.unstable_modes > last[1].unstable_modes:
-                found = bifurcations.followed(self.system, self.certify, self.leg, critical, point)
+                found = branching.followed(self.system, self.certify, self.leg, critical, point)
                 if found is not None:
                     self.history = []
                     yield self._accept(replace(found, step=min(point.step, self.leg.initial)))
@@ -179,76 +144,6 @@ class Walk:
         except NotConverged:
             pass
 
-    def _place(self, position):
-        return self.system.told(self.leg.controls, self.leg.load(position))
-
-    def _step(self, target, predictor):
-        """Predict and correct; a correction as long as the step itself is another branch's, not a
-        neighbour."""
-        guess = predict(self.system, self.history, self.leg, target, predictor)
-        point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-        here, last = self.history[-1]
-        missed = self.system.missed(guess, point.state)
-        moved = self.system.missed(last.state, point.state)
-        wrong = 0.0 if guess is last.state else missed
-        if len(self.history) == 1 and moved > 1.0:
-            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
-            # branch: look back.
-            back = self.system.along_tangent(point, self.leg, target, here - target)
-            wrong = max(wrong, self.system.missed(back, last.state))
-        far = missed > 0.15 and moved > 0.3 and moved > 4.0 * self._expected(target)
-        if far or (wrong > 0.15 and wrong > 0.5 * moved) or self._strayed(guess, target, point):
-            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
-                               f"its prediction, {moved:.3g} from the last "
-                               "point, perhaps on another branch")
-        point = replace(point, leg=self.leg.number, position=target)
-        bifurcations.probe(self.system, self.leg, self.history, point)
-        return point
-
-    def _strayed(self, guess, target, point):
-        """Whether some node ended where no prediction has it, however the solve began: part of the
-        contact has jumped."""
-        here, last = self.history[-1]
-        for foretold in self._foretold(guess, target):
-            if self.system.strayed(foretold, last.state, point.state) <= 0.0:
-                if not self.system.doubtful(foretold, last.state, point.state):
-                    return False
-                back = self.system.along_tangent(point, self.leg, target, here - target)
-                return self.system.detached(foretold, last.state, point.state, back)
-        return True
-
-    def _foretold(self, guess, target):
-        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and
-        those by fewer or more points."""
-        here, last = self.history[-1]
-        if guess is not last.state:
-            yield guess
-        for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
-            yield predict(self.system, self.history[-used:], self.leg, target, "edge")
-            yield predict(self.system, self.history[-used:], self.leg, target, "secant")
-        if len(self.history) == 1:
-            yield from self._foretold_by_tangent(guess, target)
-
-    def _foretold_by_tangent(self, guess, target):
-        """Predictions of a first step by the tangent where it begins: in place, and with the edges
-        of contact moved on."""
-        here, last = self.history[-1]
-        if guess is last.state:
-            yield self.system.along_tangent(last, self.leg, here, target - here)
-        near = replace(last, state=self.system.along_tangent(last, self.leg, here,
-                                                             LITTLE * (target - here)))
-        followed = self.system.follow_edge([last, near], [1.0 - 1.0 / LITTLE, 1.0 / LITTLE])
-        if followed is not None:
-            yield followed
-
-    def _expected(self, target):
-        """How far a step to ``target`` would move at the rate of the last one; inf for a first
-        step."""
-        if len(self.history) < 2:
-            return np.inf
-        (before, first), (here, last) = self.history[-2:]
-        return self.system.missed(first.state, last.state) * (target - here) / (here - before)
-
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
         point = replace(point if point.stable >= 0 else self.certify(point), origin=self.leg.start)
@@ -257,18 +152,19 @@ class Walk:
         return point
 
     def _fold(self, error, refused=np.inf):
-        """Find out what stops the walk before the end of a refused step; yield the fold and, by
+        """Find out what stops the steps before the end of a refused step; yield the fold and, by
         default, the point after the jump."""
         place, last = self.history[-1]
-        fold, passed = self.system.let_go(last, self.leg, place), None
+        fold, passed = self.system.end_of_attraction(last, self.leg, place), None
         if fold is None:
-            fold, beyond, passed = Turn(self.system, self.leg, self.history).search(error, refused)
+            search = FoldSearch(self.system, self.leg, self.history)
+            fold, beyond, passed = search.search(error, refused)
             starts = [] if fold is None else departures.starts(self.system, fold, beyond)
         else:
-            lowered = self.system.lowered(fold)
+            near = self.system.within_range(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
                            fold_precision=np.finfo(float).eps)
-            starts = [lambda: lowered]
+            starts = [lambda: near]
         if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
             yield from self._leave(replace(last, tangents=fold.tangents), starts)
             return
@@ -293,11 +189,20 @@ class Walk:
                f"{self._place(fold.position)}")
         point = departures.jumped(self.system, self.leg, fold, starts, where,
                                   lambda: self._end(end))
-        point = bifurcations.settled(self.system, self.certify, point, where)
+        point = branching.settled(self.system, self.certify, point, where)
         point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial,
                         event="jump")
         self.history = []
         yield self._accept(point)
+
+
+def shared(step, position):
+    """(step, its end) from a position; the last two steps share what is left, so that none is
+    tiny."""
+    left = 1.0 - position
+    step = (left if left <= step * (1.0 + 1e-9) else min(step, 0.5 * left)
+            if left < 2.0 * step else step)
+    return step, 1.0 if step == left else position + step
 
 
 def fold_kind(leg, heading=1.0):
@@ -305,75 +210,3 @@ def fold_kind(leg, heading=1.0):
     if leg.moving > 0:
         return "sliding"
     return "jump_in" if heading * leg.direction[0] > 0.0 else "pull_off"
-
-
-def branch(system, start, legs, *, predictor="edge", at_fold="jump", stops=(), history=(),
-           certify=lambda point: point, at_bifurcation="pass", walker=Walk):
-    """Iterate over the converged points of a load path.
-
-    Parameters
-    ----------
-    system : solves, extrapolates and jumps (``Corrector``)
-    start : function () -> Point, the first point with what it cost, for a path without ``history``
-    legs : functions (last point) -> Leg or None (nothing to do), one a leg
-    predictor, at_fold, at_bifurcation : options ``-continuation_*``
-    stops : names of events that end the path
-    history : the last points of an interrupted path, oldest first
-    certify : function (Point) -> Point that says of the points of legs whether they are stable
-        (``Stability``)
-    walker : class of what walks along a leg
-
-    Raises
-    ------
-    NotConverged, NoEquilibrium : after the points before the failure have been handed out
-    """
-    emitted = list(history)
-    if emitted and (emitted[-1].event in stops or (at_fold == "stop"
-                                                   and emitted[-1].event == "fold")):
-        return
-    if emitted:
-        # A point may have been archived without the further events at its load.
-        last = replace(emitted[-1], spent=dict.fromkeys(system.account(), 0))
-        fresh = list(further_events(emitted[-2] if len(emitted) > 1 else None, last))
-    else:
-        fresh = [start()]
-    for point in fresh:
-        emitted.append(point)
-        yield point
-        if point.event in stops:
-            return
-    for number, make_leg in enumerate(legs, start=1):
-        if number < emitted[-1].leg:
-            continue
-        leg = make_leg(emitted)
-        if leg is None:
-            continue
-        walk = walker(system, leg, walker.past(emitted, number), predictor, at_fold, certify,
-                      at_bifurcation)
-        try:
-            for arrived in walk:
-                previous = emitted[-1]
-                for point in with_events(previous, arrived):
-                    emitted = [*emitted[-5:], point]
-                    yield point
-                    if point.event in stops:
-                        return
-        except NoEquilibrium:
-            if "pull_off" in stops and pulled_off(emitted[-1]):
-                return
-            raise
-        if walk.stopped:
-            return
-
-
-def leg_history(points, number):
-    """[(position, point), ...] of the points that a walk along leg ``number`` extrapolates from."""
-    found = []
-    for point in reversed(points):
-        if point.event != "bifurcation" or not found:
-            found.append((point.position if point.leg == number else 0.0, point))
-        if point.leg != number or point.event == "jump":
-            break
-    distinct = [found[0]] + [later for earlier, later in zip(found, found[1:])
-                             if later[0] < earlier[0]]
-    return distinct[::-1]

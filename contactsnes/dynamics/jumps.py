@@ -7,22 +7,20 @@ import numpy as np
 
 from ..contact import states
 from ..contact.energies import straight, weights
-from ..contact.forms import ForceForm
+from ..contact.force_form import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
-from ..solvers.snes import COLD, create_snes, solver_type
-from .overdamped import Flow, Leaving, MotionOptions, Unsettled
+from ..solvers.capabilities import has_modes
+from ..solvers.snes import COLD
+from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
+from .relaxing import ENDLESS, relaxed
 
 BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there
 begins in balance."""
 
-
-ENDLESS = "the body leaves or slides without end"
-"""What is said of a motion without an equilibrium."""
-
 RESTS = (1e-6, 1e-8, 1e-10)
-"""Speeds at which a motion is handed over to Newton's method, the next if that leads elsewhere.
+"""Speeds at which Newton's method takes over from a motion, the next if that leads elsewhere.
 
 Ranges a relaxation time.
 """
@@ -34,7 +32,7 @@ Ranges of the law.
 """
 
 
-def kicked(contact, fold, beyond, part):
+def kicked(system, fold, beyond, part):
     """The state beside a fold from which the motion of a jump begins.
 
     Along the null vector, the way the branch goes on; at a corner, which has none, along the branch
@@ -42,7 +40,7 @@ def kicked(contact, fold, beyond, part):
 
     Parameters
     ----------
-    contact : Contact
+    system : Corrector
     fold : Point
     beyond : State, of the branch behind the fold
     part : float, of the distance -jump_motion_kick
@@ -52,15 +50,15 @@ def kicked(contact, fold, beyond, part):
         change = fold.tangents[-1].state
         beyond = states.State(change.window, states.onto(state, change.window)
                               + change.displacement, state.means + change.means)
-    part *= read(MotionOptions).kick / max(states.missed(contact, state, beyond), 1e-12)
-    return states.combined(contact, [beyond, state], [part, 1.0 - part])
+    part *= read(MotionOptions).kick / max(states.missed(system.contact, state, beyond), 1e-12)
+    return states.combined(system.contact, [beyond, state], [part, 1.0 - part])
 
 
 def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
-    The motion is overdamped (`overdamped.Flow`); where that cannot be followed, or where the user's
-    method is relaxation itself, it is inertial (FIRE on the whole cell).
+    The motion is overdamped (`overdamped.OverdampedMotion`); where that cannot be followed, or
+    where the user's method is relaxation itself, it is inertial (FIRE on the whole cell).
 
     Parameters
     ----------
@@ -80,44 +78,40 @@ def settle(system, state, controls, load, where, origin=None):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
-    newton = system.settings.form == "displacement" or solver_type().startswith("newton")
-    overdamped = options.type == "overdamped" and newton
-    failure = None
-    if overdamped:
-        try:
-            return flowed(system, state, controls, load, origin, options)
-        except Leaving:
-            raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
-        except (Unsettled, NotConverged) as error:
-            failure = str(error)
-            system.log(f"the overdamped motion {where} cannot be followed "
-                       f"({error}): following motion with inertia on the "
-                       "whole cell, which may lead to another equilibrium")
+    if options.type != "overdamped" or not has_modes(system.settings):
+        return inertial(system, state, controls, load, where, options)
     try:
-        return fallen(system, state, controls, load, where)
+        return by_creep(system, state, controls, load, origin, options)
     except Leaving:
-        # Inertia may carry a body past an equilibrium.
-        if failure is None:
-            return unhurried(system, state, controls, load, where, options)
-    raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
-                       "the overdamped motion there cannot be followed: "
-                       f"{failure}")
-
-
-def unhurried(system, state, controls, load, where, options):
-    """What overdamped motion leads to where motion with inertia has no end; errors as of
-    `settle`."""
+        raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+    except (Unsettled, NotConverged) as error:
+        failure = str(error)
+    system.log(f"the overdamped motion {where} cannot be followed ({failure}): following motion "
+               "with inertia on the whole cell, which may lead to another equilibrium")
     try:
-        return flowed(system, state, controls, load, None, options)
+        return by_inertia(system, state, controls, load, where)
+    except Leaving:
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped "
+                           f"motion there cannot be followed: {failure}") from None
+
+
+def inertial(system, state, controls, load, where, options):
+    """The equilibrium that motion with inertia leads to; where that has no end, since inertia may
+    carry a body past an equilibrium, overdamped motion decides. Errors as of `settle`."""
+    try:
+        return by_inertia(system, state, controls, load, where)
+    except Leaving:
+        pass
+    try:
+        return by_creep(system, state, controls, load, None, options)
     except Leaving:
         raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
     except Unsettled as error:
-        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but "
-                           "the overdamped motion there cannot be "
-                           f"followed: {error}") from None
+        raise NotConverged(f"{ENDLESS} where it moves with inertia {where}, but the overdamped "
+                           f"motion there cannot be followed: {error}") from None
 
 
-def flowed(system, state, controls, load, origin, options):
+def by_creep(system, state, controls, load, origin, options):
     """The equilibrium that overdamped motion leads to, with the works done on interface and against
     viscosity since ``origin``.
 
@@ -126,22 +120,23 @@ def flowed(system, state, controls, load, origin, options):
     """
     if not np.isfinite(state.displacement).all():
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
-    contact, state = system.contact, system._fitted(state)
-    flow = Flow(contact, system.symmetry, controls, load, state, system.totals, options)
-    point = handover(system, flow, controls, load)
+    contact, state = system.contact, system.fitted(state)
+    motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
+                              options)
+    point = at_rest(system, motion, controls, load)
     if origin is None or states.missed(contact, origin, state) > BESIDE:
         return point
-    flow.works[0] += straight(contact, origin, state)
-    works = contact.grid.node_area * flow.works @ weights(contact, len(controls))
+    motion.works[0] += straight(contact, origin, state)
+    works = contact.grid.node_area * motion.works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
 
 
-def handover(system, flow, controls, load):
+def at_rest(system, motion, controls, load):
     """The converged point where a motion comes to rest, followed on until Newton confirms it."""
     for rest in RESTS:
-        flow.follow(rest)
+        motion.follow(rest)
         try:
-            return polished(system, flow.state(), controls, load)
+            return polished(system, motion.state(), controls, load)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
@@ -158,7 +153,7 @@ def polished(system, rest, controls, load):
     raise NotConverged("Newton's solution is not where the motion led")
 
 
-def fallen(system, state, controls, load, where):
+def by_inertia(system, state, controls, load, where):
     """The equilibrium that damped motion with inertia leads to on the whole cell.
 
     Raises Leaving where the body leaves, NotConverged where it does not settle.
@@ -169,40 +164,10 @@ def fallen(system, state, controls, load, where):
     first = min(1e-3, 0.03 * form.displacement_norm(unknown,
                                                     form.residual(unknown, np.empty(form.size))))
     for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
-        unknown = relaxed(system, form, unknown, tolerance, where)
+        unknown = relaxed(system.run, form, unknown, tolerance, where)
         try:
-            return polished(system, system._state(form, unknown), controls, load)
+            return polished(system, system.symmetry.checked(form.state(unknown)), controls,
+                            load)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(f"the motion {where} settled, but {reason}")
-
-
-def handed_over(system, guess, controls, load):
-    """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish."""
-    form = ForceForm(system.contact, controls)
-    form.set_load(load)
-    unknown = form.pack(system.contact.extended(guess))
-    try:
-        unknown = relaxed(system, form, unknown, system.settings.first_tolerance,
-                          "of the relaxation", "first_")
-    except Leaving:
-        raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None
-    return system._state(form, unknown)
-
-
-def relaxed(system, form, unknown, tolerance, where, prefix="jump_"):
-    """Where FIRE leads from an unknown of the force form, to a tolerance of ``residual_norm``.
-
-    With options under ``prefix``; errors as of `fallen`.
-    """
-    snes = create_snes(form, prefix=prefix)
-    snes.setType("python")
-    snes.setPythonType("contactsnes.solvers.relaxation.Fire")
-    snes.setTolerances(atol=tolerance, max_it=20000)
-    snes.setFromOptions()
-    try:
-        return system._newton(form, unknown, None, snes)[0]
-    except NotConverged as error:
-        if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
-            raise Leaving from None
-        raise NotConverged(f"the motion {where} did not settle: {error}") from None

@@ -173,14 +173,29 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     """
     if operator.size <= DENSE:
         return [_all_modes(operator)]
-    space, random = Space(operator, axes), np.random.default_rng(1)
+    space = Space(operator, axes)
+    found = _searched(space, start, accurate, number, neutral)
+    if found is not None:
+        return found
+    if operator.size <= LARGEST_DENSE:
+        return [_all_modes(operator)]
+    modes = joined(space.modes())
+    raise NotConverged("the modes of the point were not found: eigenvalue "
+                       f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
+                       f"{RUNS} runs of ARPACK")
+
+
+def _searched(space, start, accurate, number, neutral):
+    """The modes of a space that grows by runs of ARPACK, None where residuals stay large;
+    parameters as of `leading_modes`."""
+    random, size = np.random.default_rng(1), space.operator.size
     space.begin(start)
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
     # to a single run.
     cold = 0 if start else 2
     vectors, shift = _ahead(space, accurate, number) if start else ([], 0.0)
     for run in range(RUNS):
-        noise = random.standard_normal(operator.size)
+        noise = random.standard_normal(size)
         begin = sum(vectors, (NOISE if vectors else 1.0) / np.linalg.norm(noise) * noise)
         _krylov(space, shift, begin, BASIS * (4 if run < cold else 1))
         if run + 1 < cold:
@@ -191,12 +206,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
         vectors, shift = _ahead(space, accurate, number)
         if space.largest > MOST:
             space.begin(summed(found))
-    if operator.size <= LARGEST_DENSE:
-        return [_all_modes(operator)]
-    modes = joined(space.modes())
-    raise NotConverged("the modes of the point were not found: eigenvalue "
-                       f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
-                       f"{RUNS} runs of ARPACK")
+    return None
 
 
 def oriented(vector):

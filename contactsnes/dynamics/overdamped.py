@@ -70,7 +70,7 @@ class Moment(NamedTuple):
     elastic: np.ndarray
 
 
-class Flow:
+class OverdampedMotion:
     """The motion from a state: its steps, its window and its works.
 
     Parameters

@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pyfftw
 
+from .counter import Counter
 from .windows import Window
 
 
@@ -56,7 +57,7 @@ def transform_cost(points, size):
     return points * math.log(max(points, 2)) / (size * math.log(size))
 
 
-class Grid:
+class Grid(Counter):
     """The periodic grid of the cell: wave vectors, transforms and their count, reductions over
     nodes.
 
@@ -64,17 +65,17 @@ class Grid:
     ----------
     shape : points in each direction, one or two even numbers
     periods : period in each direction, beta
-    counter : the grid that counts this one's transforms, in its own units (default this one)
+    counter : Counter (a grid is one) of this one's transforms, in its own units (default this
+        one)
     """
 
     def __init__(self, shape, periods, counter=None):
         self.shape = tuple(shape)
         self.periods = tuple(float(period) for period in periods)
         self.spacings = tuple(period / points for period, points in zip(self.periods, self.shape))
-        self.size = math.prod(self.shape)
+        super().__init__(math.prod(self.shape))
         self.area = math.prod(self.periods)
         self.node_area = self.area / self.size
-        self.transforms = 0.0
         self.counter = self if counter is None else counter
         self.whole = Window(self, (0,) * len(shape), self.shape)
 

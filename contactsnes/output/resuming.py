@@ -154,7 +154,7 @@ def on_path(points, initial, path, controls, told):
     ----------
     points : of the earlier run, oldest first: all, or the last ones
     initial : component -> Control at the start
-    path : the legs, load.Leg
+    path : the legs, load.TypedLeg
     controls : what controls each component at the start and along each leg
         (``load.controls_along``)
     told : function (controls, load) -> str, loads in words and in the scene's units

@@ -32,7 +32,7 @@ class Control(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Leg:
+class TypedLeg:
     """One leg of a load path: its text, and component -> Control for what it names, in the order
     named."""
 
@@ -161,8 +161,8 @@ class Load(Options):
                                                                         dimension, hold=False)
 
     def legs(self, dimension):
-        """The legs of the path, a tuple of Leg. InputError for an empty path and for pieces that
-        cannot be read."""
+        """The legs of the path, a tuple of TypedLeg. InputError for an empty path and for pieces
+        that cannot be read."""
         if not self.path.strip():
             raise InputError(
                 "-load_path is empty: name the legs, for instance -load_path \"normal_force=25\"")
@@ -170,5 +170,5 @@ class Load(Options):
         if "" in texts:
             raise InputError(
                 f"-load_path has an empty leg in '{self.path}': ';' stands between two legs only")
-        return tuple(Leg(text, _controls(text, "-load_path", dimension, hold=True))
+        return tuple(TypedLeg(text, _controls(text, "-load_path", dimension, hold=True))
                      for text in texts)

@@ -17,6 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..continuation.predictors import PREDICTORS, in_words
 from ..interface import laws, shapes
 from ..interface.laws import LAWS
 from ..options.fields import InputError, Options, as_text, declare, extend, option
@@ -235,9 +236,7 @@ class Steps(Options):
     smallest_step: float | tuple = option(None, "smallest step, below which a solve has failed",
                                           "of what moves", kind="number", above=0, many="legs",
                                           default_text="1e-6 of the leg")
-    predictor: str = option("edge", "start of a solve: none, secant, tangent, edge "
-                            "(follows contact edges and slip fronts, where "
-                            "there are any)", choices=("none", "secant", "tangent", "edge"))
+    predictor: str = option("edge", f"start of a solve: {in_words()}", choices=tuple(PREDICTORS))
     at_bifurcation: str = option("pass", "at a bifurcation, which -continuation_stability "
                                  "finds: pass, stop, follow the stable branch",
                                  choices=("pass", "stop", "follow"))

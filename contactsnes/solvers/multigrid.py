@@ -172,7 +172,7 @@ def count_levels(form, database):
 
 def _check(form, database):
     """InputError for what these grids cannot do."""
-    if form.name != "displacement":
+    if not form.in_displacements:
         raise InputError("-snes_type is 'fas': it needs -contact_form displacement")
     if database.getString("snes_fas_type", "multiplicative").lower() == "additive":
         raise InputError("-snes_fas_type is 'additive': corrections between these "

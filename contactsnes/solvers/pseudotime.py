@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from ..contact.forms import DisplacementForm
 from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
+from .capabilities import Capabilities
 from .snes import NewtonOptions, RegularisedStep
 
 SHORTEST = 1e-6
@@ -57,6 +58,8 @@ class PseudoTransient:
     time_step : the present one
     linear_iterations : of the last solve; PETSc does not count those of a Python type
     """
+
+    capabilities = Capabilities(forcing=True)
 
     def __init__(self):
         self.options, self.regularised = PseudoOptions(), NewtonOptions()

@@ -6,10 +6,11 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from ..contact.forms import ForceForm
+from ..contact.force_form import ForceForm
 from ..options.database import read
 from ..options.fields import InputError, as_text
 from . import stepping
+from .capabilities import Capabilities
 from .motion import Motion
 from .snes import NOT_A_NUMBER
 
@@ -39,6 +40,7 @@ class Relaxation:
     options_class: ClassVar[type]
     method_class: ClassVar[type]
     estimates: ClassVar[tuple] = ()
+    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True)
 
     def __init__(self):
         self.options = self.options_class()

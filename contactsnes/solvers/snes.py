@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from ..interface.laws.coupled import SOFTENING
 from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
+from .capabilities import asked
 from .multigrid import create_levels
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
@@ -142,11 +143,6 @@ class Ritz:
         return min(self.found[-2:], default=np.nan)
 
 
-def solver_type():
-    """Type of SNES that the user asks for."""
-    return PETSc.Options().getString("snes_type", "newtonls")
-
-
 @contextmanager
 def full_steps(database, kind):
     """Line searches of Newton's method that the user has not chosen are none while PETSc reads its
@@ -178,14 +174,14 @@ def create_snes(form, prefix="", tolerance=None):
     snes.appctx = form
     equip(snes, form)
     kind = database.getString("snes_type", "newtonls")
-    newton = kind.startswith("newton")
-    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=200 if newton else 10000)
-    if form.name == "force" or database.getString("snes_npc_side", "right") == "left":
+    method = asked(prefix)
+    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
+    if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
     ksp = snes.getKSP()
     with full_steps(database, kind):
         smoothers = create_levels(snes, form, equip) if kind == "fas" else []
-        if (newton or kind == "python") and not database.hasName("ksp_rtol"):
+        if method.forcing and not database.hasName("ksp_rtol"):
             snes.setUseEW(True)
             snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
         snes.setFromOptions()
@@ -196,15 +192,20 @@ def create_snes(form, prefix="", tolerance=None):
         # for.
         ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     form.ritz = Ritz()
-    if newton:
+    if method.has_tangent:
         ksp.setComputeEigenvalues(True)
         snes.setMonitor(form.ritz)
-    regularised = read(NewtonOptions, prefix)
-    for solver, its_form in ((snes, form),
-                             *((solver, form) for solver in inner_solvers(snes, form)), *smoothers):
-        if regularised.gap and solver.getType() == "newtonls":
-            solver.setLineSearchPreCheck(RegularisedStep(its_form, regularised.stiffness))
+    inner = [(solver, form) for solver in inner_solvers(snes, form)]
+    regularise([(snes, form), *inner, *smoothers], read(NewtonOptions, prefix))
     return snes
+
+
+def regularise(solvers, options):
+    """Have Newton's steps of solvers, [(SNES, form), ...], taken in the regularised gap, if options
+    say so."""
+    for solver, form in solvers:
+        if options.gap and solver.getType() == "newtonls":
+            solver.setLineSearchPreCheck(RegularisedStep(form, options.stiffness))
 
 
 def inner_solvers(snes, form):
@@ -258,8 +259,8 @@ def displacement_test(snes, iteration, norms, form):
     imbalance = snes.getFunction()[0].getArray(readonly=True)
     if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
         imbalance = form.residual(unknown, np.empty(form.size))
-    norm = (form.displacement_norm(unknown, imbalance) if form.name == "force"
-            else np.linalg.norm(imbalance))
+    norm = (np.linalg.norm(imbalance) if form.in_displacements
+            else form.displacement_norm(unknown, imbalance))
     if not np.isfinite(norm):
         return NOT_A_NUMBER
     form.last_norm = norm

@@ -38,18 +38,18 @@ RELEASED = {**LINE, "load_start": "normal_displacement=1", "load_path": "normal_
 
 def _steps():
     """Every step that converged is accepted."""
-    from contactsnes.continuation.natural import Walk
+    from contactsnes.continuation.natural import NaturalSteps
 
     def step(self, target, predictor):
         from dataclasses import replace
 
-        from contactsnes.continuation.natural import predict
+        from contactsnes.continuation.load_steps import predict
 
         guess = predict(self.system, self.history, self.leg, target, predictor)
         return replace(self.system.solve(guess, self.leg.controls, self.leg.load(target), 60),
                        leg=self.leg.number, position=target)
 
-    Walk._step = step
+    NaturalSteps._step = step
 
 
 def _residual():
@@ -90,7 +90,7 @@ def _window():
     from contactsnes.branch.corrector import Corrector
     from contactsnes.contact import states
 
-    fitted = Corrector._fitted
+    fitted = Corrector.fitted
 
     def held(self, state):
         state = fitted(self, state)
@@ -99,7 +99,7 @@ def _window():
                                                                 state.means)
 
     states.covers = lambda contact, state: True
-    Corrector._fitted = held
+    Corrector.fitted = held
 
 
 def _evenness():
@@ -136,10 +136,10 @@ def _folds():
 
 def _jumps():
     """The energy that a jump loses is not counted."""
-    from contactsnes.contact.energies import Ledger
+    from contactsnes.contact.energies import PathEnergies
 
-    summed = Ledger._summed
-    Ledger._summed = (lambda self, point, before, external, interface,
+    summed = PathEnergies._summed
+    PathEnergies._summed = (lambda self, point, before, external, interface,
                       lost: summed(self, point, before, external, interface, 0.0 * lost))
 
 

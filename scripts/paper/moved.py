@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from contactsnes.commands.session import create_branch, start_petsc, versions
 from contactsnes.contact import observables, states
-from contactsnes.contact.forms import ForceForm
+from contactsnes.contact.force_form import ForceForm
 from contactsnes.contact.problem import DISPLACEMENT
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.options.database import database_text, read

@@ -35,7 +35,7 @@ def made(scene, log=lambda sentence: None, **form):
 def first(scene, control, value, **form):
     """First point of one component, and what it cost."""
     system = made(scene, **form)
-    point = system.start((control,), np.array([value]))
+    point = coldstart.start(system, (control,), np.array([value]))
     return system, point, system.account()
 
 
@@ -98,7 +98,7 @@ def test_other_methods_start_on_the_grid_itself(settings, options):
     for name, value in options.items():
         database.setValue(name, value)
     try:
-        assert made(PAPER, **settings).on(Contact(Scene()), None) is None
+        assert coldstart.coarser(made(PAPER, **settings), Contact(Scene()), None) is None
     finally:
         for name in options:
             database.delValue(name)
@@ -111,7 +111,7 @@ def test_a_failure_on_coarse_grids_is_told_and_costs_only_time(monkeypatch):
     monkeypatch.setattr(coldstart, "refined", fails)
     said = []
     system = made({**PAPER, "points": 8192}, said.append)
-    point = system.start((DISPLACEMENT,), np.array([3.0]))
+    point = coldstart.start(system, (DISPLACEMENT,), np.array([3.0]))
     assert point.residual_norm <= 1e-8 and "the coarse grid failed" in said[0]
 
 
@@ -158,7 +158,7 @@ SAID = "where motion from the undeformed body leads"
 def on_heights(heights, scene, control=DISPLACEMENT, value=0.0, log=lambda sentence: None, **form):
     """First point of one component of a body with heights."""
     system = Corrector(Contact(Scene(**scene), heights), Form(**form), log)
-    return system, system.start((control,), np.array([value]))
+    return system, coldstart.start(system, (control,), np.array([value]))
 
 
 @pytest.mark.parametrize("seed, control, value", (
@@ -183,7 +183,7 @@ def test_a_cold_solve_on_a_rough_line_ends_elsewhere(self_affine):
     """There is another equilibrium with half as much again of adhesion: the test above has a
     meaning."""
     system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
-    cold = system.cold((DISPLACEMENT,), np.array([0.0]))
+    cold = coldstart.cold(system, (DISPLACEMENT,), np.array([0.0]))
     assert cold.forces[0] < 1.3 * point.forces[0] < 0.0
 
 
@@ -208,7 +208,8 @@ def test_a_parabola_from_a_file_is_convex_and_a_dented_one_is_not():
     said = []
     system, point = on_heights(heights, LINE, value=3.0, log=said.append)
     assert system.contact.convex and not said
-    shape = made({**LINE, "geometry": "cylinder"}).start((DISPLACEMENT,), np.array([3.0]))
+    shape = coldstart.start(made({**LINE, "geometry": "cylinder"}), (DISPLACEMENT,),
+                            np.array([3.0]))
     np.testing.assert_allclose(point.forces, shape.forces, rtol=1e-7)
     heights[30] += 0.1
     assert not Contact(Scene(**LINE), heights).convex
@@ -263,17 +264,17 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
             raise NotConverged("not yet")
         return polished(system, rest, controls, load)
 
-    class Seen(jumps.Flow):
+    class Seen(jumps.OverdampedMotion):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             motions.append(weakref.ref(self))
 
     motions = []
     monkeypatch.setattr(jumps, "polished", doubtful)
-    monkeypatch.setattr(jumps, "Flow", Seen)
+    monkeypatch.setattr(jumps, "OverdampedMotion", Seen)
     gc.disable()
     try:
-        again = system.start((DISPLACEMENT,), np.array([0.0]))
+        again = coldstart.start(system, (DISPLACEMENT,), np.array([0.0]))
         # No failure keeps a motion with its solvers alive: PETSc may be gone when cycles are
         # collected.
         assert motions and all(motion() is None for motion in motions)

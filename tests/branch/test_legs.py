@@ -9,6 +9,7 @@ import pytest
 
 petsc4py.init([])
 
+from contactsnes.branch import first_points  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
@@ -142,8 +143,8 @@ def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monke
     sentences = []
     branch = Branch(Scene(points=128, normal_maugis=1.0, period=20.0),
                     Load(path="normal_displacement=0.1"), log=sentences.append)
-    start = branch.corrector.start
-    monkeypatch.setattr(branch.corrector, "start",
+    start = first_points.start
+    monkeypatch.setattr(first_points, "start",
                         lambda *load: replace(start(*load), softest=softest))
     monkeypatch.setattr(branch.corrector, "examiner",
                         lambda point: replace(point, stable=int(not modes), unstable_modes=modes))

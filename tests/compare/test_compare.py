@@ -19,12 +19,14 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.branch.first_points import cold  # noqa: E402
 from contactsnes.compare import comparison as compare
 from contactsnes.compare import figure as comparison_figure
 from contactsnes.compare import methods
 from contactsnes.compare import table as comparison_table
 from contactsnes.compare.methods import CompareOptions, Method  # noqa: E402
-from contactsnes.compare.recorder import History, Meter, Recorder  # noqa: E402
+from contactsnes.compare.recorder import History  # noqa: E402
+from contactsnes.grid.counter import Counter
 from contactsnes.options import database as options
 from contactsnes.output import tables  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -220,7 +222,7 @@ def test_interruption_is_no_failure(monkeypatch):
     def interrupted(self, *arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Recorder, "cold", interrupted)
+    monkeypatch.setattr(compare, "cold", interrupted)
     with pytest.raises(KeyboardInterrupt):
         compared(NEWTON)
 
@@ -261,9 +263,9 @@ def test_another_branch_is_marked(monkeypatch):
 
     def elsewhere(self, controls, load):
         return (self.solve(touching.state, controls, load) if self.settings.window == "off"
-                else Recorder.__base__.cold(self, controls, load))
+                else cold(self, controls, load))
 
-    monkeypatch.setattr(Recorder, "cold", elsewhere)
+    monkeypatch.setattr(compare, "cold", elsewhere)
     both, said = compared(NEWTON, WHOLE, path="normal_displacement=hold",
                           start="normal_displacement=-2", scene=scene)
     assert outcomes(both, NEWTON) == ["converged"] and outcomes(both, WHOLE) == ["another branch"]
@@ -429,7 +431,7 @@ def test_database_is_switched_without_a_trace():
 
 
 def test_meter_and_history():
-    meter = Meter(64)
+    meter = Counter(64)
     history = History(meter)
     meter.transforms += 3.5
     meter.limit = 4.0

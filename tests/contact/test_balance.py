@@ -9,17 +9,18 @@ import pytest
 from processes import call
 
 from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
-from contactsnes.branch import branch as run
-from contactsnes.branch.corrector import Corrector
+from contactsnes.branch.remarks import DILUTED
 from contactsnes.branch.tracing import Tracer
 from contactsnes.contact.balance import Balance, Response
 from contactsnes.contact.even_form import EvenForm, Symmetry
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.states import State
 from contactsnes.grid.boxes import Spots, convolution
 from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import tangential_legs
+from contactsnes.solvers.capabilities import NEWTON
 
 OFF = Form(symmetry="off")
 
@@ -472,13 +473,14 @@ def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
 
 def test_the_state_that_is_stored_is_asked(monkeypatch):
     """A solver that ends anywhere else than it says makes no point."""
-    state_of = Corrector._state
+    state_of = DisplacementForm.state
 
-    def moved(self, form, unknown):
-        found = state_of(self, form, unknown)
+    def moved(form, unknown):
+        found = state_of(form, unknown)
         return State(found.window, found.displacement + 1e-7, found.means)
 
-    monkeypatch.setattr(Corrector, "_state", moved)
+    for form in (DisplacementForm, EvenForm):
+        monkeypatch.setattr(form, "state", moved)
     with pytest.raises(NotConverged, match="residual_norm"):
         next(iter(Branch(LINE, Load(path="normal_displacement=1"))))
 
@@ -488,14 +490,14 @@ def test_states_on_one_side_are_not_even():
     scene = replace(LINE, points=64)
     x = (np.arange(64) - 32) * scene.spacings[0]
     contact, said = Contact(scene, -4.0 * (np.abs(x) - 5.0) ** 2), []
-    symmetry = Symmetry(contact, Form(), "newtonls", said.append)
+    symmetry = Symmetry(contact, Form(), NEWTON, said.append)
     window = Window(contact.grid, (32,), (31,))
     assert np.flatnonzero(lone(window)).tolist() == list(range(1, 31))
     symmetry.checked(State(window, np.zeros((1, 31)), np.zeros(1)))
     assert said == ["the state is not even about the apex: going on without symmetry"]
     both = Spots(contact.grid, [(10,), (50,)], (5,))
     assert np.array_equal(lone(both), [False] * 10)
-    symmetry = Symmetry(contact, Form(), "newtonls", said.append)
+    symmetry = Symmetry(contact, Form(), NEWTON, said.append)
     symmetry.checked(State(both, np.arange(10.0)[None], np.zeros(1)))
     assert len(said) == 2
 
@@ -525,7 +527,7 @@ def test_a_node_far_out_of_balance_is_told(monkeypatch):
     monkeypatch.setattr(Balance, "__call__", lambda *given: own(*given)._replace(largest=2e-6))
     list(Branch(LINE, Load(path="normal_displacement=1"), log=said.append))
     assert len([sentence for sentence in said
-                if "largest_residual" in sentence]) == 1 and run.DILUTED == 100.0
+                if "largest_residual" in sentence]) == 1 and DILUTED == 100.0
 
 
 def test_largest_residual_is_kept():

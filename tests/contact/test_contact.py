@@ -20,13 +20,14 @@ import scipy.signal
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
 from contactsnes.branch.accuracy import finer_contact
 from contactsnes.contact.bordered import ArcLength
-from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.contact.force_form import ForceForm
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
-from contactsnes.solvers.preconditioners import CoreZone
+from contactsnes.solvers.core_zone import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0},
           "thin": {"height": 2.0}, "half": {"poisson": 0.1, "height": math.inf, "work_ratio": 0.5}}

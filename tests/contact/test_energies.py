@@ -10,7 +10,7 @@ import pytest
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
-from contactsnes.contact.energies import Ledger, line_integral, stored, straight
+from contactsnes.contact.energies import PathEnergies, line_integral, stored, straight
 from contactsnes.contact.observables import observe
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
@@ -191,7 +191,7 @@ def test_works_cost_no_transform_and_survive_a_resume():
     found = list(branch)
     before = branch.contact.grid.counter.transforms
     stored(branch.contact, found[-1])
-    Ledger(branch.contact, found[:3]).entered(found[3])
+    PathEnergies(branch.contact, found[:3]).completed(found[3])
     assert branch.contact.grid.counter.transforms == before
     for done in (1, 2, 3, len(found) // 2, len(found) // 2 + 2):
         again = Branch(Scene(**LINE), load)
@@ -215,8 +215,8 @@ def test_work_on_a_straight_way_is_the_difference_of_a_potential():
 
 def test_a_jump_without_potential_needs_the_works_along_its_motion():
     contact, found, _ = points({}, "tangential_displacement=4")
-    ledger = Ledger(contact, found[-3:-1])
-    jump = ledger.entered(replace(found[-1], event="jump"))
+    works = PathEnergies(contact, found[-3:-1])
+    jump = works.completed(replace(found[-1], event="jump"))
     assert (jump.jump_balance == "unknown" and math.isnan(jump.dissipated_work)
             and math.isnan(jump.interface_work))
     assert math.isfinite(jump.external_work)
@@ -225,7 +225,7 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - 0.1, 0.03, 0.03),
                                 (free + 0.001, 1e-4, 1e-4)):
         # A work on the interface whose error exceeds all that is lost says nothing of the latter.
-        known = Ledger(contact, found[-3:-1]).entered(replace(jumped, jump_work=work,
+        known = PathEnergies(contact, found[-3:-1]).completed(replace(jumped, jump_work=work,
                                                               viscous_work=viscous))
         assert (known.jump_balance == "motion"
                 and known.energy_imbalance == pytest.approx(before.energy_imbalance))

@@ -16,7 +16,7 @@ from contactsnes.grid.cell import Convolution, Grid, Operator, transform_cost
 from contactsnes.grid.windows import Window, enclosing
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps
-from contactsnes.solvers.preconditioners import CoreZone
+from contactsnes.solvers.core_zone import CoreZone
 
 LINE, PLANE = (512,), (48, 64)
 BOXES = {LINE: ([(500,), (100,), (300,)], (40,)), PLANE: ([(44, 5), (10, 58), (24, 30)], (9, 14))}

@@ -8,7 +8,7 @@ from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
-from contactsnes.continuation.natural import lagrange_weights
+from contactsnes.continuation.points import lagrange_weights
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps
@@ -119,7 +119,7 @@ def test_lowered_is_moved_as_a_whole():
     contact, rng = line(), np.random.default_rng(1)
     window = contact.grid.whole
     field = np.array([40.0 + rng.normal(size=POINTS), rng.normal(size=POINTS)])
-    lowered = states.lowered(contact, states.State(window, field, contact.grid.mean(field)))
+    lowered = states.within_range(contact, states.State(window, field, contact.grid.mean(field)))
     assert states.normal_gap(contact, lowered).min() == pytest.approx(1.0)
     assert np.ptp(lowered.displacement[0] - field[0]) < 1e-9
     np.testing.assert_array_equal(lowered.displacement[1], field[1])

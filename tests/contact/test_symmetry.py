@@ -22,7 +22,8 @@ from contactsnes.grid.even import Cosines, EvenConvolution, EvenWindow, asymmetr
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
-from contactsnes.solvers.preconditioners import CoreOptions, zone
+from contactsnes.solvers.core_zone import CoreOptions
+from contactsnes.solvers.preconditioners import zone
 
 LINE = Scene(points=512, period=40.0, normal_maugis=3.0, residual_friction=0.5)
 SOFT = replace(LINE, points=64, period=16.0, normal_maugis=2.0, tangential_maugis=1.5,
@@ -404,12 +405,12 @@ def test_a_jump_may_end_symmetry(monkeypatch):
     point = next(iter(branch))
     relaxed = jumps.relaxed
 
-    def tilted(system, form, unknown, tolerance, where, prefix="jump_"):
-        found = relaxed(system, form, unknown, tolerance, where, prefix)
+    def tilted(run, form, unknown, tolerance, where, prefix="jump_"):
+        found = relaxed(run, form, unknown, tolerance, where, prefix)
         return found + 1e-5 * np.sin(2 * np.pi * np.arange(found.size) / found.size) / form.root
 
     monkeypatch.setattr(jumps, "relaxed", tilted)
-    settled = jumps.fallen(branch.corrector, point.state, point.controls, point.load, "here")
+    settled = jumps.by_inertia(branch.corrector, point.state, point.controls, point.load, "here")
     assert len(sentences) == 1 and "not even" in sentences[0]
     np.testing.assert_allclose(settled.forces, point.forces, rtol=1e-5)
 

@@ -17,9 +17,10 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact import observables, states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
-from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
-from contactsnes.continuation.limit_points import LimitPoint, Station  # noqa: E402
+from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
+from contactsnes.continuation.limit_points import BracketEnd, LimitPoint  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
+from contactsnes.continuation.predictors import PREDICTORS  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
@@ -298,14 +299,14 @@ def test_a_first_step_along_the_arc_passes_no_fold():
 
 def test_nothing_infinite_is_followed():
     branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-0.2")
-    walk = ArcWalk(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])], "edge",
-                   "trace")
-    walk.history = [(0.5, replace(point, position=0.5)) for point in points[:2]]
-    assert np.isfinite(walk._pace ** 2)
+    steps = ArcLengthSteps(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])],
+                           PREDICTORS["edge"], "trace")
+    steps.history = [(0.5, replace(point, position=0.5)) for point in points[:2]]
+    assert np.isfinite(steps._pace ** 2)
     lost = replace(points[1].state, displacement=np.full_like(points[1].state.displacement, np.inf))
     for solve in (lambda: branch.corrector.solve(lost, points[1].controls, points[1].load),
                   lambda: branch.corrector.solve_arc((points[0].state, points[1].state), 0.1, lost,
-                                                     0.5, walk.leg)):
+                                                     0.5, steps.leg)):
         with pytest.raises(NotConverged, match="its start holds NaN or infinite"):
             solve()
 
@@ -323,12 +324,12 @@ def test_methods_without_a_tangent_are_refused(options, steps):
 def test_two_folds_in_a_step_are_seen_from_its_ends(heading, back, turns):
     """On position = s^3 - back s, from -1 to 1, which leads on at both ends; what nearly turns may
     do so."""
-    def station(place):
+    def bracket_end(place):
         point = SimpleNamespace(position=heading * (place ** 3 - back * place))
-        return Station(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
+        return BracketEnd(place, point, SimpleNamespace(rate=heading * (3.0 * place ** 2 - back)))
 
     limit = LimitPoint.__new__(LimitPoint)
-    limit.left, limit.right = station(-1.0), station(1.0)
+    limit.left, limit.right = bracket_end(-1.0), bracket_end(1.0)
     assert limit.turns_between(heading) is turns
 
 
@@ -354,7 +355,7 @@ def test_two_folds_near_each_other_are_found(back):
     steps are long."""
     problem = Problem(lambda x, load: x ** 3 - back * x - load, lambda x,
                       load: np.array([[3.0 * x[0] ** 2 - back]]), lambda x, load: np.array([-1.0]))
-    points, error = solved(path(System(problem), (-1.0, 1.0), (-1.1,), walker=ArcWalk,
+    points, error = solved(path(System(problem), (-1.0, 1.0), (-1.1,), stepper=ArcLengthSteps,
                                 at_fold="trace"))
     found = [point.state[0] for point in points if point.event == "fold"]
     assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)],

@@ -25,10 +25,10 @@ from test_continuation import (  # noqa: E402
 )
 
 from contactsnes.branch.branch import Branch  # noqa: E402
-from contactsnes.continuation import bifurcations  # noqa: E402
-from contactsnes.continuation.arclength import ArcWalk  # noqa: E402
+from contactsnes.continuation import branching  # noqa: E402
+from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
 from contactsnes.continuation.bifurcations import between, probe  # noqa: E402
-from contactsnes.continuation.natural import Walk  # noqa: E402
+from contactsnes.continuation.natural import NaturalSteps  # noqa: E402
 from contactsnes.continuation.points import (  # noqa: E402
     Leg,
     NoEquilibrium,  # noqa: E402
@@ -91,7 +91,7 @@ class Seeing(System):
         return replace(point, softest=np.linalg.eigvals(np.linalg.solve(plain, matrix)).real.min())
 
 
-def walked(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
+def followed_steps(problem, values=(0.0, 1.0), guess=(0.0, 0.0), **settings):
     """Points along a path of a problem, with stability."""
     system = System(problem)
     points, error = followed(path(system, values, guess, certify=Dense(system), **settings))
@@ -141,7 +141,7 @@ def flutter():
 
 
 def test_a_pitchfork_is_passed_and_its_place_stored():
-    points, error = walked(pitchfork())
+    points, error = followed_steps(pitchfork())
     assert error is None and events(points) == ["bifurcation"]
     critical = next(point for point in points if point.event == "bifurcation")
     assert (critical.load[-1] == pytest.approx(0.5, rel=1e-8) and critical.stable == 0
@@ -156,14 +156,14 @@ def test_a_pitchfork_is_passed_and_its_place_stored():
 
 @pytest.mark.parametrize("bias", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("certified", [True, False])
-@pytest.mark.parametrize("walker", [Walk, ArcWalk])
-def test_a_broken_bifurcation_is_a_fold(bias, certified, walker):
+@pytest.mark.parametrize("stepper", [NaturalSteps, ArcLengthSteps])
+def test_a_broken_bifurcation_is_a_fold(bias, certified, stepper):
     """Steps that are much longer than the way between the two branches; without certificates solves
     see where they are."""
     place = brentq(lambda v: -2 * v + 4 * v ** 3 + bias / v ** 2, 1e-6, 0.5)
     system = System(broken(bias)) if certified else Seeing(broken(bias))
     settings = {"certify": Dense(system)} if certified else {}
-    points, error = followed(path(system, (0.0, 1.0), (0.0, 2 * bias), walker=walker, **settings))
+    points, error = followed(path(system, (0.0, 1.0), (0.0, 2 * bias), stepper=stepper, **settings))
     assert_solutions(system, points)
     assert error is None and events(points) == ["fold", "jump"]
     fold, jump = (next(point for point in points if point.event == name)
@@ -183,7 +183,7 @@ def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of():
 
 
 def test_a_path_may_stop_there():
-    points, error = walked(pitchfork(), at_bifurcation="stop")
+    points, error = followed_steps(pitchfork(), at_bifurcation="stop")
     assert (error is None and points[-1].event == "bifurcation"
             and points[-1].load[-1] == pytest.approx(0.5, rel=1e-8))
 
@@ -195,7 +195,7 @@ def test_a_path_may_stop_there():
                                                                           + np.sqrt(load - 0.25)),
                                                      "jump")])
 def test_the_stable_branch_is_followed_on_request(problem, branch, event):
-    points, error = walked(problem(), at_bifurcation="follow")
+    points, error = followed_steps(problem(), at_bifurcation="follow")
     assert error is None and points[-1].position == 1.0
     place = [point.event for point in points].index("bifurcation")
     assert points[place + 1].event == event
@@ -233,7 +233,7 @@ def test_a_motion_that_leads_back_is_no_other_branch(end, back):
     of where it began, or farther away."""
     system = Landing([end], curve(lambda u: -u, lambda u: -np.ones_like(u)))
     (_, critical), (_, beyond) = system.points([0.0], [0.0])
-    found = bifurcations.followed(system, Dense(system), UNIT_LEG,
+    found = branching.followed(system, Dense(system), UNIT_LEG,
                                   replace(critical, mode=np.ones(1)), beyond)
     assert (found is None) == back and any("led back" in sentence
                                            for sentence in system.sentences) == back
@@ -247,7 +247,7 @@ def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
                       load: np.array([[3 * x[0] ** 2 - 1, 0.0],
                                       [-x[1], 3 * x[1] ** 2 + 0.5 - x[0]]]), lambda x,
                       load: np.array([-1.0, 0.0]))
-    points, error = walked(problem, (-2.0, 1.0), (-1.5, 0.0))
+    points, error = followed_steps(problem, (-2.0, 1.0), (-1.5, 0.0))
     assert error is None and events(points) == ["fold", "jump"]
     jump = next(point for point in points if point.event == "jump")
     assert jump.stable == 1 and jump.state == pytest.approx([2 / np.sqrt(3), jump.state[1]],
@@ -260,7 +260,7 @@ def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
 
 @pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
 def test_all_modes_that_change_in_a_step_are_found(second):
-    points, _ = walked(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
+    points, _ = followed_steps(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
     found = [point for point in points if point.event == "bifurcation"]
     assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
     assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
@@ -336,7 +336,7 @@ def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apar
 
 
 def test_a_complex_pair_is_one_bifurcation():
-    points, _ = walked(flutter(), guess=(0.0, 0.0, 0.0))
+    points, _ = followed_steps(flutter(), guess=(0.0, 0.0, 0.0))
     found = [point for point in points if point.event == "bifurcation"]
     assert len(found) == 1 and found[0].load[-1] == pytest.approx(0.3, rel=1e-8)
     assert (abs(found[0].leading_eigenvalue.imag) == pytest.approx(2.0)
@@ -344,15 +344,15 @@ def test_a_complex_pair_is_one_bifurcation():
 
 
 def test_stability_may_come_back():
-    points, _ = walked(pitchfork(), values=(0.9, 0.1))
+    points, _ = followed_steps(pitchfork(), values=(0.9, 0.1))
     assert events(points) == ["bifurcation"] and points[1].stable == 0 and points[-1].stable == 1
 
 
 def test_a_resumed_path_goes_on_after_its_bifurcation():
-    points, _ = walked(pitchfork())
+    points, _ = followed_steps(pitchfork())
     place = events(points) and [point.event for point in points].index("bifurcation")
     for last in (place - 1, place, place + 1):
-        rest, _ = walked(pitchfork(), resumed=points[max(0, last - 3):last + 1])
+        rest, _ = followed_steps(pitchfork(), resumed=points[max(0, last - 3):last + 1])
         assert [(point.event, point.stable) for point in rest] == [(point.event, point.stable)
                                                                    for point in points[last + 1:]]
         np.testing.assert_allclose([point.load[-1] for point in rest],

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation import departures
-from contactsnes.continuation.arclength import ArcWalk
-from contactsnes.continuation.folds import Turn
+from contactsnes.continuation.arclength import ArcLengthSteps
+from contactsnes.continuation.events import with_events
+from contactsnes.continuation.folds import FoldSearch
 from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
+from contactsnes.continuation.load_steps import predict
 from contactsnes.continuation.natural import (
-    Walk,
-    branch,
+    NaturalSteps,
     fold_kind,
     grown,
     leg_history,
-    predict,
-    with_events,
 )
+from contactsnes.continuation.path import branch
 from contactsnes.continuation.points import (
     Direction,
     Leg,
@@ -28,10 +28,11 @@ from contactsnes.continuation.points import (
     Point,
     lagrange_weights,
 )
-from contactsnes.continuation.walks import Trace
+from contactsnes.continuation.predictors import PREDICTORS
+from contactsnes.continuation.steppers import TracedSteps
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
-PREDICTORS = ("none", "secant", "tangent", "edge")
+SECANT = PREDICTORS["secant"]
 
 
 class Problem:
@@ -179,13 +180,15 @@ class System:
     def doubtful(self, *_):
         return False
 
+    detached = doubtful
+
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
 
-    def lowered(self, point, *_):
+    def within_range(self, point, *_):
         return None
 
-    let_go = lowered
+    end_of_attraction = within_range
 
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
@@ -203,7 +206,7 @@ class System:
                                     lambda u: problem.jacobian(u, load[-1]), guess)
         return self._point(state, load, count)
 
-    def lost(self, point, leg, heading):
+    def end_of_branch(self, point, leg, heading):
         return "it went far away" if np.abs(point.state).max() > 50.0 else ""
 
     def margin(self, point, event):
@@ -299,6 +302,8 @@ def path(system, values, guess, *, sizes=(1 / 40, 1 / 20, 1e-6), resumed=None, *
         return replace(system.solve(np.array(guess, dtype=float), ("displacement",),
                                     np.array([values[0]])), spent=system.account())
 
+    if "predictor" in settings:
+        settings["predictor"] = PREDICTORS[settings["predictor"]]
     legs = [maker(number, *ends) for number, ends in enumerate(zip(values, values[1:]), start=1)]
     return branch(system, start, legs, history=resumed or (), **settings)
 
@@ -309,7 +314,7 @@ def followed(iterator):
     try:
         for point in iterator:
             points.append(point)
-            assert len(points) < 2000, "the walk does not come to an end"
+            assert len(points) < 2000, "the steps do not come to an end"
     except (NotConverged, NoEquilibrium) as error:
         return points, error
     return points, None
@@ -325,8 +330,8 @@ def assert_solutions(system, points):
 
 
 def assert_steps(points, largest=1 / 20, legs=1):
-    """Every leg is walked in order from its beginning to its exact end, in steps no longer than the
-    largest."""
+    """Every leg is followed in order from its beginning to its exact end, in steps no longer than
+    the largest."""
     for number in range(1, legs + 1):
         places = [0.0, *(point.position for point in points if point.leg == number)]
         assert places[-1] == 1.0
@@ -369,7 +374,7 @@ def test_predictors_have_their_orders():
     parabola)."""
     system = System(explicit(np.exp, np.exp))
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
-    for predictor, order in zip(PREDICTORS, (1, 2, 2, 3)):
+    for predictor, order in zip(PREDICTORS.values(), (1, 2, 2, 3)):
         wrong = []
         for step in (0.02, 0.01):
             history = [(place, system.solve(np.ones(1), ("displacement",), leg.load(place)))
@@ -704,27 +709,28 @@ def test_a_step_that_ends_off_its_prediction_is_refused(states, predictor, end, 
     that jumped."""
     system = Landing(end)
     history = system.points(*states)
-    walk = Walk(system, UNIT_LEG, history, predictor, "jump")
+    steps = NaturalSteps(system, UNIT_LEG, history, PREDICTORS[predictor], "jump")
     if refused:
         with pytest.raises(NotConverged, match="another branch"):
-            walk._step(0.2, predictor)
+            steps._step(0.2, PREDICTORS[predictor])
     else:
-        assert walk._step(0.2, predictor).position == 0.2
+        assert steps._step(0.2, PREDICTORS[predictor]).position == 0.2
 
 
 def test_what_a_step_released_is_asked_where_its_end_was_foretold():
     for jumped in (False, True):
         system = Landing([0.4], jumped=jumped)
-        walk = Walk(system, UNIT_LEG, system.points([0.0], [0.2]), "secant", "jump")
-        assert (followed(walk._step(0.2, "secant") for _ in range(1))[1] is not None) is jumped
+        steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), SECANT, "jump")
+        assert (followed(steps._step(0.2, SECANT) for _ in range(1))[1] is not None) is jumped
 
 
 @pytest.mark.parametrize("problem, refused", [(None, False), (LATE, True)])
 def test_the_tangent_at_a_far_first_point_leads_back(problem, refused):
     system = Landing([4.0], problem or explicit(lambda load: 4 * load, lambda load: 4.0))
-    walk = Walk(system, replace(UNIT_LEG, end=np.array([10.0])), system.points([0.0]), "tangent",
-                "jump")
-    assert (followed(walk._step(0.1, "tangent") for _ in range(1))[1] is not None) is refused
+    steps = NaturalSteps(system, replace(UNIT_LEG, end=np.array([10.0])), system.points([0.0]),
+                         PREDICTORS["tangent"], "jump")
+    found = followed(steps._step(0.1, PREDICTORS["tangent"]) for _ in range(1))[1]
+    assert (found is not None) is refused
 
 
 @pytest.mark.parametrize("states, guess, end, position, sentence",
@@ -737,9 +743,9 @@ def test_the_tangent_at_a_far_first_point_leads_back(problem, refused):
 def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end, position,
                                                               sentence):
     system = Landing(end)
-    walk = ArcWalk(system, UNIT_LEG, system.points(*states), "secant", "jump")
+    steps = ArcLengthSteps(system, UNIT_LEG, system.points(*states), SECANT, "jump")
     point = replace(system.solve(None, ("displacement",), np.array([position])), position=position)
-    found = followed(walk._check(np.array(guess), point) for _ in range(1))[1]
+    found = followed(steps._check(np.array(guess), point) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
 
 
@@ -753,7 +759,7 @@ def test_a_step_along_the_arc_stays_on_the_branch_and_goes_on(states, guess, end
 def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence):
     system = Landing(end, softest=softest)
     trail = system.points(*states)
-    found = followed(Turn(system, UNIT_LEG, trail)._ahead(trail, 0.2) for _ in range(1))[1]
+    found = followed(FoldSearch(system, UNIT_LEG, trail)._ahead(trail, 0.2) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
 
 
@@ -766,7 +772,7 @@ def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
     before, beyond = (replace(system._point(np.array([u]), leg.load(0.5 * (u ** 3 - u + 1.0)), 3),
                               position=0.5 * (u ** 3 - u + 1.0), softest=0.5) for u in (-0.7, -0.5))
     limit = LimitPoint(system, leg, before, beyond)
-    found = followed(limit._station(0.5 * limit.right.place, tight) for _ in range(1))[1]
+    found = followed(limit._point_at(0.5 * limit.right.place, tight) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
 
 
@@ -801,7 +807,7 @@ def test_the_search_leaves_the_fold_behind_before_it_jumps():
             load = np.array([u ** 3 - u])
             history.append((0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",),
                                                                 load)))
-        fold, beyond, _ = Turn(system, leg, history).search(NotConverged("a step"))
+        fold, beyond, _ = FoldSearch(system, leg, history).search(NotConverged("a step"))
         assert fold.state[0] < beyond[0] and beyond[0] ** 3 - beyond[0] < fold.load[0] * (1 - 1e-6)
 
 
@@ -816,7 +822,8 @@ def test_an_arc_that_turns_on_a_straight_branch_is_no_fold():
         loads = [problem.residual(np.array([u]), 0.0) for u in states]
         trail = [(0.5 * (load[0] + 1.0), system.solve(np.array([u]), ("displacement",), load))
                  for u, load in zip(states, loads)]
-        assert trail[3][0] < trail[2][0] and Turn(system, leg, trail[:2])._returns(trail) is back
+        assert trail[3][0] < trail[2][0]
+        assert FoldSearch(system, leg, trail[:2])._returns(trail) is back
 
 
 @pytest.mark.parametrize("aside, back", [(0.005, True), (0.012, False)])
@@ -825,7 +832,7 @@ def test_an_arc_has_turned_where_it_is_nearer_to_its_way_than_to_its_end(aside, 
     places, states = (0.1, 0.2, 0.3, 0.27), (0.1, 0.2, 0.3, 0.27 + aside)
     trail = [(place, system._point(np.array([u]), np.array([place]), 3))
              for place, u in zip(places, states)]
-    assert Turn(system, UNIT_LEG, trail[:2])._returns(trail) is back
+    assert FoldSearch(system, UNIT_LEG, trail[:2])._returns(trail) is back
 
 
 def test_an_arc_is_followed_until_the_load_falls():
@@ -834,7 +841,7 @@ def test_an_arc_is_followed_until_the_load_falls():
     places = [(0.5 * (u ** 3 - u + 1.0), u) for u in (-0.62, -0.61, -0.6)]
     trail = [(place, replace(system.solve(np.array([u]), ("displacement",), leg.load(place)),
                              position=place)) for place, u in places]
-    found = Turn(system, leg, trail)._bracketed(trail)
+    found = FoldSearch(system, leg, trail)._bracketed(trail)
     assert (len(found) > 6 and found[-1][0] < found[-2][0]
             and found[-1][1].state[0] > -1 / np.sqrt(3.0))
 
@@ -851,7 +858,7 @@ def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, s
     system = Pinned([0.0])
     trail = [(place, replace(system._point(np.array([u]), np.array([place]), 3), position=place))
              for place, u in ((0.3, 0.2), (0.4 - 1e-10, 0.3), (0.4, 0.4), (0.4 - drop, 0.5))]
-    found, error = followed(Turn(system, UNIT_LEG, trail)._locate(trail) for _ in range(1))
+    found, error = followed(FoldSearch(system, UNIT_LEG, trail)._locate(trail) for _ in range(1))
     if drop > FOLD_TOLERANCE:
         assert not found and "slope did not" in str(error)
     else:
@@ -873,7 +880,7 @@ def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
     high = trail[1][0]
     trail = trail[:2] + [(high + rise, replace(point, position=high + rise))
                          for rise, (_, point) in zip((1e-9, 2e-9, 1e-9), trail[2:])]
-    fold, _, kept = Turn(system, leg, trail)._locate(trail)
+    fold, _, kept = FoldSearch(system, leg, trail)._locate(trail)
     assert fold.fold_precision < FOLD_TOLERANCE and abs(leg.load(fold.position)[0] / CUBIC_FOLD
                                                         - 1.0) < 1e-8 and len(kept) == 2
 
@@ -886,14 +893,14 @@ def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
         place = 0.5 * (u ** 3 - u + 1.0)
         trail.append((place, replace(system.solve(np.array([u]), ("displacement",),
                                                   leg.load(place)), position=place)))
-    walk = ArcWalk(system, leg, trail[:1], "edge", "jump")
-    walk.history = trail[:2]
-    walk.departed = None
-    walk.level = None
-    walk.departed, _ = walk._fold_before(trail[2][1])
-    assert abs(leg.load(walk.departed.position)[0] / CUBIC_FOLD - 1.0) < 1e-8
+    steps = ArcLengthSteps(system, leg, trail[:1], PREDICTORS["edge"], "jump")
+    steps.history = trail[:2]
+    steps.departed = None
+    steps.level = None
+    steps.departed, _ = steps._fold_before(trail[2][1])
+    assert abs(leg.load(steps.departed.position)[0] / CUBIC_FOLD - 1.0) < 1e-8
     with pytest.raises(NotConverged, match="led back to the fold"):
-        walk._fold_before(trail[2][1])
+        steps._fold_before(trail[2][1])
 
 
 def test_a_point_of_the_arc_serves_where_no_solve_does():
@@ -904,7 +911,7 @@ def test_a_point_of_the_arc_serves_where_no_solve_does():
     trail = [(place, system.solve(np.zeros(1), ("displacement",), leg.load(place)))
              for place in (0.1, 0.2, 0.33, 0.47)]
     system.fails = system.arc_fails = lambda load: True
-    turn = Turn(system, leg, trail[:2])
+    turn = FoldSearch(system, leg, trail[:2])
     found = turn._natural(trail, 0.4)
     assert (found.position == 0.33 and found.state is trail[2][1].state and found.leg == 1
             and 0.0 < found.step <= 0.05)
@@ -912,21 +919,21 @@ def test_a_point_of_the_arc_serves_where_no_solve_does():
         turn._natural(trail, 0.3)
 
 
-@pytest.mark.parametrize("walker", [Walk, ArcWalk, Trace])
-def test_what_is_not_located_to_its_precision_is_no_fold(walker):
+@pytest.mark.parametrize("stepper", [NaturalSteps, ArcLengthSteps, TracedSteps])
+def test_what_is_not_located_to_its_precision_is_no_fold(stepper):
     """Solves next to the fold fail: the path ends there and says so; the load is known to the part
     in which they fail."""
     system = System(cubic(), fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4,
                     arc_fails=lambda load: abs(load / CUBIC_FOLD - 1) < 1e-4)
-    points, error = followed(path(system, [-1.875, 2.0], [-1.5], walker=walker))
+    points, error = followed(path(system, [-1.875, 2.0], [-1.5], stepper=stepper))
     assert isinstance(error,
                       NotConverged) and folds(points) == [] and points[-1].load[0] < CUBIC_FOLD
     assert "fold" in str(error) or any("no fold" in sentence for sentence in system.sentences)
 
 
 def test_the_precision_of_a_fold_is_told_with_it():
-    for walker in (Walk, ArcWalk):
-        points, _ = followed(path(System(cubic()), [-1.875, 2.0, -1.5], [-1.5], walker=walker))
+    for stepper in (NaturalSteps, ArcLengthSteps):
+        points, _ = followed(path(System(cubic()), [-1.875, 2.0, -1.5], [-1.5], stepper=stepper))
         assert len(folds(points)) == 2 and all(0.0 < point.fold_precision <= FOLD_TOLERANCE
                                                for point in folds(points))
         assert all(point.fold_precision == 0.0 for point in points if point.event != "fold")
@@ -945,8 +952,8 @@ def test_a_fold_that_steps_are_too_long_for_is_located_by_shorter_ones(limit):
                 raise NotConverged("the guess is too far away")
             return point
 
-    for walker in (Walk, ArcWalk):
-        points, error = followed(path(Short(cubic()), [-1.875, 2.0], [-1.5], walker=walker,
+    for stepper in (NaturalSteps, ArcLengthSteps):
+        points, error = followed(path(Short(cubic()), [-1.875, 2.0], [-1.5], stepper=stepper,
                                       at_fold="stop", sizes=(0.1, 0.2, 1e-6)))
         assert error is None and [point.load[0] for point in folds(points)] == pytest.approx(
             [CUBIC_FOLD], rel=FOLD_TOLERANCE)
@@ -964,10 +971,10 @@ def test_kinds_of_folds():
 # Arc length
 
 
-def traced(problem, values, guess, walker=ArcWalk, **settings):
+def traced(problem, values, guess, stepper=ArcLengthSteps, **settings):
     """A system, the points of its branch traced through folds, and what ended it."""
     system = System(problem)
-    points, error = followed(path(system, values, guess, walker=walker,
+    points, error = followed(path(system, values, guess, stepper=stepper,
                                   **{"at_fold": "trace", **settings}))
     assert_solutions(system, points)
     return system, points, error
@@ -977,14 +984,14 @@ def folds(points):
     return [point for point in points if point.event == "fold"]
 
 
-@pytest.mark.parametrize("walker", [ArcWalk, Trace])
+@pytest.mark.parametrize("stepper", [ArcLengthSteps, TracedSteps])
 @pytest.mark.parametrize("predictor", PREDICTORS)
 @pytest.mark.parametrize("sizes", [(1 / 40, 1 / 20, 1e-6), (0.004, 0.01, 1e-6), (0.2, 0.3, 1e-6)],
                          ids=["default", "short", "long"])
-def test_a_branch_is_traced_through_its_folds(walker, predictor, sizes):
+def test_a_branch_is_traced_through_its_folds(stepper, predictor, sizes):
     """To rounding, there and back: each fold at its load with its kind and null vector, each leg to
     its exact end."""
-    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], walker, predictor=predictor,
+    _, points, error = traced(cubic(), [-1.875, 2.0, -1.5], [-1.5], stepper, predictor=predictor,
                               sizes=sizes)
     assert error is None
     assert [point.fold_kind for point in folds(points)] == ["jump_in", "pull_off", "pull_off",
@@ -1023,10 +1030,10 @@ def test_several_folds_on_one_branch():
 
 
 @pytest.mark.parametrize("rising, falling", [(1.0, -3.0), (1.0, -1.0), (5.0, -0.2)])
-@pytest.mark.parametrize("walker", [ArcWalk, Trace])
-def test_a_fold_in_a_corner_has_two_tangents(rising, falling, walker):
-    at_fold = "stop" if walker is ArcWalk else "trace"
-    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], walker,
+@pytest.mark.parametrize("stepper", [ArcLengthSteps, TracedSteps])
+def test_a_fold_in_a_corner_has_two_tangents(rising, falling, stepper):
+    at_fold = "stop" if stepper is ArcLengthSteps else "trace"
+    _, points, error = traced(corner(rising, falling), [-0.1, 1.0], [0.3 - 0.4 / rising], stepper,
                               at_fold=at_fold)
     fold, = folds(points)
     assert fold.load[0] == pytest.approx(0.3, rel=FOLD_TOLERANCE)
@@ -1060,7 +1067,8 @@ def test_a_closed_branch_within_a_leg_is_followed_once():
     leg = Leg(1, ("displacement",), np.array([-3.0]), np.array([3.0]), 0, 1 / 40, 1 / 20, 1e-6)
     first = replace(system.solve(np.array([3.0, 0.0]), ("displacement",), np.zeros(1)), leg=1,
                     position=0.5)
-    points, error = followed(ArcWalk(system, leg, [(0.5, first)], "edge", "trace"))
+    points, error = followed(ArcLengthSteps(system, leg, [(0.5, first)], PREDICTORS["edge"],
+                                            "trace"))
     assert isinstance(error, NoEquilibrium) and "closes on itself" in str(error)
     assert [point.load[0] for point in folds(points)] == pytest.approx([1.0, -1.0],
                                                                        rel=FOLD_TOLERANCE)
@@ -1084,12 +1092,12 @@ def test_jump_and_stop_with_arc_length():
     assert error is None and events(points) == ["fold"] and points[-1].event == "fold"
 
 
-@pytest.mark.parametrize("walker", [ArcWalk, Trace])
-def test_a_resumed_trace_goes_on_through_the_same_branch(walker):
+@pytest.mark.parametrize("stepper", [ArcLengthSteps, TracedSteps])
+def test_a_resumed_trace_goes_on_through_the_same_branch(stepper):
     """From any of its points: the same folds, the same end."""
-    _, whole, _ = traced(cubic(), [-1.875, 2.0], [-1.5], walker)
+    _, whole, _ = traced(cubic(), [-1.875, 2.0], [-1.5], stepper)
     for cut in range(1, len(whole) + 1):
-        _, rest, error = traced(cubic(), [-1.875, 2.0], [-1.5], walker,
+        _, rest, error = traced(cubic(), [-1.875, 2.0], [-1.5], stepper,
                                 resumed=archived(whole[:cut]))
         found = folds(whole[:cut]) + folds(rest)
         assert error is None and [point.fold_kind for point in found] == ["jump_in", "pull_off"]
@@ -1114,7 +1122,7 @@ def test_folds_that_swing_within_a_small_load_are_told_of():
 def test_events_along_a_branch_are_located():
     """Sliding from 0.3, contact until 0.8, whatever the steps."""
     system = System(contacting(lambda u: u < 0.8, lambda u: u > 0.3))
-    points, error = followed(path(system, [0.0, 1.0], [0.0], walker=ArcWalk))
+    points, error = followed(path(system, [0.0, 1.0], [0.0], stepper=ArcLengthSteps))
     assert error is None and events(points) == ["gross_sliding", "pull_off"]
     for point, load in zip([point for point in points if point.event != "none"], (0.3, 0.8)):
         assert load * (1 - 1e-12) <= point.load[0] <= load * (1 + 2 * FOLD_TOLERANCE)
@@ -1298,6 +1306,6 @@ def test_a_walk_can_be_left_at_any_point():
     system = System(cubic())
     leg = Leg(1, ("displacement",), np.array([-1.875]), np.array([2.0]), 0, 0.1, 0.1, 1e-6)
     first = system.solve(np.array([-1.5]), ("displacement",), np.array([-1.875]))
-    walk = iter(Walk(system, leg, [(0.0, first)], "edge", "jump"))
-    assert next(walk).leg == 1
-    walk.close()
+    steps = iter(NaturalSteps(system, leg, [(0.0, first)], PREDICTORS["edge"], "jump"))
+    assert next(steps).leg == 1
+    steps.close()

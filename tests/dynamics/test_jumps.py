@@ -8,10 +8,12 @@ from scipy.integrate import solve_ivp
 
 petsc4py.init()
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps
+from contactsnes.branch import first_points
 from contactsnes.contact import states
 from contactsnes.contact.even_form import Symmetry
-from contactsnes.dynamics import jumps
-from contactsnes.dynamics.overdamped import Flow, Leaving, MotionOptions, Unsettled
+from contactsnes.dynamics import jumps, relaxing
+from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
+from contactsnes.solvers.capabilities import NEWTON
 from contactsnes.solvers.snes import RegularisedStep
 
 LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
@@ -20,7 +22,7 @@ D, F = "displacement", "force"
 COUNTS = ("linear_iterations", "function_evaluations", "jacobian_products")
 
 
-class Watched(Flow):
+class Watched(OverdampedMotion):
     """A motion that remembers where it was."""
 
     def __init__(self, *arguments):
@@ -33,7 +35,7 @@ class Watched(Flow):
 
 
 def flow(contact, controls, load, state, tolerance=0.005, even=True, cls=Watched, steps=3000):
-    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), "newtonls",
+    symmetry = Symmetry(contact, Form(symmetry="auto" if even else "off"), NEWTON,
                         lambda sentence: None)
     return cls(contact, symmetry, controls, np.array(load),
                symmetry.centred(states.fitted(contact, state)), dict.fromkeys(COUNTS, 0),
@@ -390,7 +392,7 @@ def test_what_is_pressed_is_not_said_to_leave(tmp_path, self_affine):
     branch = on_heights(tmp_path, heights, "normal_displacement=0", "normal_force=10", **changes)
     points = list(branch)
     assert [point.event for point in points if point.event != "none"] == ["fold", "jump"]
-    direct = branch.corrector.start((F,), np.array([10.0]))
+    direct = first_points.start(branch.corrector, (F,), np.array([10.0]))
     assert points[-1].displacements == pytest.approx(direct.displacements, rel=1e-6)
 
 
@@ -403,7 +405,7 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
     def leaves(*arguments):
         raise Leaving
 
-    monkeypatch.setattr(jumps, "fallen", leaves)
+    monkeypatch.setattr(jumps, "by_inertia", leaves)
     aside = branch.corrector.kicked(fold, None, 1.0)
     options(jump_motion_type="inertial")
     point = branch.corrector.settle(aside, fold.controls, fold.load, "here")
@@ -412,9 +414,10 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
     with pytest.raises(NotConverged,
                        match="leaves .* with inertia here, but the overdamped motion .* 3 steps"):
         branch.corrector.settle(aside, fold.controls, fold.load, "here")
-    monkeypatch.setattr(jumps, "relaxed", leaves)
+    monkeypatch.setattr(relaxing, "relaxed", leaves)
     with pytest.raises(NotConverged, match="in the relaxation before the solve"):
-        jumps.handed_over(branch.corrector, fold.state, fold.controls, fold.load)
+        relaxing.nearer(branch.corrector.run, branch.contact, fold.state, fold.controls,
+                        fold.load, 1e-3)
 
 
 def test_an_isolated_contact_jumps_in():

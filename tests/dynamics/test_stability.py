@@ -18,8 +18,9 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.dynamics import modes  # noqa: E402
+from contactsnes.dynamics.linearised import Overdamped  # noqa: E402
 from contactsnes.dynamics.modes import ACCURATE, NEUTRAL  # noqa: E402
-from contactsnes.dynamics.stability import Overdamped, Stability  # noqa: E402
+from contactsnes.dynamics.stability import Stability  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.output.reading import read as read_archive  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402

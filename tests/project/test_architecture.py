@@ -29,11 +29,14 @@ class Room(NamedTuple):
 
 
 LOAD_PATH = ("scene.load", "scene.settings.Steps")
+STEPS = tuple(f"continuation.{path.stem}" for path in (PACKAGE / "continuation").glob("[a-z]*"))
+"""All of continuation but what it declares to others, its predictors."""
 
 ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
          Room("reference", ("options", "system", "grid")), Room("interface", ("reference",)),
          Room("continuation", ("system", "grid", "reference", "interface")),
-         Room("scene", ("system", "grid", "reference", "continuation")),
+         Room("scene", ("system", "grid", "reference",
+                        *(set(STEPS) - {"continuation.predictors"}))),
          Room("contact", ("system", *LOAD_PATH)),
          Room("output", ("grid", "reference", "interface", "continuation", "contact")),
          Room("solvers", ("system", "reference", "continuation", "output", *LOAD_PATH)),

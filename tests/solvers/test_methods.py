@@ -17,12 +17,12 @@ from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
-from contactsnes.branch.first_points import COLD  # noqa: E402
+from contactsnes.branch.first_points import COLD, cold  # noqa: E402
 from contactsnes.commands import session
 from contactsnes.compare import methods
-from contactsnes.compare.recorder import Meter  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options import database as options
@@ -84,7 +84,7 @@ def solve(tasks, entries, connection):
     options.check_values(session.solver_options())
     options.read(Steps)  # as a run does; what it says is not needed here
     for name, task in tasks.items():
-        meter = task.contact.grid.counter = Meter(task.contact.grid.size)
+        meter = task.contact.grid.counter
         meter.limit = TRANSFORMS
         try:
             with np.errstate(all="ignore"):
@@ -175,7 +175,7 @@ def test_overflow_on_the_way_is_a_failed_solve(entries, damping):
                      "snes_linesearch_damping": damping})
     try:
         with pytest.raises(NotConverged), np.errstate(all="ignore"):
-            Corrector(Contact(Scene(**SCENE)), options.read(Form)).cold(NORMAL, np.ones(1))
+            cold(Corrector(Contact(Scene(**SCENE)), options.read(Form)), NORMAL, np.ones(1))
     finally:
         options.install(before)
 

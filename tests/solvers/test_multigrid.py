@@ -12,9 +12,11 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.branch.first_points import start  # noqa: E402
 from contactsnes.commands.session import solver_options  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.grid.cell import transform_cost  # noqa: E402
@@ -46,7 +48,7 @@ def corrector(window="auto", log=lambda sentence: None, **scene):
 
 def solved(made, controls, load):
     """The first point at a load."""
-    return made.start(controls, np.array(load))
+    return start(made, controls, np.array(load))
 
 
 def pair(window=None, controls=(DISPLACEMENT,), softness=1.25, **scene):
@@ -314,7 +316,7 @@ def test_files_reach_newtons_equilibrium(options, file, case):
     made = corrector(log=pytest.fail, **scene)
     point = solved(made, controls, load)
     assert made.snes.getType() == "fas" and point.residual_norm <= 1e-8
-    assert made.distance(point.state, expected.state) < 1e-6
+    assert states.distance(made.contact, point.state, expected.state) < 1e-6
     np.testing.assert_allclose(point.forces, expected.forces, rtol=1e-6, atol=1e-6)
     assert not [name for name in unused_options(solver_options())
                 if name.lstrip("-") in from_file(file)]
@@ -335,7 +337,7 @@ def test_petscs_options_work(options, given):
     options(snes_type="fas", **given)
     made = corrector()
     point = solved(made, (DISPLACEMENT,), [4.0])
-    assert made.distance(point.state, expected.state) < 1e-6
+    assert states.distance(made.contact, point.state, expected.state) < 1e-6
     assert made.snes.getFASLevels() == int(given.get("snes_fas_levels", 3))
     assert not [name for name in unused_options(solver_options()) if name.lstrip("-") in given]
 
@@ -344,7 +346,7 @@ def test_the_window_changes_nothing(options):
     options(snes_type="fas")
     narrow, wide = (solved(corrector(window), (DISPLACEMENT,), [4.0]) for window in ("auto", "off"))
     assert narrow.state.window.size < wide.state.window.size
-    assert corrector().distance(wide.state, narrow.state) < 1e-7
+    assert states.distance(corrector().contact, wide.state, narrow.state) < 1e-7
 
 
 def test_view_shows_every_level(options, tmp_path):

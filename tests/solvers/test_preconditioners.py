@@ -7,17 +7,12 @@ from scipy.special import lambertw
 
 from contactsnes.contact import states
 from contactsnes.contact.bordered import ArcLength
-from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.contact.force_form import ForceForm
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.scene.settings import Scene
-from contactsnes.solvers.preconditioners import (
-    ArcElimination,
-    CoreOptions,
-    CoreZone,
-    ZonedStiffness,
-    _inverse,
-    core_weight,
-)
+from contactsnes.solvers.core_zone import CoreOptions, CoreZone, _inverse, core_weight
+from contactsnes.solvers.preconditioners import ArcElimination, ZonedStiffness
 
 CONTROLS = [(DISPLACEMENT,), (FORCE,), (DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT),
             (DISPLACEMENT, FORCE), (FORCE, FORCE)]

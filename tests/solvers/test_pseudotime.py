@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 
 from contactsnes import Branch, Load, Steps
 from contactsnes.contact import states
-from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.contact.force_form import ForceForm
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.options.database import database, install
 from contactsnes.options.fields import InputError

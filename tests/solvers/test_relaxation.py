@@ -12,7 +12,8 @@ import pytest
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from contactsnes.contact.forms import DisplacementForm, ForceForm
+from contactsnes.contact.force_form import ForceForm
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.interface.laws import Law
 from contactsnes.output import reading

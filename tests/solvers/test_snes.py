@@ -18,10 +18,12 @@ from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
+from contactsnes.branch.first_points import start  # noqa: E402
 from contactsnes.branch.grid_choice import memory_of_solve  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.contact.forms import DisplacementForm, ForceForm  # noqa: E402
+from contactsnes.contact.force_form import ForceForm  # noqa: E402
+from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options.database import database  # noqa: E402
@@ -154,7 +156,7 @@ def test_every_method_comes_to_the_same_point(options, given):
     other = corrector()
     point = other.solve(first.state, first.controls, np.array([1.05]))
     assert point.residual_norm <= 1e-8
-    assert made.distance(point.state, expected.state) < 1e-6
+    assert states.distance(made.contact, point.state, expected.state) < 1e-6
     assert point.forces[0] == pytest.approx(expected.forces[0], abs=1e-6)
 
 
@@ -289,7 +291,7 @@ def test_the_window_grows_on_demand():
     small = states.State(small.window, states.onto(point.state, small.window), point.state.means)
     found = made.solve(small, point.controls, point.load, 200)
     assert states.covers(made.contact, found.state)
-    assert made.distance(point.state, found.state) < 1e-6
+    assert states.distance(made.contact, point.state, found.state) < 1e-6
 
 
 def test_the_window_grows_with_what_a_solve_finds():
@@ -352,7 +354,7 @@ def test_a_guess_with_heavy_overlap_does_not_overflow(approach):
         except NotConverged:
             assert approach > 10.0
             return
-    assert made.distance(expected.state, point.state) < 1e-6
+    assert states.distance(made.contact, expected.state, point.state) < 1e-6
 
 
 def law_and_body(contact, point):
@@ -377,7 +379,7 @@ def test_starts_on_a_grid_that_pins_are_stable(points, period, maugis):
     for approach in np.linspace(0.0, 3.0, 10):
         made = corrector(points=points, period=period, normal_maugis=maugis)
         load = np.array([approach])
-        assert law_and_body(made.contact, made.start((DISPLACEMENT,), load))[0] > 1e-4
+        assert law_and_body(made.contact, start(made, (DISPLACEMENT,), load))[0] > 1e-4
 
 
 @pytest.mark.parametrize("given", [{"snes_max_it": "many"},
@@ -555,8 +557,8 @@ def test_the_tangent_is_a_tangent(options, form, controls, load, rate):
     for step in (0.2, 0.1):
         exact = made.solve(point.state, controls, load + step * rate, 200)
         predicted = made.along_tangent(point, leg, 0.0, step)
-        wrong.append(made.distance(predicted, exact.state))
-        moved = made.distance(point.state, exact.state)
+        wrong.append(states.distance(made.contact, predicted, exact.state))
+        moved = states.distance(made.contact, point.state, exact.state)
         assert predicted.means[[c == FORCE for c in controls]] == pytest.approx(
             exact.state.means[[c == FORCE for c in controls]], abs=step)
     assert wrong[0] / wrong[1] > 3.2 or (form == "force" and wrong[1] < 0.05 * moved)

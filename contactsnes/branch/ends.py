@@ -1,0 +1,88 @@
+"""Where a branch has events or an end: gaps and slips over their thresholds, forces that no law
+balances."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..contact import states
+from ..contact.problem import FORCE
+from ..scene.resolution import PINNING, resolution
+
+FAR = 8.0
+"""Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
+
+
+class Ends:
+    """Events and ends of branches of a contact, for a class with ``contact`` and ``solve``."""
+
+    def margin(self, point, event):
+        """What is at least 0 where there is an event, 'pull_off' or 'gross_sliding': a gap or slip
+        over its threshold, ranges."""
+        gap = states.normal_gap(self.contact, point.state)
+        threshold = self.contact.scene.contact_threshold
+        if event == "pull_off":
+            return float(self.contact.grid.minimum(gap) - threshold)
+        slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+        return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3)
+                     - np.nextafter(self.contact.law.slip_peak, np.inf))
+
+    def stride(self, point, direction):
+        """Length along a branch in which the edge that moves fastest, of contact or slip, passes a
+        node of a line.
+
+        0 in the plane, whose edges pass nodes here and there, and on grids that are known to pin.
+        """
+        scene = self.contact.scene
+        if scene.dimension == 2 or max(resolution(scene, len(point.controls) > 1)) > PINNING:
+            return 0.0
+        state, window = point.state, direction.state.window
+        field, moved = states.onto(state, window).copy(), direction.state.displacement
+        field[0] += window.take(self.contact.initial_gap)
+        node = np.unravel_index(np.argmax(np.abs(np.where(field[0] < states.NEAR, moved, 0.0))),
+                                moved.shape)
+        steps = np.gradient(field[node[0]].reshape(len(window.parts), -1), axis=1).reshape(-1)
+        return float(abs(steps[node[1]] / moved[node]))
+
+    def end_of_branch(self, point, leg, heading):
+        """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in
+        words, or ""."""
+        gap = states.normal_gap(self.contact, point.state)
+        free = point.controls[0] == FORCE or heading < 0.0
+        if free and not point.in_contact and self.contact.grid.minimum(
+                gap) > self.contact.law.range:
+            return "it has left the range of the law"
+        if FORCE in point.controls[1:] and point.in_contact:
+            slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+            touching = gap < self.contact.scene.contact_threshold
+            if self.contact.grid.minimum(slip, where=touching) > FAR:
+                return "the whole contact slides without end"
+        return ""
+
+    def end_of_attraction(self, point, leg, position):
+        """The fold, at its position, of a body off the flat that a growing force moves; None for
+        any other.
+
+        Off the flat a body is attracted only, and less the farther it is away: as the force grows
+        to zero, equilibria end out of the law's range, whatever the steps that led there.
+        """
+        if (point.controls[0] != FORCE or point.in_contact or leg.moving != 0
+            or leg.direction[0] <= 0.0):
+            return None
+        if self.contact.grid.minimum(states.normal_gap(self.contact,
+                                                       point.state)) > self.contact.law.range:
+            return replace(point, position=position)
+        position = -leg.start[0] / leg.direction[0]
+        load = leg.load(-leg.start[0] / leg.direction[0])
+        if position > 1.0:
+            return None
+        load[0] = 0.0
+        away = states.with_components(states.apart(self.contact), len(load))
+        away.displacement[1:], away.means[1:] = point.state.means[1:, None], point.state.means[1:]
+        return replace(self.solve(away, leg.controls, load), position=position)
+
+    def within_range(self, point):
+        """A state within the law's range for a body that a force moves freely, off the flat; None
+        for any other."""
+        free = point.controls[0] == FORCE and not point.in_contact
+        return states.within_range(self.contact, point.state) if free else None

@@ -1,0 +1,65 @@
+"""What continuation asks of states: their combinations, and how far they are from each other."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..contact import acceptance, states
+from ..contact.edges import follow_edge
+
+
+class Neighbours:
+    """States of a contact compared and combined, for a class with ``contact`` and ``symmetry``; no
+    method solves."""
+
+    def adapted(self, point, controls, load):
+        """The point as one of a leg: with as many components as there are controls, under its
+        controls and load."""
+        displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
+                                 for values in (point.displacements, point.forces))
+        state = self.symmetry.checked(states.with_components(point.state, len(controls)))
+        return replace(point, state=state, controls=controls, load=load,
+                       displacements=displacements, forces=forces)
+
+    def extrapolate(self, points, weights):
+        """Weighted sum of states at fixed places."""
+        return states.combined(self.contact, [point.state for point in points], weights)
+
+    def follow_edge(self, points, weights):
+        """Weighted sum of states in coordinates that follow the contact edge, or None."""
+        known = [point.state for point in points]
+        half = self.symmetry.halves(known[-1])
+        return self.symmetry.mirrored(follow_edge(self.contact, known, weights, half))
+
+    def missed(self, guess, state, largest=False):
+        """How far a solve ended from its guess where the law acts, ranges of the law: root mean
+        square or largest."""
+        return states.missed(self.contact, states.with_components(guess, len(state.displacement)),
+                             state, largest)
+
+    def strayed(self, guess, last, state):
+        """By how much a node ends farther from its prediction than a smooth branch leaves open
+        (``acceptance.strayed``)."""
+        return acceptance.strayed(self.contact, *self._alike(guess, last, state))
+
+    def doubtful(self, guess, last, state):
+        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``)."""
+        return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
+
+    def detached(self, guess, last, state, back):
+        """Whether the tangent at a state hardly leads back to the last one
+        (``acceptance.detached``)."""
+        return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
+
+    def _alike(self, *found):
+        """States with the components of the last of them."""
+        return [states.with_components(state, len(found[-1].displacement)) for state in found]
+
+    def progress(self, origin, ahead, state):
+        """How far a state is from ``origin`` towards ``ahead``, as a part of that distance
+        (negative: the other way)."""
+        return states.progress(self.contact, origin, ahead, state)
+
+    def chord_length(self, first, last):
+        """Root mean square way from one state to another where the law acts, ranges of the law."""
+        return states.chord(self.contact, first, last, last.window)[1]

@@ -1,0 +1,138 @@
+"""What is said of points, and marked at them, where nobody asked for certificates: by-products of
+solves that tell of instability."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..contact.problem import DISPLACEMENT, FORCE
+from ..dynamics.stability import SIGN, Stability
+
+DILUTED = 100.0
+"""Largest imbalance of a node over the tolerance of their root mean square from which on a run says
+so: that of one node alone, were it all there is, in a window of 10^4 unknowns."""
+
+
+class Remarks:
+    """Remarks on the points of a branch, in their order.
+
+    Parameters
+    ----------
+    corrector : Tracer
+    certified : whether points have certificates of their stability, so that by-products need not
+        tell of it
+    has_tangent : whether the method has a tangent whose modes can be found
+    log : function (sentence)
+    last : Point before the first one, if any
+    """
+
+    def __init__(self, corrector, certified, has_tangent, log, last=None):
+        self.corrector = corrector
+        self.certified = certified
+        self.has_tangent = has_tangent
+        self.last = last
+        self._log = log
+        self._ways = {}
+        self._diluted = False
+
+    def marked(self, point):
+        """A point with what by-products tell of its stability; from now on the last one."""
+        point = self._not_held(self._not_stable(point))
+        self.last = point
+        self._tell_of_dilution(point)
+        return point
+
+    def _tell_of_dilution(self, point):
+        """Say once that a node is much worse balanced than the mean over the window's, which may be
+        far more than the contact's."""
+        # nothing is solved for further events at a point of an earlier run
+        if self._diluted or self.corrector.snes is None:
+            return
+        tolerance = self.corrector.snes.getTolerances()[1]
+        if point.largest_residual > DILUTED * tolerance:
+            self._diluted = True
+            self._log("a node where the law acts is out of balance by "
+                      f"{point.largest_residual:.1e} ranges (largest_residual), at a "
+                      f"residual_norm of {point.residual_norm:.1e} over a window "
+                      f"of {point.state.window.size} nodes: the mean hides what "
+                      "is wrong in a few of them; a smaller -snes_atol "
+                      "balances these, too")
+
+    def tell_of_reversal(self, leg):
+        """Say once that a tangential load which turns back makes no hysteresis by itself."""
+        if self._ways is None:
+            return
+        ways = {component: np.sign(way) for component, way in enumerate(leg.direction) if component
+                and way}
+        turned = any(way * self._ways.get(component, way) < 0 for component, way in ways.items())
+        self._ways = None if turned else self._ways | ways
+        if turned:
+            self._log(f"leg {leg.number} takes a tangential load back: these "
+                      "laws have no memory, so that a path without "
+                      "folds retraces itself and shows no frictional "
+                      "hysteresis; energy is lost in jumps only")
+
+    def tell_of_release(self, last, leg):
+        """Say of a leg that lets go of a displacement and moves another one whether it begins at an
+        unstable point.
+
+        Where nobody checks stability, and only there; of a leg that moves forces alone its first
+        step tells at no cost.
+        """
+        freed = any(pair == (DISPLACEMENT, FORCE) for pair in zip(last.controls, leg.controls))
+        pulled = any(control == DISPLACEMENT and way != 0.0
+                     for control, way in zip(leg.controls, leg.direction))
+        if self.certified or last.leg == leg.number or not (freed and pulled
+                                                                        and self.has_tangent):
+            return
+        begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event="none",
+                        tangents=())
+        found = (self.corrector.examiner or Stability(self.corrector, SIGN, told=True))(begun)
+        if found.unstable_modes > 0:
+            self._log(f"leg {leg.number} begins on an unstable part of the "
+                      f"branch: at {self.corrector.told(leg.controls, leg.start)} "
+                      f"{found.unstable_modes} modes are unstable now that a "
+                      "force holds what a displacement held; "
+                      "-continuation_stability sign certifies points")
+
+    def _not_stable(self, point):
+        """A first point or the end of a jump marked, and told, where it is not stable and nobody
+        checks: its linear solves tell."""
+        examiner = self.corrector.examiner
+        if (self.certified or examiner is None or not point.softest < 0.0
+            or not (point.leg == 0 or point.event == "jump")):
+            return point
+        modes = examiner(replace(point, event="none", tangents=())).unstable_modes
+        if modes <= 0:
+            return point
+        what = "the end of a jump" if point.event == "jump" else "the first point"
+        self._log(f"{what}, at {self.corrector.told(point.controls, point.load)}, is not "
+                  f"stable: {modes} modes are unstable; -continuation_stability "
+                  "sign certifies points, and follows jumps on")
+        return replace(point, stable=0, unstable_modes=modes)
+
+    def _not_held(self, point):
+        """A point marked where the force that moves does not hold the body, if nobody checks
+        stability; told where its leg begins there.
+
+        A displacement that goes against its force does so on an unstable part of the branch: what
+        was stable while the displacement was held need not be so under the force.
+        """
+        last = self.last
+        if self.certified or last is None or point.event == "jump":
+            return point
+        if point.state is last.state and point.leg == last.leg and point.event != "fold":
+            return replace(point, stable=last.stable)
+        count = len(last.controls)
+        forced = np.array([control == FORCE for control in point.controls[:count]])
+        moved = point.displacements[:count] - last.displacements
+        changed = point.forces[:count] - last.forces
+        if (moved[~forced] != 0.0).any() or changed[forced] @ moved[forced] >= 0.0:
+            return point
+        if point.leg != last.leg:
+            self._log(f"leg {point.leg} begins on an unstable part of the "
+                      f"branch: at {self.corrector.told(point.controls, point.load)} the "
+                      "displacement goes against the force; -continuation_stability "
+                      "sign tells more")
+        single = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
+        return replace(point, stable=0) if single else point

@@ -1,0 +1,143 @@
+"""Steps of the load along a leg: predicted, solved, refused where they end on another branch."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from . import bifurcations
+from .points import NotConverged
+from .predictors import PREDICTORS
+
+MISSED = 0.15
+"""Ranges of the law that a solve may end from its prediction whatever the way of the step: edges of
+contact that pass nodes miss by as much."""
+SHARE = 0.5
+"""Part of its own way by which a step may miss its prediction: what lies on another branch may be
+missed by the whole way."""
+FAR = 0.3
+"""Ranges of the law from which on the way of a step is compared with that of the last one."""
+FASTER = 4.0
+"""How much farther than the last step, per unit of the load, one may lead that missed its
+prediction."""
+FIRST = 1.0
+"""Way of a first step, ranges of the law, from which on the tangent at its end has to lead back."""
+LITTLE = 0.02
+"""Part of a first step by which its tangent tells how fast edges of contact move: so short that
+they stay in place."""
+
+
+def predict(system, history, leg, position, predictor):
+    """The state from which a solve begins.
+
+    Parameters
+    ----------
+    system : System
+    history : [(position, Point), ...] of the leg, oldest first
+    leg : Leg
+    position : where the solve is to be, a place in the leg
+    predictor : Predictor
+    """
+    (here, last), (places, points) = history[-1], zip(*history)
+    return predictor.state(system, points, places, position,
+                           lambda: system.along_tangent(last, leg, here, position - here))
+
+
+class LoadSteps:
+    """Steps along one leg, from the points of it that are known.
+
+    Parameters
+    ----------
+    system : System
+    leg : Leg
+    history : [(position, point), ...] of this leg, oldest first; the last one is where the steps
+        go on
+    predictor : Predictor
+    at_fold : 'jump' or 'stop'
+    certify : function (Point) -> Point that says of a point that is accepted whether it is stable
+        (`system.Stability`)
+    at_bifurcation : 'pass', 'stop' or 'follow'
+    """
+
+    def __init__(self, system, leg, history, predictor, at_fold, certify=lambda point: point,
+                 at_bifurcation="pass"):
+        self.system, self.leg = system, leg
+        # What was stable under other controls may not be under these.
+        self.history = [(place, system.adapted(point if point.controls == leg.controls
+                                               else replace(point, stable=-1), leg.controls,
+                                               leg.load(place))) for place, point in history]
+        self.predictor, self.at_fold = predictor, at_fold
+        self.certify, self.at_bifurcation = certify, at_bifurcation
+        self.stopped = False
+
+    def _place(self, position):
+        """Loads at a position, in words."""
+        return self.system.told(self.leg.controls, self.leg.load(position))
+
+    def _step(self, target, predictor):
+        """Predict and correct; a correction as long as the step itself is another branch's, not a
+        neighbour."""
+        guess = predict(self.system, self.history, self.leg, target, predictor)
+        point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
+        here, last = self.history[-1]
+        missed = self.system.missed(guess, point.state)
+        moved = self.system.missed(last.state, point.state)
+        wrong = 0.0 if guess is last.state else missed
+        if len(self.history) == 1 and moved > FIRST:
+            # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
+            # branch: look back.
+            back = self.system.along_tangent(point, self.leg, target, here - target)
+            wrong = max(wrong, self.system.missed(back, last.state))
+        far = missed > MISSED and moved > FAR and moved > FASTER * self._expected(target)
+        if far or (wrong > MISSED and wrong > SHARE * moved) or self._strayed(guess, target, point):
+            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
+                               f"its prediction, {moved:.3g} from the last "
+                               "point, perhaps on another branch")
+        point = replace(point, leg=self.leg.number, position=target)
+        bifurcations.probe(self.system, self.leg, self.history, point)
+        return point
+
+    def _strayed(self, guess, target, point):
+        """Whether some node ended where no prediction has it, however the solve began: part of the
+        contact has jumped."""
+        here, last = self.history[-1]
+        for foretold in self._foretold(guess, target):
+            if self.system.strayed(foretold, last.state, point.state) <= 0.0:
+                if not self.system.doubtful(foretold, last.state, point.state):
+                    return False
+                back = self.system.along_tangent(point, self.leg, target, here - target)
+                return self.system.detached(foretold, last.state, point.state, back)
+        return True
+
+    def _foretold(self, guess, target):
+        """Predictions of the state at a place, the cheapest first: the guess, if it is one, and
+        those by fewer or more points."""
+        here, last = self.history[-1]
+        if guess is not last.state:
+            yield guess
+        for used in ((3, 2) if len(self.history) > 2 else (2,) if len(self.history) > 1 else ()):
+            yield predict(self.system, self.history[-used:], self.leg, target,
+                          PREDICTORS["edge"])
+            yield predict(self.system, self.history[-used:], self.leg, target,
+                          PREDICTORS["secant"])
+        if len(self.history) == 1:
+            yield from self._foretold_by_tangent(guess, target)
+
+    def _foretold_by_tangent(self, guess, target):
+        """Predictions of a first step by the tangent where it begins: in place, and with the edges
+        of contact moved on."""
+        here, last = self.history[-1]
+        if guess is last.state:
+            yield self.system.along_tangent(last, self.leg, here, target - here)
+        near = replace(last, state=self.system.along_tangent(last, self.leg, here,
+                                                             LITTLE * (target - here)))
+        followed = self.system.follow_edge([last, near], [1.0 - 1.0 / LITTLE, 1.0 / LITTLE])
+        if followed is not None:
+            yield followed
+
+    def _expected(self, target):
+        """How far a step to ``target`` would move at the rate of the last one; inf for a first
+        step."""
+        if len(self.history) < 2:
+            return np.inf
+        (before, first), (here, last) = self.history[-2:]
+        return self.system.missed(first.state, last.state) * (target - here) / (here - before)

@@ -1,0 +1,65 @@
+"""Dynamic relaxation on the whole cell, from an unknown of the force form to a state near rest."""
+
+from ..contact.force_form import ForceForm
+from ..continuation.points import NotConverged
+from ..solvers.snes import create_snes
+from .overdamped import Leaving
+
+ENDLESS = "the body leaves or slides without end"
+"""What is said of a motion without an equilibrium."""
+
+
+def relaxed(run, form, unknown, tolerance, where, prefix="jump_"):
+    """Where FIRE leads from an unknown of the force form.
+
+    Parameters
+    ----------
+    run : function (form, unknown, most iterations or None, snes) -> (unknown, iterations) that
+        runs a SNES and counts what it takes (``Corrector.run``)
+    form : ForceForm with its load set
+    unknown : array of the form's size, overwritten
+    tolerance : of ``residual_norm``, ranges of the law
+    where : str, what messages say of the place
+    prefix : of the options of its SNES
+
+    Raises
+    ------
+    Leaving : where the body leaves
+    NotConverged : where it does not settle
+    """
+    snes = create_snes(form, prefix=prefix)
+    snes.setType("python")
+    snes.setPythonType("contactsnes.solvers.relaxation.Fire")
+    snes.setTolerances(atol=tolerance, max_it=20000)
+    snes.setFromOptions()
+    try:
+        return run(form, unknown, None, snes)[0]
+    except NotConverged as error:
+        if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
+            raise Leaving from None
+        raise NotConverged(f"the motion {where} did not settle: {error}") from None
+
+
+def nearer(run, contact, guess, controls, load, tolerance):
+    """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish.
+
+    Parameters
+    ----------
+    run : as of `relaxed`
+    contact : Contact
+    guess : State
+    controls, load : of each component
+    tolerance : of ``residual_norm``, ranges of the law
+
+    Raises
+    ------
+    NotConverged : where the body leaves, or does not settle
+    """
+    form = ForceForm(contact, controls)
+    form.set_load(load)
+    try:
+        unknown = relaxed(run, form, form.pack(contact.extended(guess)), tolerance,
+                          "of the relaxation", "first_")
+    except Leaving:
+        raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None
+    return form.state(unknown)
