@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 
-from ..branch.grid_choice import jumps_of_heights, memory_of_solve, reason
+from ..branch.grid_choice import reason
+from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.even_form import obstacles
-from ..interface.roughness import surface
+from ..interface import bodies, shapes
+from ..interface.own_shapes import jumps
 from ..options.database import database
 from ..options.fields import as_text
 from ..scene import resolution
@@ -36,7 +38,7 @@ def _seams(scene):
             f"between neighbours, {typical * size:.4g} {unit}; what is solved "
             "has this step: take out the trend of the heights, or "
             "taper them towards the edges"
-            for axis, jump, typical in jumps_of_heights(scene)]
+            for axis, jump, typical in jumps(scene)]
 
 
 def start_window(settings, branch):
@@ -134,7 +136,7 @@ def about_scene(settings):
         f"height {_size(scene, [scene.height], 'beta')}, ratio of works of "
         f"adhesion {scene.work_ratio:.8g}",
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",
-        *_roughness(scene),
+        *_parts(scene),
         *_scales(scene),
         *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
         f"cohesive zone: the spacing is {finest} of the largest that resolves it"
@@ -151,17 +153,11 @@ def _size(scene, values, unit, digits=8):
             else f"{_by(prefixed(value * size, name) for value in values)} ({text})")
 
 
-def _roughness(scene):
-    """What a rough surface is made of."""
-    if not scene.roughness:
-        return []
-    hurst, slope, longest, shortest, seed = scene.roughness
-    found, _ = surface(scene.periods, *scene.roughness)
-    return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} "
-            f"waves shorter than {_size(scene, [longest], 'beta', 4)} and longer "
-            f"than {_size(scene, [shortest], 'beta', 4)}, seed {seed}", "root mean square "
-            f"slope {_size(scene, [slope], 'u_n,r/beta', 4)}, height "
-            f"{_size(scene, [found.rms(0)], 'u_n,r', 4)}"]
+def _parts(scene):
+    """What shape and body are made of."""
+    size = lambda value, unit, digits: _size(scene, [value], unit, digits)
+    return [line for part in (shapes.of(scene), bodies.of(scene))
+            for line in part.about(scene, size)]
 
 
 def _scales(scene):

@@ -63,6 +63,26 @@ def split_arguments(arguments):
     return files, options
 
 
+def _admitted(arguments):
+    """Make known the options that arguments and their files bring with them, those of a law in a
+    file of one's own: a flag among them takes no value."""
+    try:
+        found = _read(arguments)
+        given = {name[1:].lower(): value for name, value in zip(found, found[1:])
+                 if is_option(name) and not is_option(value)}
+        for cls in COMMON:
+            cls.prepare(lambda: given)
+    except InputError:
+        pass  # it is told where the same is read in earnest
+
+
+def _read(arguments):
+    """The options of arguments and their files, those of the files first."""
+    files, options = split_arguments(arguments)
+    return ["contactsnes", *(argument for path in files for argument in read_file(path)),
+            *with_files(options)]
+
+
 def petsc_arguments(arguments):
     """The argument vector for `petsc4py.init`: the files' options from left to right, then those of
     the command line.
@@ -70,9 +90,8 @@ def petsc_arguments(arguments):
     PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
     cannot hold.
     """
-    files, options = split_arguments(arguments)
-    found = ["contactsnes", *(argument for path in files for argument in read_file(path)),
-             *with_files(options)]
+    _admitted(arguments)
+    found = _read(arguments)
     depth = 0
     for name, value in zip(found, found[1:]):
         depth += (value.lower() == "-prefix_push") - (value.lower() == "-prefix_pop")
