@@ -29,15 +29,18 @@ def resolution_warnings(settings):
 
 
 def _seams(scene):
-    """Sentences on heights that jump where the cell meets its neighbours."""
+    """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     size, unit = scene.scale("u_n,r")
+    heights = shapes.of(scene).gridded
+    what = "the heights are" if heights else "the gap is"
+    remedy = ("take out the trend of the heights, or taper them towards the edges" if heights
+              else "make the gap periodic, or the period longer than matters")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
-    return [f"the heights are not periodic: along {names[axis]} they step "
+    return [f"{what} not periodic: along {names[axis]} they step "
             f"by {jump * size:.4g} {unit} across the seam of the cell, "
             f"{jump / typical if typical else math.inf:.3g} times the typical step "
             f"between neighbours, {typical * size:.4g} {unit}; what is solved "
-            "has this step: take out the trend of the heights, or "
-            "taper them towards the edges"
+            f"has this step: {remedy}"
             for axis, jump, typical in jumps(scene)]
 
 

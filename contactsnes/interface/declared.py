@@ -57,7 +57,7 @@ class Registry:
     Attributes
     ----------
     found : name -> class, of the package's files
-    wanted : the base, in words
+    several, wanted : more than one of the kind, and the base, in words
     options : name -> field of all their options
     own : FILE.py:NAME -> class (or object) in a file of one's own that was loaded
     objects : name -> object made in Python, of a class that no file of the package has
@@ -71,6 +71,7 @@ class Registry:
                 if (isinstance(cls, type) and issubclass(cls, base) and cls.name
                     and cls.__module__ == own.__name__):
                     self.found[cls.name] = cls
+        self.several = kind.removesuffix("y") + ("ies" if kind.endswith("y") else "s")
         self.wanted = f"{package}.{base.__name__}"
         self.options = self._merged(self.found.values())
         self.own, self.objects = {}, {}

@@ -37,7 +37,7 @@ def load(registry, name, plain=None):
                          "in the working folder, or from it; check its name")
     found, own = _contents(registry, option, path, plain is not None)
     if title not in found:
-        known = (f"its {registry.kind}s are {', '.join(own)}" if own
+        known = (f"its {registry.several} are {', '.join(own)}" if own
                  else "it has " + ("no function and " if plain else "")
                  + f"no subclass of {registry.wanted}")
         guess = nearest(title, own)

@@ -38,6 +38,23 @@ def known_options(classes=()):
 def split_arguments(arguments):
     """Files and options of a command line, two lists, each in its order.
 
+    Flags of laws and shapes in files of one's own, which take no value, are known before that,
+    wherever these are named.
+    """
+    try:
+        found = _joined(*_split(arguments))
+        given = {name[1:].lower(): value for name, value in zip(found, found[1:])
+                 if is_option(name) and not is_option(value)}
+        for cls in COMMON:
+            cls.prepare(lambda: given)
+    except InputError:
+        pass  # it is told where the same is read in earnest
+    return _split(arguments)
+
+
+def _split(arguments):
+    """Files and options of a command line, two lists, each in its order.
+
     An argument after an option is its value, unless it is itself an option, or ends in .opts, or
     follows a flag of ours without being true or false.
     """
@@ -63,22 +80,8 @@ def split_arguments(arguments):
     return files, options
 
 
-def _admitted(arguments):
-    """Make known the options that arguments and their files bring with them, those of a law in a
-    file of one's own: a flag among them takes no value."""
-    try:
-        found = _read(arguments)
-        given = {name[1:].lower(): value for name, value in zip(found, found[1:])
-                 if is_option(name) and not is_option(value)}
-        for cls in COMMON:
-            cls.prepare(lambda: given)
-    except InputError:
-        pass  # it is told where the same is read in earnest
-
-
-def _read(arguments):
-    """The options of arguments and their files, those of the files first."""
-    files, options = split_arguments(arguments)
+def _joined(files, options):
+    """The argument vector of files and options, those of the files first."""
     return ["contactsnes", *(argument for path in files for argument in read_file(path)),
             *with_files(options)]
 
@@ -90,8 +93,7 @@ def petsc_arguments(arguments):
     PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
     cannot hold.
     """
-    _admitted(arguments)
-    found = _read(arguments)
+    found = _joined(*split_arguments(arguments))
     depth = 0
     for name, value in zip(found, found[1:]):
         depth += (value.lower() == "-prefix_push") - (value.lower() == "-prefix_pop")
