@@ -34,15 +34,20 @@ def evaluated(shape, coordinates, scene):
         raise InputError(f"{named}: the gap cannot be evaluated ({type(error).__name__}: {error}); "
                          f"it is asked on {as_text(nodes)} nodes, with one array a direction"
                          ) from error
+    gap = _on_nodes(named, gap, nodes)
+    _refuse_beyond(named, gap, coordinates, scene)
+    return gap
+
+
+def _on_nodes(named, gap, nodes):
+    """A gap as real numbers on all nodes; InputError where it is none."""
     if gap.dtype.kind not in "fiu":
         raise InputError(f"{named}: the gap is of {gap.dtype} instead of real numbers")
     try:
-        gap = np.broadcast_to(gap, nodes).astype(float, copy=False)
+        return np.broadcast_to(gap, nodes).astype(float, copy=False)
     except ValueError:
         raise InputError(f"{named}: the gap has the shape {gap.shape}, the nodes have {nodes}: "
                          "give one value for each node") from None
-    _refuse_beyond(named, gap, coordinates, scene)
-    return gap
 
 
 def _refuse_beyond(named, gap, coordinates, scene):

@@ -37,23 +37,7 @@ def read_heights(specification, shape=None):
         heights are not real and finite numbers of the grid's shape.
     """
     option = f"-scene_geometry_file {specification}"
-    filename, suffix, dataset = _split(str(specification))
-    if suffix not in _READERS:
-        raise ValueError(
-            f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
-    if not Path(filename).is_file():
-        raise FileNotFoundError(
-            f"{option}: there is no file {filename}; check the name and the directory.")
-    read = _READERS[suffix]
-    why = failure(lambda: read(filename, dataset)) if suffix == ".h5" else ""
-    try:
-        if why:
-            raise ValueError(why)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of files without a number
-            heights = np.asarray(read(filename, dataset))
-    except Exception as error:  # a damaged file: whatever it makes of itself
-        raise ValueError(f"{option}: cannot be read ({error}).") from None
+    heights = _as_stored(option, *_split(str(specification)))
     if heights.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
     if shape is not None and heights.shape != tuple(shape):
@@ -72,6 +56,27 @@ def read_heights(specification, shape=None):
                          "too large to compute with; allowed are sizes up "
                          f"to {LARGEST:g}.")
     return heights
+
+
+def _as_stored(option, filename, suffix, dataset):
+    """The array of a file; FileNotFoundError or ValueError, which name the option, where it cannot
+    be had."""
+    if suffix not in _READERS:
+        raise ValueError(
+            f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
+    if not Path(filename).is_file():
+        raise FileNotFoundError(
+            f"{option}: there is no file {filename}; check the name and the directory.")
+    read = _READERS[suffix]
+    why = failure(lambda: read(filename, dataset)) if suffix == ".h5" else ""
+    try:
+        if why:
+            raise ValueError(why)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of files without a number
+            return np.asarray(read(filename, dataset))
+    except Exception as error:  # a damaged file: whatever it makes of itself
+        raise ValueError(f"{option}: cannot be read ({error}).") from None
 
 
 def seams(heights):

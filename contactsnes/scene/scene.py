@@ -44,8 +44,8 @@ class Scene(Units):
     spacing: float | tuple = option(None, "distance of the nodes of an isolated contact", "beta",
                                     kind="number", above=0, many="directions",
                                     default_text="resolves the cohesive zone")
-    geometry: str = option("cylinder", "initial gap: " + ", ".join(
-        f"{name} {shape.meaning}" for name, shape in SHAPES.items()), choices=tuple(SHAPES),
+    geometry: str = option("cylinder", f"initial gap: {shapes.REGISTRY.described()}",
+                           choices=tuple(SHAPES),
                            word="FILE.py:NAME, a function or class of one's own",
                            also=shapes.REGISTRY.knows)
     gap_offset: float = option(0.0, "constant added to the initial gap", "u_n,r")

@@ -17,7 +17,7 @@ class Rough(Shape):
     too: the same on every grid."""
 
     name = "rough"
-    meaning = "cylinder (two dimensions: sphere) with self-affine roughness"
+    meaning = "cylinder, in two dimensions sphere, with self-affine roughness"
     rough_hurst: float = option(0.8, "Hurst exponent H of roughness, whose power "
                                 "spectrum falls as q^-(2H + dimension)", minimum=0,
                                 maximum=1)
