@@ -3,6 +3,7 @@ is left out."""
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 
@@ -63,7 +64,8 @@ def skipped(settings, branch):
     if scene.tangential == "off":
         sentences.append("no tangential unknowns: -scene_tangential is off")
     elif not any(sheared):
-        little = scene.isolated and scene.dimension == 2 and math.isfinite(scene.height)
+        little = scene.isolated and scene.dimension == 2 and math.isfinite(
+            bodies.of(scene).far_field().height)
         why = f"so tall a layer slides by less than {LEFT_OUT:g} ranges" if little else \
             "the body does not couple them to normal ones"
         sentences.append(f"no tangential unknowns: the load names none, and {why}")
@@ -135,11 +137,10 @@ def about_scene(settings):
         f"tangential {scene.tangential_maugis:.8g}; residual friction "
         f"{as_text(scene.residual_friction)}, residual adhesion "
         f"{as_text(scene.residual_adhesion)}",
-        f"Poisson ratio {as_text(scene.poisson)}, "
-        f"height {_size(scene, [scene.height], 'beta')}, ratio of works of "
-        f"adhesion {scene.work_ratio:.8g}",
+        ", ".join([*bodies.of(scene).about(scene, partial(_one, scene)),
+                   f"ratio of works of adhesion {scene.work_ratio:.8g}"]),
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",
-        *_parts(scene),
+        *shapes.of(scene).about(scene, partial(_one, scene)),
         *_scales(scene),
         *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
         f"cohesive zone: the spacing is {finest} of the largest that resolves it"
@@ -156,11 +157,9 @@ def _size(scene, values, unit, digits=8):
             else f"{_by(prefixed(value * size, name) for value in values)} ({text})")
 
 
-def _parts(scene):
-    """What shape and body are made of."""
-    size = lambda value, unit, digits: _size(scene, [value], unit, digits)
-    return [line for part in (shapes.of(scene), bodies.of(scene))
-            for line in part.about(scene, size)]
+def _one(scene, value, unit, digits):
+    """A value in a unit of the scene, as `_size`."""
+    return _size(scene, [value], unit, digits)
 
 
 def _scales(scene):

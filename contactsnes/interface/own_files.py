@@ -35,12 +35,12 @@ def load(registry, name, plain=None):
     if not path.is_file():
         raise InputError(f"{option}: there is no file '{file}' "
                          "in the working folder, or from it; check its name")
-    found, own = _contents(registry, option, path, plain is not None)
+    found = _contents(registry, option, path, plain is not None)
     if title not in found:
-        known = (f"its {registry.several} are {', '.join(own)}" if own
+        known = (f"its {registry.several} are {', '.join(found)}" if found
                  else "it has " + ("no function and " if plain else "")
                  + f"no subclass of {registry.wanted}")
-        guess = nearest(title, own)
+        guess = nearest(title, found)
         raise InputError(f"{option}: '{file}' has no {registry.kind} '{title}': {known}"
                          + (f"; try {file}:{guess}" if guess else ""))
     made = found[title]
@@ -52,8 +52,7 @@ def load(registry, name, plain=None):
 
 
 def _contents(registry, option, path, functions):
-    """Name -> what a file has of a kind, and the names of those that are its own; InputError where
-    it does not run."""
+    """Name -> what a file has of a kind, of its own; InputError where it does not run."""
     spec = importlib.util.spec_from_file_location(f"contactsnes_own_{registry.field}_{path.stem}",
                                                   path)
     module = importlib.util.module_from_spec(spec)
@@ -64,10 +63,9 @@ def _contents(registry, option, path, functions):
     except Exception as error:
         raise InputError(f"{option}: the file '{path}' does not run "
                          f"({type(error).__name__}: {error}); mend it") from error
-    base = registry.base
-    found = {key: value for key, value in vars(module).items()
-             if isinstance(value, base) or (isinstance(value, type) and issubclass(value, base)
-                                            and value is not base)
-             or (functions and isinstance(value, FunctionType))}
-    return found, [key for key, value in found.items()
-                   if getattr(value, "__module__", "") == module.__name__]
+    # What a file imports is of the file that it comes from.
+    return {key: value for key, value in vars(module).items()
+            if isinstance(value, registry.base)
+            or getattr(value, "__module__", "") == module.__name__
+            and (isinstance(value, type) and issubclass(value, registry.base)
+                 or functions and isinstance(value, FunctionType))}

@@ -143,9 +143,8 @@ class Body(Declared):
         """InputError unless the body suits a scene, with or without tangential unknowns."""
 
     def about(self, scene, size):
-        """Lines on it besides Poisson ratio and height; ``size(value, unit, digits)`` puts a value
-        in words."""
-        return []
+        """Phrases on what it is made of; ``size(value, unit, digits)`` puts a value in words."""
+        return [f"body {scene.body}"]
 
     # On the waves of a grid
 

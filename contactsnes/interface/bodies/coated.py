@@ -71,7 +71,7 @@ class Coated(Layer):
                                  "law")
 
     def about(self, scene, size):
-        """The coating."""
-        normal, tangential = self.local_compliance
-        return [f"coating: compliance {size(normal, 'beta/E*', 8)} normal, "
-                f"{size(tangential, 'beta/E*', 8)} tangential"]
+        """The layer and the coating."""
+        normal, tangential = (size(value, "beta/E*", 8) for value in self.local_compliance)
+        return [*super().about(scene, size),
+                f"coating of normal compliance {normal}, tangential {tangential}"]

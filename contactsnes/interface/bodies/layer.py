@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ...options.fields import option
+from ...options.fields import as_text, option
 from .. import elasticity
 from .body import Body
 
@@ -69,3 +69,7 @@ class Layer(Body):
     def far_field(self):
         """Itself."""
         return self
+
+    def about(self, scene, size):
+        """Poisson ratio and height."""
+        return [f"Poisson ratio {as_text(self.poisson)}", f"height {size(self.height, 'beta', 8)}"]
