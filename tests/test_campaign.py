@@ -43,15 +43,45 @@ def test_an_unbounded_line_is_deformed_by_a_logarithm():
     assert np.allclose(np.diff(kernel[20:60:4]), -2 / np.pi * 0.1 * np.diff(np.log(x)), rtol=2e-3)
 
 
+def law(name, **changes):
+    return {"law": name, "residual_friction": 1.0, "residual_adhesion": 0.0, "dugdale_width": 0.1,
+            "xu_needleman_q": 1.0, "xu_needleman_r": 0.0, "pressure_friction": 0.1, **changes}
+
+
+@pytest.mark.parametrize("name, changes", [
+    ("dugdale", {}), ("dugdale", {"dugdale_width": 0.7}), ("xu_needleman", {}),
+    ("xu_needleman", {"xu_needleman_q": 0.5, "xu_needleman_r": 0.3}), ("pressure_friction", {})])
+def test_the_other_laws_have_a_work_of_separation(name, changes):
+    a, scene = np.linspace(0.0, 40.0, 400001), law(name, **changes)
+    apart = physics.tractions(scene, a, np.zeros((1, a.size)))[0]
+    assert 1e-4 * (np.sum(apart) - 0.5 * apart[0]) == pytest.approx(1.0, abs=1e-7)
+    deep = np.linspace(-2.0, 6.0, 80001)
+    pulled = physics.tractions(scene, deep, np.zeros((1, deep.size)))[0]
+    slope = np.gradient(physics.potential(scene, deep), deep)
+    assert np.allclose(slope[1:-1], pulled[1:-1], rtol=1e-5, atol=1e-5)
+
+
+def test_the_law_of_xu_and_needleman_has_the_potential_of_its_work_ratio():
+    scene, step = law("xu_needleman", xu_needleman_q=0.5, xu_needleman_r=0.3), 1e-5
+    a, b = np.meshgrid(np.linspace(-1.0, 4.0, 21), np.linspace(-2.0, 2.0, 20))
+    across = (physics.tractions(scene, a, b[None] + step)[0]
+              - physics.tractions(scene, a, b[None] - step)[0])
+    along = 0.5 * (physics.tractions(scene, a + step, b[None])[1]
+                   - physics.tractions(scene, a - step, b[None])[1])
+    assert np.allclose(across, along, atol=1e-11)
+
+
 def test_the_laws_have_their_peaks_and_works_of_separation():
     a, b = np.linspace(0.0, 40.0, 40001), np.linspace(0.0, 8.0, 40001)
-    apart = physics.tractions("modified", a, np.zeros((1, a.size)))[0]
+    apart = physics.tractions(law("modified"), a, np.zeros((1, a.size)))[0]
     assert apart.max() == pytest.approx(math.exp(-1), rel=1e-6)
     assert 0.001 * np.sum(apart) == pytest.approx(1.0, rel=1e-6)
-    sheared = physics.tractions("modified", np.zeros(b.size), b[None], 0.5)[1]
+    half = law("modified", residual_friction=0.5)
+    sheared = physics.tractions(half, np.zeros(b.size), b[None])[1]
     assert (sheared.max() == pytest.approx(physics.PEAK, rel=1e-6)
             and sheared[-1] == pytest.approx(0.5 * physics.PEAK, rel=1e-6))
-    assert np.allclose(np.gradient(physics.potential(a), a)[1:-1], apart[1:-1], atol=1e-6)
+    slope = np.gradient(physics.potential(half, a), a)
+    assert np.allclose(slope[1:-1], apart[1:-1], atol=1e-6)
 
 
 # What it finds

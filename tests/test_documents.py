@@ -19,6 +19,7 @@ import pytest
 
 import contactsnes
 from contactsnes import Scene, table
+from contactsnes.output.tables import measured
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -251,3 +252,10 @@ def test_files_that_are_named_are_there():
     known = ("NAME.opts",)
     assert [(page, path) for page, path in sorted(named) if not path.endswith(known)
             and not (ROOT / path).exists()] == []
+
+
+def test_results_are_dated(tmp_path):
+    file = tmp_path / "results.csv"
+    file.write_text("")
+    os.utime(file, (2e9, 2e9))
+    assert re.fullmatch(r"Measured on 2033-05-1\d( on commit [0-9a-f]{7,})?\.", measured(file))

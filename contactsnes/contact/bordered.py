@@ -8,7 +8,7 @@ class ArcLength:
     direction.
 
     F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
-    unknown is [x, s].
+                                                    unknown is [x, s].
 
     Parameters
     ----------

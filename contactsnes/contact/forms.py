@@ -6,8 +6,9 @@ delta_i. With the body's compliance C (mean-free part, scaled by lambda_i lambda
 compliance c_0, both scaled:
 
 displacement form, window:  v + C t(a + v) - vbar = 0,   vbar = far displacement - c_0 mean t, or
-one more unknown force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the
-mean displacement or force for q = 0
+                            one more unknown
+force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the mean displacement
+                            or force for q = 0
 """
 
 import numpy as np

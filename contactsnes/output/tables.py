@@ -3,7 +3,9 @@ that it is never half written."""
 
 import csv
 import os
+import subprocess
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path
 
 import h5py
@@ -26,6 +28,16 @@ def write_between(path, begin, end, text):
             f"{Path(path).name} has lost its marks '{begin.strip()}' and '{end.strip()}'")
     before, rest = content.split(begin)
     Path(path).write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
+
+
+def measured(path=None):
+    """When, and on which commit of the sources around it, the results in a file were written (now,
+    without one): a sentence for the page that shows them."""
+    time = datetime.fromtimestamp(Path(path).stat().st_mtime) if path else datetime.now()
+    found = subprocess.run(["git", "log", "-1", f"--before={time.isoformat()}", "--format=%h"],
+                           cwd=Path(__file__).parent, capture_output=True, text=True)
+    commit = f" on commit {found.stdout.strip()}" if found.returncode == 0 else ""
+    return f"Measured on {time:%Y-%m-%d}{commit}."
 
 
 def write_csv(path, columns, rows):

@@ -10,9 +10,6 @@ import numpy as np
 
 from . import physics
 
-NEAR = 37.0
-"""Gap, in ranges of the law, up to which it acts."""
-
 TOLERANCE = 1e-8
 """Of residuals (the default of -snes_atol)."""
 
@@ -202,10 +199,11 @@ class Checker:
         gaps = path.displacement.copy()
         gaps[:, 0] += path.gap
         self.gaps = gaps * self.ranges.reshape(each)
-        friction, adhesion = self.scene["residual_friction"], self.scene["residual_adhesion"]
+        self.near = physics.near(self.scene)
+        self.deepest = -30.0 * physics.overlap_unit(self.scene)
         with np.errstate(over="ignore", invalid="ignore"):
-            self.law = np.array([physics.tractions(self.scene["law"], gap[0], gap[1:], friction,
-                                                   adhesion) for gap in self.gaps])
+            self.law = np.array([physics.tractions(self.scene, gap[0], gap[1:])
+                                 for gap in self.gaps])
         self.scaled = self.law * self.ranges.reshape(each)
 
     def say(self, kind, point, text):
@@ -347,7 +345,7 @@ class Checker:
     def _point(self, point):
         """Tractions, forces, displacements, gaps and area of a point."""
         path, gap = self.path, self.gaps[point]
-        if gap[0].min() < -30.0:
+        if gap[0].min() < self.deepest:
             return self.say("too deep", point + 1, f"a gap of {gap[0].min():.3g} ranges")
         law, largest = self.law[point], max(1.0, np.abs(self.law[point]).max())
         missed = np.abs(law - path.traction[point]).max()
@@ -459,10 +457,10 @@ class Checker:
 
     def _imbalance(self, point, deformed, mean=True):
         """Compare displacements with those that the tractions make."""
-        if self.gaps[point, 0].min() < -30.0:
+        if self.gaps[point, 0].min() < self.deepest:
             return
         difference = self.path.displacement[point] - deformed
-        active = self.gaps[point, 0] < NEAR
+        active = self.gaps[point, 0] < self.near
         if not active.any():
             active[...] = True
         bonded = self._sheared(point)
@@ -487,9 +485,10 @@ class Checker:
     def _rounding(self, point):
         """What the last bit of stored displacements makes, in deep overlap, of those under the
         tractions: ranges."""
-        deepest = min(0.0, self.gaps[point, 0].min())
+        deepest = min(0.0, self.gaps[point, 0].min()) / physics.overlap_unit(self.scene)
         longest = max(points * spacing for points, spacing in zip(self.shape, self.spacings))
-        stiffest = (1.0 - deepest) * math.exp(-deepest) * self.ranges[0] ** 2 * longest / math.pi
+        stiffest = ((1.0 - deepest) * math.exp(-deepest) / physics.overlap_unit(self.scene)
+                    * self.ranges[0] ** 2 * longest / math.pi)
         return (2.0 * np.finfo(float).eps * self.ranges[0] * np.abs(self.path.displacement[point,
                                                                                            0]).max()
                 * stiffest)
@@ -569,9 +568,9 @@ class Checker:
                                           axis=1)
         elastic = float(self.weights @ (waves + 0.5 * layer * forces ** 2))
         gap = self.gaps[point]
-        if np.any(np.abs(gap[1:][:, gap[0] < NEAR]) > 1e-6):
+        if np.any(np.abs(gap[1:][:, gap[0] < self.near]) > 1e-6):
             return elastic, math.nan
-        return elastic, self.node * float(np.sum(physics.potential(gap[0])))
+        return elastic, self.node * float(np.sum(physics.potential(self.scene, gap[0])))
 
     def _energies(self):
         """Energies by their definitions; steps lose nothing, and jumps do."""

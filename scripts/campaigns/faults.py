@@ -6,6 +6,7 @@ there until one fails. A fault that no test finds shows what the tests do not se
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -57,7 +58,13 @@ def stale(faults):
         return (ROOT / "contactsnes" / file).read_text(encoding="utf-8")
 
     return [(fault, count) for fault in faults
-            if (count := content(fault.file).count(fault.text)) != 1]
+            if (count := len(_pattern(fault.text).findall(content(fault.file)))) != 1]
+
+
+def _pattern(text):
+    """What finds a text in a source however its words are spread over lines."""
+    words = re.findall(r"\w+|[^\w\s]", text)
+    return re.compile(r"\s*".join(map(re.escape, words)))
 
 
 def arguments(fault):
@@ -69,7 +76,8 @@ def arguments(fault):
 def plant(fault, folder):
     """Plant a fault in the copy of the tree in a folder."""
     path = Path(folder, "contactsnes", fault.file)
-    path.write_text(path.read_text(encoding="utf-8").replace(fault.text, fault.fault),
+    content = path.read_text(encoding="utf-8")
+    path.write_text(_pattern(fault.text).sub(lambda found: fault.fault.strip(), content, count=1),
                     encoding="utf-8")
 
 

@@ -112,6 +112,16 @@ def scene_part(asked, end):
     run(asked, end, "scenes", asked.scenes, judged)
 
 
+def laws_part(asked, end):
+    """Random scenes with the laws besides the paper's, and their variants."""
+    def judged(number, worker, folder):
+        scene = scenes.create(asked.seed, number, laws=True)
+        verdict = judge.judged(scene, worker, folder, asked.seconds, asked.budget)
+        return verdict, judge.command(["run", *scene.words(folder)])
+
+    run(asked, end, "laws", asked.laws, judged)
+
+
 def planted_part(asked, end):
     """Tests of the program switched off in turn: the outcome is that of seeing it, and of seeing
     nothing where nothing is."""
@@ -194,5 +204,5 @@ def faults_part(asked, end):
     run(asked, end, "faults", len(listed), judged)
 
 
-PARTS = {"scenes": scene_part, "bad-input": bad_input_part, "kills": kills_part,
+PARTS = {"scenes": scene_part, "laws": laws_part, "bad-input": bad_input_part, "kills": kills_part,
          "roundings": roundings_part, "planted": planted_part, "faults": faults_part}

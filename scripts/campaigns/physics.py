@@ -15,34 +15,88 @@ PEAK_SLIP = math.sqrt(0.5)
 PEAK = math.sqrt(2.0 / math.e)
 
 
-def tractions(law, a, b, friction=1.0, adhesion=0.0):
+def tractions(scene, a, b):
     """Tractions for normal gaps ``a`` and tangential gaps ``b`` (directions, ...) in ranges of the
     law: (1 + directions, ...).
 
-    law 'mcgarry': a exp(-a) exp(-b^2) and 2 b exp(-a) exp(-b^2). 'modified': the same where the
-    surfaces are apart, but with the shares ``friction`` and ``adhesion`` left at large slip; in
-    overlap neither depends on the other.
+    scene : name -> value of its options. Law 'mcgarry': a exp(-a) exp(-b^2) and
+        2 b exp(-a) exp(-b^2). 'modified': the same where the surfaces are apart, but with the
+        shares residual_friction and residual_adhesion left at large slip; in overlap neither
+        depends on the other. 'pressure_friction': friction grows in overlap by
+        1 + alpha p / tau_max. 'dugdale': see `_constant`. 'xu_needleman': derivatives of
+        exp(-a) {(1 - r + a) (1 - q)/(r - 1) - [q + (r - q)/(r - 1) a] exp(-b^2)}.
     """
-    if law not in ("mcgarry", "modified"):
-        raise ValueError(f"the checker has no law '{law}' of its own")
-    slip = np.sqrt(np.sum(b ** 2, axis=0))
+    law, slip = scene["law"], np.sqrt(np.sum(b ** 2, axis=0))
     bell, near = np.exp(-slip ** 2), np.exp(-a)
     secant = 2.0 * bell
     if law == "mcgarry":
         return np.concatenate([[a * near * bell], secant * near * b])
-    past = slip > PEAK_SLIP
+    if law == "xu_needleman":
+        q, r = scene["xu_needleman_q"], scene["xu_needleman_r"]
+        left, grows = (1.0 - q) / (r - 1.0), (r - q) / (r - 1.0)
+        normal = near * ((r - a) * left + (q - grows + grows * a) * bell)
+        return np.concatenate([[normal], secant * near * (1.0 + grows / q * a) * b])
+    if law not in ("modified", "dugdale", "pressure_friction"):
+        raise ValueError(f"the checker has no law '{law}' of its own")
+    friction, adhesion = scene["residual_friction"], scene["residual_adhesion"]
+    attraction, past, pressed = a * near, slip > PEAK_SLIP, 1.0
+    if law == "dugdale":
+        attraction, near = _constant(a, scene["dugdale_width"])
+    if law == "pressure_friction":
+        pressed = 1.0 - scene["pressure_friction"] * attraction / PEAK
     with np.errstate(divide="ignore", invalid="ignore"):
         softened = PEAK * (friction + (1.0 - friction) * np.exp(-(slip - PEAK_SLIP) ** 2)) / slip
     secant = np.where(past, softened, secant)
     apart = a > 0.0
-    return np.concatenate([[a * near * np.where(apart, adhesion + (1.0 - adhesion) * bell, 1.0)],
-                           secant * np.where(apart, near, 1.0) * b])
+    return np.concatenate([[attraction * np.where(apart, adhesion + (1.0 - adhesion) * bell, 1.0)],
+                           secant * np.where(apart, near, pressed) * b])
 
 
-def potential(a):
-    """Energy of the interface without slip, phi_n: its derivative is a exp(-a), and it vanishes far
-    away."""
+def _constant(a, width):
+    """(1 - exp(-a/w)) / (1 + exp((a-c)/w)), and its second factor over what that is at a = 0, for
+    the law 'dugdale' with w = ``width``; the work of adhesion is 1 by the choice of c."""
+    with np.errstate(over="ignore"):
+        end = 1.0 / (1.0 + np.exp((a - dugdale_end(width)) / width))
+    return (1.0 - np.exp(-a / width)) * end, end * (1.0 + math.exp(-dugdale_end(width) / width))
+
+
+def dugdale_end(width):
+    """c of the law 'dugdale', by halving."""
+    low, high = 0.0, 4.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = ((middle, high) if _dugdale_potential(0.0, width, middle) > -1.0
+                     else (low, middle))
+    return 0.5 * (low + high)
+
+
+def _dugdale_potential(a, width, end):
+    """Minus the integral of the attraction of the law 'dugdale' from ``a`` on: by y = exp(-x/w),
+    of w (1 - y) / (y + exp(-c/w)) from 0."""
+    share = math.exp(-end / width)
+    return -width * ((1.0 + share) * np.logaddexp(0.0, (end - a) / width) - np.exp(-a / width))
+
+
+def potential(scene, a):
+    """Energy of the interface without slip, phi_n: its derivative is the normal traction, and it
+    vanishes far away."""
+    if scene["law"] == "dugdale":
+        width = scene["dugdale_width"]
+        return _dugdale_potential(a, width, dugdale_end(width))
     return -(1.0 + a) * np.exp(-a)
+
+
+def near(scene):
+    """Gap, in ranges of the law, up to which it acts."""
+    if scene["law"] != "dugdale":
+        return 37.0
+    return min(37.0, dugdale_end(scene["dugdale_width"]) + 37.0 * scene["dugdale_width"])
+
+
+def overlap_unit(scene):
+    """Overlap, in ranges, over which the repulsion grows by a factor e: formulas hold down to 30 of
+    them."""
+    return scene["dugdale_width"] if scene["law"] == "dugdale" else 1.0
 
 
 def plane_strain(wavenumber, poisson, height):

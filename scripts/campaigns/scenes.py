@@ -86,8 +86,12 @@ class Scene:
         return shape * 2 if self.plane and len(shape) == 1 else shape
 
 
-def create(seed, number):
-    """The scene of a seed and a number."""
+def create(seed, number, laws=False):
+    """The scene of a seed and a number.
+
+    laws : whether its law is one of those besides the paper's; they are drawn apart, so that all
+        else is as of the scene without
+    """
     draw = np.random.default_rng([seed, number])
     scene = Scene(seed, number)
     kind = draw.random()
@@ -96,6 +100,8 @@ def create(seed, number):
     else:
         _cell(scene, draw, kind < 0.25)
     _law(scene, draw)
+    if laws:
+        _other_law(scene, np.random.default_rng([seed, number, 1]))
     _load(scene, draw)
     _method(scene, draw)
     if draw.random() < 0.12:
@@ -205,6 +211,29 @@ def _law(scene, draw):
         options["scene_contact_threshold"] = _log(draw, 1.5, 6)
     if draw.random() < 0.1:
         options["scene_tangential"] = "on"
+
+
+def _other_law(scene, draw):
+    """A law besides the paper's in place of the one that was drawn, on a grid that resolves it as
+    well."""
+    options = scene.options
+    options["scene_law"] = law = _choice(draw, "xu_needleman", "dugdale", "pressure_friction")
+    softer = 1.0
+    if law == "xu_needleman":
+        for name in ("scene_residual_friction", "scene_residual_adhesion"):
+            options.pop(name, None)
+        options["scene_xu_needleman_q"] = q = _choice(draw, 1, 1, 0.5, 2, 0.8)
+        options["scene_xu_needleman_r"] = _choice(draw, 0, 0, 0.2, 0.5)
+        if draw.random() < 0.5:
+            options["scene_work_ratio"] = q
+    elif law == "dugdale":
+        options["scene_dugdale_width"] = width = _choice(draw, 1, 0.7, 0.5, 0.3)
+        # its attraction ends with a slope of 1/(4 w), that of a exp(-a) of exp(-2)
+        softer = math.sqrt(4 * width * math.exp(-2))
+    else:
+        options["scene_pressure_friction"] = _choice(draw, 0, 0.1, 0.3, 1)
+    for name in ("scene_normal_maugis", "scene_tangential_maugis"):
+        options[name] = float(f"{min(softer, 1.0) * options[name]:.3g}")
 
 
 def _load(scene, draw):
