@@ -4,6 +4,7 @@ what they claim is looked at."""
 import hashlib
 import math
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,16 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes import Branch, Contact, InputError, Load, Scene, Shape, option  # noqa: E402
+from contactsnes import (  # noqa: E402
+    Branch,
+    Contact,
+    InputError,
+    Load,
+    Scene,
+    Shape,
+    option,
+    read,
+)
 from contactsnes.branch.accuracy import finer_contact  # noqa: E402
 from contactsnes.branch.grid_choice import chosen  # noqa: E402
 from contactsnes.interface import shapes  # noqa: E402
@@ -233,10 +243,10 @@ def test_in_si_a_function_is_of_metres(written):
                                rtol=1e-12, atol=1e-12)
 
 
-def call(folder, *words):
-    """A finished command."""
+def call(folder, *words, root=ROOT):
+    """A finished command of the package in a folder."""
     return subprocess.run([sys.executable, "-m", "contactsnes", *map(str, words)], cwd=folder,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True,
+                          env={**os.environ, "PYTHONPATH": str(root)}, capture_output=True,
                           text=True, timeout=300, check=False)
 
 
@@ -280,15 +290,63 @@ def test_the_other_shape_of_the_example_is_an_isolated_contact(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-def test_a_new_shape_is_one_file(monkeypatch, tmp_path):
-    """A file in the folder of shapes suffices: here another folder on the package's path."""
-    from contactsnes.interface.declared import Registry
+NEW = {"shapes/wedge.py": '''
+import numpy as np
 
-    (tmp_path / "wedge.py").write_text(
-        "import numpy as np\nfrom contactsnes.interface.shapes.shape import Shape\n\n\n"
-        "class Wedge(Shape):\n    name, meaning = 'wedge', '|x|'\n\n"
-        "    def gap(self, coordinates, scene):\n        return np.abs(coordinates[0])\n")
-    monkeypatch.setattr(shapes, "__path__", [*shapes.__path__, str(tmp_path)])
-    registry = Registry("shape", "geometry", Shape, shapes.__name__, shapes.__path__)
-    assert set(registry.found) == {*shapes.SHAPES, "wedge"}
-    assert last(Scene(**LINE), geometry=registry.found["wedge"]()).forces[0] > -math.pi
+from ...options.fields import option
+from .shape import Shape
+
+
+class Wedge(Shape):
+    """s |x|."""
+
+    name, meaning = "wedge", "s |x|"
+    wedge_slope = option(1.0, "s of the wedge", "u_n,r/beta", above=0)
+    even = (0, 1)
+
+    def gap(self, coordinates, scene):
+        return self.wedge_slope * np.abs(coordinates[0])
+''', "bodies/graded.py": '''
+import numpy as np
+
+from ...options.fields import option
+from ..elasticity import Surface
+from .body import Body
+
+
+class Graded(Body):
+    """A half-space that stiffens with depth."""
+
+    name, meaning = "graded", "a half-space that stiffens with depth"
+    graded_rate = option(0.5, "wave number of the grading", "1/beta", minimum=0)
+    rigid_compliance = (0.0, 0.0)
+
+    def surface(self, wavenumber):
+        compliance = 2 / (np.asarray(wavenumber, dtype=float) + self.graded_rate)
+        return Surface(compliance, compliance, compliance, 0 * compliance)
+'''}
+
+
+def test_a_new_shape_and_a_new_body_are_one_file_each(tmp_path):
+    """In a copy of the package: help, checks, what has no effect, a solve and its archive."""
+    shutil.copytree(ROOT / "contactsnes", tmp_path / "contactsnes",
+                    ignore=shutil.ignore_patterns("__pycache__"))
+    for name, text in NEW.items():
+        (tmp_path / "contactsnes/interface" / name).write_text(text, encoding="utf-8")
+    small = ("-scene_geometry", "wedge", "-scene_body", "graded", "-scene_points", "128",
+             "-scene_period", "20", "-scene_normal_maugis", "1")
+    path = ("-load_path", "normal_displacement=1; tangential_displacement=1")
+    copied = lambda *words: call(tmp_path, *words, root=tmp_path)
+    done = copied("run", "-help")
+    assert "-scene_wedge_slope" in done.stdout and "wedge (s |x|)" in done.stdout
+    assert "-scene_graded_rate" in done.stdout
+    done = copied("info", *small, "-scene_poisson", "0.3", "-scene_wedge_slope", "2")
+    assert "-scene_poisson: the body graded has none" in done.stdout, done.stderr
+    assert "-scene_wedge_slope 2\n" in done.stdout and "body graded" in done.stdout
+    done = copied("run", *small, "-scene_wedge_slope", "-1", *path)
+    assert done.returncode == 2 and "-scene_wedge_slope is '-1': allowed is" in done.stderr
+    done = copied("run", *small, *path, "-archive_file", "run.h5")
+    assert done.returncode == 0, done.stderr
+    scene = read(tmp_path / "run.h5").scene
+    assert (scene["geometry"], scene["wedge_slope"], scene["body"], scene["graded_rate"]) == (
+        "wedge", 1.0, "graded", 0.5)

@@ -50,7 +50,8 @@ def _check_arguments(function, count):
         signature.bind(*range(count))
     except TypeError:
         given = " and ".join("xy"[:count])
-        raise TypeError(f"it takes {signature}, but is given {given}") from None
+        raise TypeError(f"it takes {signature}, but is given {given}: on a line it is gap(x), on a "
+                        "plane gap(x, y)") from None
 
 
 @lru_cache(maxsize=256)
