@@ -5,6 +5,7 @@ import dataclasses
 import pkgutil
 from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
 
 from ..options.fields import Options
 
@@ -52,7 +53,7 @@ class Registry:
     field : the field of the scene, ``-scene_`` + its name, that names one
     base : the class that all of them are subclasses of
     package : dotted name of the package of their files
-    folder : list of paths of that package
+    file : a path in that package's folder
 
     Attributes
     ----------
@@ -63,9 +64,10 @@ class Registry:
     objects : name -> object made in Python, of a class that no file of the package has
     """
 
-    def __init__(self, kind, field, base, package, folder):
+    def __init__(self, kind, field, base, package, file):
         self.kind, self.field, self.base, self.found = kind, field, base, {}
-        for module in sorted(entry.name for entry in pkgutil.iter_modules(folder)):
+        folder = str(Path(file).parent)
+        for module in sorted(entry.name for entry in pkgutil.iter_modules([folder])):
             own = import_module(f"{package}.{module}")
             for cls in vars(own).values():
                 if (isinstance(cls, type) and issubclass(cls, base) and cls.name

@@ -3,7 +3,7 @@
 from ..declared import Registry
 from .body import Body
 
-REGISTRY = Registry("body", "body", Body, __name__, __path__)
+REGISTRY = Registry("body", "body", Body, __package__, __file__)
 BODIES = REGISTRY.found
 named = REGISTRY.named
 

@@ -4,6 +4,6 @@ suffices."""
 from ..declared import Registry
 from .law import Law
 
-REGISTRY = Registry("law", "law", Law, __name__, __path__)
+REGISTRY = Registry("law", "law", Law, __package__, __file__)
 LAWS, OPTIONS = REGISTRY.found, REGISTRY.options
 of, named, keep = REGISTRY.of, REGISTRY.named, REGISTRY.keep

@@ -4,6 +4,6 @@ suffices."""
 from ..declared import Registry
 from .shape import Shape
 
-REGISTRY = Registry("shape", "geometry", Shape, __name__, __path__)
+REGISTRY = Registry("shape", "geometry", Shape, __package__, __file__)
 SHAPES = REGISTRY.found
 of, named = REGISTRY.of, REGISTRY.named
