@@ -154,6 +154,20 @@ def test_a_body_of_ones_own():
         Branch(Scene(period=math.inf, spacing=0.2), Load(path="normal_force=1"), body=Graded())
 
 
+@pytest.mark.parametrize("changes, words", (
+    ({"surface": lambda self, q: Surface(q - 1, q, q, 0 * q)}, "its normal compliance is -0.68"),
+    ({"surface": lambda self, q: Surface(1 / q, 1 / q, 1 / q, 2 / q)}, "the determinant .* is -30"),
+    ({"surface": lambda self, q: Surface(1 / q, 1 / q, q / 0, 0 * q)}, "transverse .* is inf"),
+    ({"surface_stiffness": lambda self, q: Surface(q, q, q, 0 * q)},
+     "its stiffness times its compliance is 2 at the wave number 0.314159 1/beta: it has to be 1"),
+    ({"rigid_compliance": (-1.0, 0.0)}, "rigid_compliance is"),
+    ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
+))
+def test_what_is_wrong_with_a_body_is_told(changes, words):
+    with pytest.raises(InputError, match=f"-scene_body is 'Other.*: .*{words}"):
+        Branch(Scene(**LINE), PRESSED, body=type("Other", (Graded,), changes)())
+
+
 def test_bodies_couple_as_they_are_seen_to():
     class Tilting(Graded):
         def surface(self, wavenumber):
@@ -171,7 +185,8 @@ def test_bodies_couple_as_they_are_seen_to():
 def test_a_body_in_a_file(tmp_path, monkeypatch):
     monkeypatch.setattr(bodies.REGISTRY, "own", {})
     (tmp_path / "mine.py").write_text(
-        "from contactsnes.interface.bodies.layer import Layer\n\n\nclass Stiff(Layer):\n"
+        "from contactsnes import Body\nfrom contactsnes.interface.bodies.layer import Layer\n\n\n"
+        "class Stiff(Layer):\n    surface_stiffness = Body.surface_stiffness\n\n"
         "    def surface(self, wavenumber):\n        found = super().surface(wavenumber)\n"
         "        return found._replace(normal=found.normal / 2)\n", encoding="utf-8")
     name = f"{tmp_path / 'mine.py'}:Stiff"

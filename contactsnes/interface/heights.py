@@ -38,12 +38,16 @@ def read_heights(specification, shape=None):
     """
     option = f"-scene_geometry_file {specification}"
     heights = _as_stored(option, *_split(str(specification)))
-    if heights.dtype.kind not in "fiu":
-        raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
     if shape is not None and heights.shape != tuple(shape):
         raise ValueError(f"{option}: the heights have shape {heights.shape}, the "
                          f"grid has {tuple(shape)}; set -scene_points and "
                          "-scene_dimension to those of the file.")
+    return _usable(option, heights)
+
+
+def _usable(option, heights):
+    """Heights as numbers to compute with; ValueError, which names the option, where they are
+    none."""
     if heights.size == 0 or heights.ndim not in (1, 2):
         raise ValueError(f"{option}: holds an array of shape {heights.shape} "
                          "instead of heights on a line or a plane.")
@@ -74,9 +78,12 @@ def _as_stored(option, filename, suffix, dataset):
             raise ValueError(why)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of files without a number
-            return np.asarray(read(filename, dataset))
+            heights = np.asarray(read(filename, dataset))
     except Exception as error:  # a damaged file: whatever it makes of itself
         raise ValueError(f"{option}: cannot be read ({error}).") from None
+    if heights.dtype.kind not in "fiu":
+        raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
+    return heights
 
 
 def seams(heights):

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..grid.even import mirrored
 from ..options.fields import InputError
 from .gap import evaluated, is_convex, where
 from .heights import seams
@@ -74,9 +75,9 @@ def check(shape, gap, coordinates, scene):
     size = max(np.ptp(gap), np.finfo(float).tiny)
     for axis in shape.even:
         if axis < gap.ndim:
-            mirrored = np.roll(np.flip(gap, axis), 1 if gap.shape[axis] % 2 == 0 else 0, axis)
+            image = mirrored(gap, axis)
             _refuse(f"{named}, which claims to be even along {'xy'[axis]} (even = {shape.even})",
-                    np.abs(gap - mirrored) > ROUNDING * size, (gap, mirrored),
+                    np.abs(gap - image) > ROUNDING * size, (gap, image),
                     "the gap is {:.9g} {unit}, and {:.9g} {unit} at its mirror image",
                     coordinates, scene)
     for axis in shape.uniform:

@@ -3,7 +3,7 @@ them, and options of others."""
 
 import dataclasses
 
-from ..interface import bodies, laws, own_files, own_laws, own_shapes, shapes
+from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
 from ..options.fields import InputError, extend
 
 REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
@@ -78,6 +78,7 @@ def check(scene):
         own_laws.check(law, scene.law)
         law._looked_at = True
     shapes.of(scene).check(scene)
+    own_bodies.check_own(bodies.of(scene), scene)
     bodies.of(scene).check(scene)
 
 
