@@ -24,6 +24,7 @@ from ..contact.problem import FORCE, Contact
 from ..continuation.points import NoEquilibrium, NotConverged, TooCoarse
 from ..grid.cell import Grid, Transform
 from ..grid.transfer import resampled
+from ..interface import shapes
 from ..options.fields import as_text
 from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
@@ -202,7 +203,7 @@ def finer_contact(contact, ratio):
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
     if contact.isolated:
         return IsolatedContact(scene, law=contact.law)
-    if scene.geometry != "file":
+    if not shapes.of(scene).gridded:
         return Contact(scene, law=contact.law)
     return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods),
                                         contact.initial_gap[None])[0], law=contact.law)

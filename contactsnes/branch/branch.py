@@ -16,20 +16,22 @@ from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid.boxes import of_boxes
-from ..interface.roughness import check_edge
+from ..interface import shapes
+from ..interface.gap import refuse_contact_at_edge
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
 from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
+from ..scene.parts import sources, with_parts
 from ..scene.resolution import PINNING, resolution
-from ..scene.traction import with_law
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
 from . import failures, first_points
-from .grid_choice import chosen, heights, refuse_too_large
+from .grid_choice import chosen
 from .remarks import Remarks
+from .too_large import refuse_too_large
 from .tracing import Tracer
 
 SOLVER_OPTIONS = (*OPTIONS, MotionOptions)
@@ -54,7 +56,8 @@ class Branch:
     steps : Steps, optional; as they are typed, too
     form : Form, optional
     log : function (sentence), optional; called with what a user should know
-    law : Law, optional, in place of the scene's: an object of a class of one's own, perhaps
+    law, geometry, body : Law, Shape and Body, optional, in place of the scene's: objects of classes
+        of one's own, perhaps; a geometry may be a function gap(x) or gap(x, y) of the coordinates
     history : points of an earlier run along this path to go on from, oldest first; its last leg may
         end farther ahead
 
@@ -66,22 +69,23 @@ class Branch:
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(),
-                 law=None):
+                 law=None, geometry=None, body=None):
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
-        scene = chosen(scene if law is None else with_law(scene, law), load)
+        scene = chosen(with_parts(scene, law, geometry, body), load)
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
-        self._heights = heights(scene)
+        shape = shapes.of(scene)
+        self._heights = shape.heights(scene)
         if scene.isolated:
             check_form(form)
             self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
         else:
             self.contact = Contact(scene, self._heights)
-            check_edge(self.contact)
+            refuse_contact_at_edge(shape, self.contact)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, self.method)
         refuse_without_tangent(self.steps.stability, form)
@@ -125,9 +129,7 @@ class Branch:
             found["box_points"] = self.contact.grid.shape
         if self._heights is not None:
             found["heights_sha256"] = resuming.checksum(self._heights)
-        if hasattr(self.contact.law, "source_sha256"):
-            found["law_sha256"] = self.contact.law.source_sha256
-        return found
+        return found | sources(self.scene)
 
     def __iter__(self):
         makers = [lambda points, number=number: self._leg(number, points)

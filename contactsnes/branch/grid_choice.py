@@ -4,23 +4,19 @@ What is predicted here is only where to begin: estimates of the errors at every 
 tell what was reached.
 """
 
-import contextlib
 import math
-import os
-import resource
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 from ..contact import states
 from ..contact.isolated import lay_out
 from ..contact.problem import Contact
-from ..interface.gap import read_heights, seams
-from ..interface.roughness import FINE, surface
+from ..interface import shapes
 from ..options.fields import InputError, as_text
 from ..scene.isolation import largest_force
 from ..scene.resolution import LARGEST_RESOLUTION, resolution
 from ..scene.settings import tangential_legs
+from .memory import USABLE, memory, memory_of_solve
 
 FEWEST = 32
 """Points of a direction, at least."""
@@ -34,12 +30,6 @@ MARGIN = 0.5
 FINEST = 1e-9
 """Smallest errors that a finer grid still lowers: what solves to the usual tolerance leave."""
 
-USABLE = 0.8
-"""Part of the machine's memory that a run may take."""
-
-MOST_UNKNOWNS = 2 ** 31 - 1
-"""Unknowns that PETSc's whole numbers of 32 bits can count."""
-
 
 def chosen(scene, load):
     """The scene on the grid for its accuracy; itself where the points are given.
@@ -49,11 +39,11 @@ def chosen(scene, load):
     """
     if scene.points != "auto":
         return scene
-    if scene.geometry == "file":
-        points = read_heights(scene.geometry_file).shape
+    if shapes.of(scene).gridded:
+        points = shapes.of(scene).points(scene)
         return replace(scene, points=points if len(points) > 1 else points[0])
     if scene.isolated:
-        return _unbounded(scene, chosen(replace(_cell(scene, load), points="auto"), load))
+        return _unbounded(scene, chosen(replace(cell_of(scene, load), points="auto"), load))
     sheared = any(tangential_legs(scene, load))
     points = tuple(_points(scene, sheared, axis, scene.accuracy) for axis in range(scene.dimension))
     if scene.accuracy < FINEST or memory_needed(scene, load, points) > memory():
@@ -61,25 +51,12 @@ def chosen(scene, load):
     return on(scene, points)
 
 
-def heights(scene):
-    """Heights of a scene from its file, u_n,r; None where it has no file."""
-    if scene.geometry != "file":
-        return None
-    return read_heights(scene.geometry_file, scene.shape) / scene.scale("u_n,r")[0]
-
-
-def jumps_of_heights(scene):
-    """Where the heights of a scene jump at the seam of its cell (`gap.seams`), u_n,r; empty for
-    other scenes."""
-    return seams(heights(scene)) if scene.geometry == "file" else []
-
-
 def on(scene, points):
     """The scene on a grid of ``points``, a tuple."""
     return replace(scene, points=points if scene.dimension == 2 else points[0])
 
 
-def _cell(scene, load):
+def cell_of(scene, load):
     """The scene in a cell; of an isolated one, that which its nodes are laid out in."""
     if not scene.isolated:
         return scene
@@ -98,9 +75,9 @@ def _unbounded(scene, cell):
 
 def reason(scene, load):
     """Why the grid of a scene is what it is, in words."""
-    if scene.geometry == "file":
+    if shapes.of(scene).gridded:
         return f"{as_text(scene.shape)} points, those of the file"
-    sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
+    sheared, cell = any(tangential_legs(scene, load)), cell_of(scene, load)
     error = max(predicted(cell, sheared, axis, n) for axis, n in enumerate(cell.shape))
     grid = (f"spacing {scene.words(scene.spacings, 'beta')}" if scene.isolated
             else f"{as_text(cell.shape)} points")
@@ -115,9 +92,9 @@ def next_grid(scene, load, error):
     At most four times finer: the errors of the contact area fall with the fourth power of the
     spacing, those of corners of the law that nodes cross under shear with the second.
     """
-    if scene.geometry == "file":
+    if shapes.of(scene).gridded:
         return None
-    sheared, cell = any(tangential_legs(scene, load)), _cell(scene, load)
+    sheared, cell = any(tangential_legs(scene, load)), cell_of(scene, load)
     factor = min(4.0, (error / (MARGIN * scene.accuracy)) ** (1 / 2 if sheared else 1 / 4))
     points = tuple(_nice(factor * n) if predicted(cell, sheared, axis, n) > 0.0 else n
                    for axis, n in enumerate(cell.shape))
@@ -144,22 +121,20 @@ def predicted(scene, sheared, axis, points):
     if x > LARGEST_RESOLUTION:  # edges may stick between nodes, and no error is promised
         return 1.0
     spacing = grid.spacings[axis]
-    if scene.geometry == "rough" and 2 * spacing > scene.rough_shortest:
+    if 2 * spacing > shapes.of(scene).shortest(scene) > 0.0:
         return 1.0
     length = min(spacing / x, 1.0)
     law = length * (300.0 * math.exp(-17.7 / x) + 9e-4 * x ** 4 + (3e-5 * x ** 2 if sheared
                                                                    else 0.0))
-    width = 1.0 / math.sqrt(scene.normal_maugis * _curvature(scene, axis))
+    width = 1.0 / math.sqrt(scene.normal_maugis * _curvatures(scene)[axis])
     shape = math.exp(-(math.pi * width / spacing) ** 2) + 1e-3 * (spacing / width) ** 4
     return min(1.0, law + shape)
 
 
-def _curvature(scene, axis):
-    """Of the initial gap at the apex, u_n,r/beta^2; of roughness that of its sharp asperities."""
-    if scene.geometry == "rough":
-        return 1.0 + 3.0 * surface(scene.periods, *scene.roughness)[0].rms(2, axis)
-    return (scene.amplitudes[axis] * (2 * math.pi / scene.periods[axis]) ** 2
-            if scene.geometry == "sinusoid" else 1.0)
+@lru_cache(maxsize=64)
+def _curvatures(scene):
+    """Largest curvature of the gap in each direction, u_n,r/beta^2."""
+    return shapes.of(scene).curvature(scene)
 
 
 def _points(scene, sheared, axis, accuracy):
@@ -177,16 +152,10 @@ def _nice(points):
     return next(n * power for n in (4, 5, 6, 8) if n * power >= points)
 
 
-def _nice_below(points):
+def nice_below(points):
     """The largest number that is not above ``points`` and 4, 5 or 6 times a power of 2."""
     power = 2 ** max(2, math.floor(math.log2(points)) - 2)
     return max([n * power for n in (4, 5, 6) if n * power <= points], default=0)
-
-
-def memory_of_solve(unknowns, whole):
-    """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over
-    the cell."""
-    return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
 
 
 def memory_needed(scene, load, points):
@@ -212,95 +181,6 @@ def window_part(scene, load):
                                                                   [its.value])) .reshape(
         contact.grid.shape)) for its in controls if its.value is not None]
     return min(1.0, 1.2 * max(window.size for window in windows) / contact.grid.size)
-
-
-def memory():
-    """Bytes that a run may take on this machine: what is free now, within the limits of the process
-    and its control group."""
-    total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    limits = [total, *_group_limits(), *([] if limit == resource.RLIM_INFINITY else [limit])]
-    try:
-        fields = dict(line.split(":")
-                      for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
-        limits.append(1024 * int(fields["MemAvailable"].split()[0]))
-    except (OSError, ValueError, KeyError):
-        pass  # no Linux
-    return USABLE * min(limits)
-
-
-def _group_limits():
-    """Limits on memory of the control group of this process and of those above it, as far as there
-    are any."""
-    limits = []
-    try:
-        groups = [line.split(":", 2)[1:]
-                  for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines()]
-    except OSError:
-        return limits
-    for controllers, place in groups:
-        root, name = (("/sys/fs/cgroup", "memory.max") if not controllers
-                      else ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"))
-        if controllers in ("", "memory"):
-            folder = Path(root + place)
-            for above in (folder, *folder.parents):
-                with contextlib.suppress(OSError, ValueError):  # no such file, or the word max
-                    limits.append(int((above / name).read_text(encoding="ascii")))
-    return limits
-
-
-def refuse_too_large(scene, load, form):
-    """InputError, with what would fit, unless memory holds the solves of a scene on its grid, and
-    PETSc can count the unknowns.
-
-    To be called before anything of the grid's size is made.
-    """
-    cell = _cell(scene, load)
-    nodes = (cell.components if any(tangential_legs(scene, load)) else 1) * math.prod(cell.shape)
-    waves = math.prod(FINE[cell.dimension] * period / scene.rough_shortest
-                      for period in cell.periods) if cell.roughness else 0
-    room, whole = memory(), form.form == "force" or form.window == "off"
-    needed, unknowns = memory_of_solve(nodes, nodes) + 60 * waves, nodes
-    if not whole and (needed > room or nodes > MOST_UNKNOWNS):
-        unknowns = nodes * _least_part(cell, load)
-        needed = memory_of_solve(unknowns, nodes) + 60 * waves
-    share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
-    if share < 1.0:
-        raise InputError(_too_many(scene, cell, needed, room, unknowns,
-                                   share ** (1 / cell.dimension)))
-
-
-def _least_part(cell, load):
-    """`window_part`; 0 for a surface that is known on its own grid only, or made of too many
-    waves."""
-    if cell.geometry in ("file", "rough"):
-        return 0.0
-    try:
-        return window_part(cell, load)
-    except (ArithmeticError, ValueError):
-        return 0.0
-
-
-def _too_many(scene, cell, needed, room, unknowns, share):
-    """One sentence on a grid that memory or PETSc does not hold, and one that they do, with a share
-    of its points a direction."""
-    why = (f"takes about {needed / 1e9:.3g} GB of memory, of which "
-           f"{room / 1e9:.3g} GB are to be had here")
-    if needed <= room:
-        why = f"has about {unknowns:.3g} unknowns, and PETSc counts {MOST_UNKNOWNS} of them"
-    what = f"the grid of {' x '.join(f'{n:.8g}' for n in cell.shape)} nodes {why}"
-    if scene.geometry == "file":
-        return (f"{scene.option_name('geometry_file')} is '{scene.geometry_file}': "
-                f"{what}; take fewer heights")
-    if scene.isolated:
-        fitting = tuple(float(f"{1.1 * spacing / share:.2g}") for spacing in scene.spacings)
-        given = "not set" if scene.spacing is None else f"'{as_text(scene.as_typed('spacing'))}'"
-        return (f"{scene.option_name('spacing')} is {given}: {what}; "
-                f"{as_text(scene.told(max(fitting), 'beta'))} would fit, or a "
-                "smaller load")
-    points = tuple(max(16, _nice_below(n * share)) for n in cell.shape)
-    return (f"{scene.option_name('points')} is '{as_text(scene.points or scene.shape)}': {what}; "
-            f"{as_text(points if len(points) > 1 else points[0])} would fit")
 
 
 def _too_large(scene, load, points):

@@ -156,9 +156,8 @@ def _asks_for_help(arguments):
 def _help_on_options(arguments, more=()):
     begin_petsc([])
     words = _words([argument for argument in arguments if not _asks_for_help([argument])])
-    for name, value in zip(words, words[1:]):
-        if name.lower() == "-scene_law":
-            scenes.Scene.prepare(lambda named=value: {"scene_law": named})
+    named = {name[1:].lower(): value for name, value in zip(words, words[1:])}
+    scenes.Scene.prepare(lambda: named)
     return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
                           units=UNITS))
 

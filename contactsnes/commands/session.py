@@ -14,6 +14,7 @@ import numpy as np
 from .. import __version__
 from ..branch.grid_choice import chosen, on
 from ..compare import methods
+from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError
 from ..options.files import refuse_circles
@@ -124,7 +125,7 @@ def _with_points(settings):
             return replace(scene, points=None,
                            spacing=(np.atleast_1d(archive.scene["spacing"])
                                     / scene.scale("beta")[0]).tolist())
-        if archive.points and scene.geometry != "file":
+        if archive.points and not shapes.of(scene).gridded:
             return on(scene, tuple(np.atleast_1d(archive.scene["points"]).tolist()))
     try:
         return chosen(scene, settings.load)

@@ -3,13 +3,16 @@ is left out."""
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 
-from ..branch.grid_choice import jumps_of_heights, memory_of_solve, reason
+from ..branch.grid_choice import reason
+from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.even_form import obstacles
-from ..interface.roughness import surface
+from ..interface import bodies, shapes
+from ..interface.own_shapes import jumps
 from ..options.database import database
 from ..options.fields import as_text
 from ..scene import resolution
@@ -27,16 +30,19 @@ def resolution_warnings(settings):
 
 
 def _seams(scene):
-    """Sentences on heights that jump where the cell meets its neighbours."""
+    """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     size, unit = scene.scale("u_n,r")
+    heights = shapes.of(scene).gridded
+    what = "the heights are" if heights else "the gap is"
+    remedy = ("take out the trend of the heights, or taper them towards the edges" if heights
+              else "make the gap periodic, or the period longer than matters")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
-    return [f"the heights are not periodic: along {names[axis]} they step "
+    return [f"{what} not periodic: along {names[axis]} they step "
             f"by {jump * size:.4g} {unit} across the seam of the cell, "
             f"{jump / typical if typical else math.inf:.3g} times the typical step "
             f"between neighbours, {typical * size:.4g} {unit}; what is solved "
-            "has this step: take out the trend of the heights, or "
-            "taper them towards the edges"
-            for axis, jump, typical in jumps_of_heights(scene)]
+            f"has this step: {remedy}"
+            for axis, jump, typical in jumps(scene)]
 
 
 def start_window(settings, branch):
@@ -58,7 +64,8 @@ def skipped(settings, branch):
     if scene.tangential == "off":
         sentences.append("no tangential unknowns: -scene_tangential is off")
     elif not any(sheared):
-        little = scene.isolated and scene.dimension == 2 and math.isfinite(scene.height)
+        little = scene.isolated and scene.dimension == 2 and math.isfinite(
+            bodies.of(scene).far_field().height)
         why = f"so tall a layer slides by less than {LEFT_OUT:g} ranges" if little else \
             "the body does not couple them to normal ones"
         sentences.append(f"no tangential unknowns: the load names none, and {why}")
@@ -130,11 +137,10 @@ def about_scene(settings):
         f"tangential {scene.tangential_maugis:.8g}; residual friction "
         f"{as_text(scene.residual_friction)}, residual adhesion "
         f"{as_text(scene.residual_adhesion)}",
-        f"Poisson ratio {as_text(scene.poisson)}, "
-        f"height {_size(scene, [scene.height], 'beta')}, ratio of works of "
-        f"adhesion {scene.work_ratio:.8g}",
+        ", ".join([*bodies.of(scene).about(scene, partial(_one, scene)),
+                   f"ratio of works of adhesion {scene.work_ratio:.8g}"]),
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",
-        *_roughness(scene),
+        *shapes.of(scene).about(scene, partial(_one, scene)),
         *_scales(scene),
         *([f"grid: {reason(scene, settings.load)}"] if settings.auto else []),
         f"cohesive zone: the spacing is {finest} of the largest that resolves it"
@@ -151,17 +157,9 @@ def _size(scene, values, unit, digits=8):
             else f"{_by(prefixed(value * size, name) for value in values)} ({text})")
 
 
-def _roughness(scene):
-    """What a rough surface is made of."""
-    if not scene.roughness:
-        return []
-    hurst, slope, longest, shortest, seed = scene.roughness
-    found, _ = surface(scene.periods, *scene.roughness)
-    return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} "
-            f"waves shorter than {_size(scene, [longest], 'beta', 4)} and longer "
-            f"than {_size(scene, [shortest], 'beta', 4)}, seed {seed}", "root mean square "
-            f"slope {_size(scene, [slope], 'u_n,r/beta', 4)}, height "
-            f"{_size(scene, [found.rms(0)], 'u_n,r', 4)}"]
+def _one(scene, value, unit, digits):
+    """A value in a unit of the scene, as `_size`."""
+    return _size(scene, [value], unit, digits)
 
 
 def _scales(scene):

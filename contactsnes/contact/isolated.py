@@ -18,7 +18,7 @@ from ..continuation.points import NotConverged
 from ..grid.cell import Operator
 from ..grid.counter import Counter
 from ..grid.windows import Window
-from ..interface import laws
+from ..interface import laws, shapes
 from ..interface.unbounded import free_space
 from ..options.fields import InputError
 from ..reference import jkr_line_half_width, jkr_sphere_radius
@@ -34,13 +34,15 @@ class OutOfBox(NotConverged):
 
 
 def half_width(scene, force):
-    """Distance from the apex (beta) up to which a pressed cylinder or sphere is within the law's
-    range, or a little more.
+    """Distance from the apex (beta) up to which a pressed body is within the law's range, or a
+    little more: that of the parabola below it, a cylinder or sphere.
 
     Contact up to the radius a of Johnson, Kendall and Roberts; beyond it the gap of Hertz, with s =
     r/a, is (a^2/2) (s sqrt(s^2 - 1) - arcosh s) on a line and (a^2/pi) (sqrt(s^2 - 1) + (s^2 - 2)
-    arccos(1/s)) in the plane.
+    arccos(1/s)) in the plane. Of curvature c: lengths are beta c^(-2/3), gaps u_n,r c^(-1/3).
     """
+    curvature = shapes.of(scene).parabola[scene.dimension]
+    force = force * curvature ** (1 / 3 if scene.dimension == 1 else 1)
     if scene.dimension == 1:
         radius = jkr_line_half_width(force)
         gap = lambda s: radius ** 2 / 2 * (s * math.sqrt(s * s - 1) - math.acosh(s))
@@ -48,8 +50,10 @@ def half_width(scene, force):
         radius = jkr_sphere_radius(force)
         gap = lambda s: radius ** 2 / math.pi * (math.sqrt(s * s - 1)
                                                  + (s * s - 2) * math.acos(1 / s))
-    wanted = laws.of(scene).range / scene.normal_maugis
-    return radius * brentq(lambda s: gap(s) - wanted, 1.0, 10.0 + 10.0 * math.sqrt(wanted) / radius)
+    wanted = laws.of(scene).range / scene.normal_maugis * curvature ** (1 / 3)
+    farthest = 10.0 + 10.0 * math.sqrt(wanted) / radius
+    reach = radius * brentq(lambda s: gap(s) - wanted, 1.0, farthest)
+    return curvature ** (-2 / 3) * reach
 
 
 def lay_out(scene, force):
@@ -85,7 +89,8 @@ class IsolatedContact(Contact):
     def datum(self):
         """0 where the displacement of the body as a whole is defined; nan for a half-plane, which
         has none under a force."""
-        return 0.0 if self.scene.dimension == 2 or np.isfinite(self.scene.height) else np.nan
+        known = self.scene.dimension == 2 or np.isfinite(self.body.far_field().height)
+        return 0.0 if known else np.nan
 
     @cached_property
     def periodic(self):

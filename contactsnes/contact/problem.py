@@ -13,11 +13,11 @@ from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform
 from ..grid.even import Cosines, asymmetry
 from ..grid.windows import enclosing
-from ..interface import laws
-from ..interface.elasticity import Body
-from ..interface.gap import initial_gap, is_convex
+from ..interface import bodies, laws, shapes
+from ..interface.gap import gap_of_heights, initial_gap, is_convex
+from ..interface.own_shapes import check_own
 from ..options.fields import InputError
-from ..scene.traction import with_law
+from ..scene.parts import with_parts
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -35,7 +35,8 @@ class Contact:
     heights : array over the grid for the geometry ``file``, or in place of another's, u_n,r
     counter : the grid that counts transforms, in units of its own, if not this contact's
     gap : array over the grid in place of the scene's initial gap, delta_n
-    law : Law in place of the scene's
+    law, geometry, body : Law, Shape (or a function of the coordinates) and Body in place of the
+        scene's
     grid : Grid to share in place of one of its own
 
     Attributes
@@ -55,19 +56,17 @@ class Contact:
 
     datum, isolated = 0.0, False
 
-    def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None):
-        scene = scene if law is None else with_law(scene, law)
+    def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
+                 geometry=None, body=None):
+        scene = with_parts(scene, law, geometry, body)
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
         self.law = laws.of(scene) if law is None else law
         if gap is None:
-            gap = self.ranges[0] * initial_gap(self.scene.geometry, self.grid.coordinates(),
-                                               self.grid.periods, amplitude=scene.amplitude,
-                                               heights=heights, roughness=scene.roughness,
-                                               offset=scene.gap_offset)
+            gap = self.ranges[0] * self._initial_gap(heights)
         self.initial_gap = np.array(gap, dtype=float, order="C")
-        self.body = Body(scene.poisson, scene.height, scene.work_ratio)
+        self.body = bodies.of(scene)
         self._operators = {}
         self.circle = lru_cache(maxsize=12)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
@@ -85,6 +84,15 @@ class Contact:
 
     def __delattr__(self, name):
         raise AttributeError(f"a contact is immutable, its {name} cannot be deleted")
+
+    def _initial_gap(self, heights):
+        """The initial gap over the cell, u_n,r."""
+        if heights is not None:
+            return gap_of_heights(np.asarray(heights)) + self.scene.gap_offset
+        shape, nodes = shapes.of(self.scene), self.grid.coordinates()
+        gap = initial_gap(shape, nodes, self.scene)
+        check_own(shape, gap, nodes, self.scene)
+        return gap
 
     @property
     def widest(self):
@@ -242,5 +250,6 @@ def _of_heights(scene, heights):
     if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
         raise InputError(
             "the heights have to be real and finite numbers: fill the missing ones first")
-    return scene if scene.geometry == "file" else replace(scene, geometry="file",
-                                                          geometry_file="heights given as an array")
+    if shapes.of(scene).gridded:
+        return scene
+    return replace(scene, geometry="file", geometry_file="heights given as an array")

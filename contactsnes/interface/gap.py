@@ -1,112 +1,103 @@
-"""Initial gap of a shape on the grid, in units of u_n,r = beta^2/R; lengths in beta.
-
-A new shape is one function and one row of `SHAPES`.
-"""
-
-import warnings
-from pathlib import Path
+"""Initial gap of a shape on nodes, in units of u_n,r = beta^2/R; lengths in beta."""
 
 import numpy as np
 
-from ..options.fields import LARGEST
-from ..system.devices import failure
-from .roughness import surface
-
-JUMP = 4.0
-"""Step at the seam of a cell over those between neighbours from which on heights are told to be not
-periodic."""
+from ..options.fields import LARGEST, InputError, as_text
 
 
-def _cylinder(coordinates, **_):
-    """x^2/2: along y on a two-dimensional interface."""
-    return coordinates[0] ** 2 / 2
-
-
-def _sphere(coordinates, **_):
-    """r^2/2."""
-    return sum(x**2 for x in coordinates) / 2
-
-
-def _sinusoid(coordinates, *, period, amplitude, **_):
-    """Sum over the directions of A (1 - cos 2 pi x/L), by default of curvature 1."""
-    return sum((amplitude if amplitude is not None else (length / (2 * np.pi)) ** 2)
-               * 2 * np.sin(np.pi * x / length) ** 2 for x, length in zip(coordinates, period))
-
-
-def _flat(coordinates, **_):
-    """0."""
-    return np.zeros(1)
-
-
-def _file(coordinates, *, heights, **_):
-    """max(h) - h: the highest point is the nearest to the flat."""
-    return np.max(heights) - heights
-
-
-def _rough(coordinates, *, period, roughness, **_):
-    """|x|^2/2 - h, a self-affine h (`roughness.surface`), less its smallest value between nodes,
-    too: the same on every grid."""
-    found, lowest = surface(tuple(map(float, period)), *roughness)
-    return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
-
-
-SHAPES = {
-    "cylinder": _cylinder,
-    "sphere": _sphere,
-    "sinusoid": _sinusoid,
-    "flat": _flat,
-    "file": _file,
-    "rough": _rough,
-}
-
-
-def initial_gap(name, coordinates, period, *, amplitude=None, heights=None, roughness=None,
-                offset=0.0):
-    """Initial gap g_0 of a named shape, in units of u_n,r = beta^2/R.
+def evaluated(shape, coordinates, scene):
+    """The gap that a shape has on nodes, u_n,r.
 
     Parameters
     ----------
-    name : str
-        A row of `SHAPES`: ``cylinder`` (x^2/2, along y), ``sphere`` (r^2/2), ``sinusoid``
-        (A (1 - cos 2 pi x/L), summed over the directions), ``flat`` (0), ``file`` (`heights`),
-        ``rough`` (a parabola with `roughness`).
-    coordinates : tuple of ndarray
-        One array a direction in units of beta, broadcastable; the apex is at the origin.
-    period : float or sequence of float
-        Length of the cell, units of beta, one number or one a direction.
-    amplitude : float, optional
-        A of the sinusoid, units of u_n,r; by default (L/2 pi)^2 in each direction, of curvature 1.
-    heights : ndarray, optional
-        Heights of a ``file`` on the grid (`read_heights`); shifted so that the smallest gap is 0.
-    roughness : tuple, optional
-        Hurst exponent, rms slope, longest and shortest wave and seed of a ``rough`` shape
-        (`roughness.surface`).
-    offset : float
-        Constant added to the gap, units of u_n,r.
+    shape : Shape
+    coordinates : tuple of ndarray, one a direction, beta, to broadcast; the apex is at the origin
+    scene : Scene, for its cell and its units
 
     Returns
     -------
-    ndarray
-        The gap on every node of the grid, a new array.
+    ndarray over the nodes, perhaps read-only
 
     Raises
     ------
-    ValueError
-        If the name is no row of `SHAPES`, or a ``file`` comes without heights, a ``rough`` shape
-        without roughness.
+    InputError : where the shape raises an exception, or what it has is no gap: of another shape,
+        not real, not finite or too large
     """
-    if name not in SHAPES:
-        raise ValueError(f"-scene_geometry {name} is not a shape: use one of {', '.join(SHAPES)}.")
-    if name == "file" and heights is None:
-        raise ValueError(
-            "-scene_geometry file needs heights: name their file with -scene_geometry_file.")
-    if name == "rough" and roughness is None:
-        raise ValueError("-scene_geometry rough needs its roughness: give "
-                         "-scene_rough_slope and -scene_rough_shortest.")
-    period = np.broadcast_to(period, (len(coordinates),))
-    gap = SHAPES[name](coordinates, period=period, amplitude=amplitude, heights=heights,
-                       roughness=roughness)
-    return np.broadcast_to(gap, np.broadcast_shapes(*(x.shape for x in coordinates))) + offset
+    nodes = np.broadcast_shapes(*(x.shape for x in coordinates))
+    named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
+    try:
+        with np.errstate(all="ignore"):
+            gap = np.asarray(shape.gap(coordinates, scene))
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(f"{named}: the gap cannot be evaluated ({type(error).__name__}: {error}); "
+                         f"it is asked on {as_text(nodes)} nodes, with one array a direction"
+                         ) from error
+    gap = _on_nodes(named, gap, nodes)
+    _refuse_beyond(named, gap, coordinates, scene)
+    return gap
+
+
+def _on_nodes(named, gap, nodes):
+    """A gap as real numbers on all nodes; InputError where it is none."""
+    if gap.dtype.kind not in "fiu":
+        raise InputError(f"{named}: the gap is of {gap.dtype} instead of real numbers")
+    try:
+        return np.broadcast_to(gap, nodes).astype(float, copy=False)
+    except ValueError:
+        raise InputError(f"{named}: the gap has the shape {gap.shape}, the nodes have {nodes}: "
+                         "give one value for each node") from None
+
+
+def _refuse_beyond(named, gap, coordinates, scene):
+    """InputError for a gap that is not finite, or too large to compute with, somewhere."""
+    if np.max(np.abs(gap)) <= LARGEST:
+        return
+    place = np.unravel_index(np.argmax(~(np.abs(gap) <= LARGEST)), gap.shape)
+    raise InputError(f"{named}: the gap is {gap[place]:g} at {where(place, coordinates, scene)}; "
+                     f"it has to be finite everywhere, and at most {LARGEST:g} in size")
+
+
+def where(place, coordinates, scene):
+    """A node in words: its coordinates, in what the scene is told in."""
+    nodes = np.broadcast_shapes(*(x.shape for x in coordinates))
+    return ", ".join(f"{axis} = {scene.words(float(np.broadcast_to(x, nodes)[place]), 'beta')}"
+                     for axis, x in zip("xy", coordinates))
+
+
+def initial_gap(shape, coordinates, scene):
+    """Initial gap of a scene, the shape's and the scene's offset, on nodes.
+
+    Parameters
+    ----------
+    shape : Shape
+    coordinates : tuple of ndarray, one a direction, beta, to broadcast; the apex is at the origin
+    scene : Scene
+
+    Returns
+    -------
+    ndarray over the nodes, u_n,r, a new array
+    """
+    return evaluated(shape, coordinates, scene) + scene.gap_offset
+
+
+def gap_of_heights(heights):
+    """max(h) - h of heights (array): the highest point is the nearest to the flat."""
+    return np.max(heights) - heights
+
+
+def refuse_contact_at_edge(shape, contact):
+    """InputError for a body that is to stay apart from its neighbours and is in contact at the edge
+    of its cell, where they meet."""
+    scene, gap = contact.scene, contact.initial_gap
+    smallest = min((np.take(gap, 0, axis).min() for axis in range(gap.ndim)
+                    if axis not in shape.uniform), default=np.inf)
+    # a period that is just allowed is so to rounding
+    if shape.apart and smallest < scene.contact_threshold * (1.0 - 1e-12):
+        raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': the "
+                         f"{scene.geometry} body would be in contact up to the edge "
+                         f"of the cell; {shape.too_near()}")
 
 
 def is_convex(gap):
@@ -133,106 +124,3 @@ def is_convex(gap):
                                                                        for bend in bends))
 
 
-def read_heights(specification, shape=None):
-    """Read heights on the grid from a file, in units of u_n,r, the highest nearest to the flat.
-
-    Parameters
-    ----------
-    specification : str
-        ``FILE.npy``, ``FILE.txt`` (numbers separated by blanks) or ``FILE.h5:dataset``.
-    shape : tuple of int, optional
-        Points of the grid in each direction; by default those of the file.
-
-    Returns
-    -------
-    ndarray
-        Heights, as they stand in the file.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If the suffix is unknown, the file or its dataset cannot be read, or the
-        heights are not real and finite numbers of the grid's shape.
-    """
-    option = f"-scene_geometry_file {specification}"
-    filename, suffix, dataset = _split(str(specification))
-    if suffix not in _READERS:
-        raise ValueError(
-            f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
-    if not Path(filename).is_file():
-        raise FileNotFoundError(
-            f"{option}: there is no file {filename}; check the name and the directory.")
-    read = _READERS[suffix]
-    why = failure(lambda: read(filename, dataset)) if suffix == ".h5" else ""
-    try:
-        if why:
-            raise ValueError(why)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of files without a number
-            heights = np.asarray(read(filename, dataset))
-    except Exception as error:  # a damaged file: whatever it makes of itself
-        raise ValueError(f"{option}: cannot be read ({error}).") from None
-    if heights.dtype.kind not in "fiu":
-        raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
-    if shape is not None and heights.shape != tuple(shape):
-        raise ValueError(f"{option}: the heights have shape {heights.shape}, the "
-                         f"grid has {tuple(shape)}; set -scene_points and "
-                         "-scene_dimension to those of the file.")
-    if heights.size == 0 or heights.ndim not in (1, 2):
-        raise ValueError(f"{option}: holds an array of shape {heights.shape} "
-                         "instead of heights on a line or a plane.")
-    if not np.all(np.isfinite(heights)):
-        raise ValueError(
-            f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
-    heights = heights.astype(float)
-    if not np.abs(heights).max() <= LARGEST:
-        raise ValueError(f"{option}: a height of {np.abs(heights).max():.3g} is "
-                         "too large to compute with; allowed are sizes up "
-                         f"to {LARGEST:g}.")
-    return heights
-
-
-def seams(heights):
-    """Where heights jump at the seam of their cell: direction, step at the seam and typical step
-    between neighbours, a list.
-
-    Steps are root mean squares: of all neighbours for the typical one, and of those across the
-    seam. A jump is a seam that steps `JUMP` times as far as neighbours do, those next to it, too,
-    which are steep where a steep place of the surface lies at the seam.
-    """
-    found = []
-    for axis in range(heights.ndim):
-        steps = np.moveaxis(np.diff(heights, axis=axis), axis, 0)
-        seam = np.take(heights, 0, axis) - np.take(heights, -1, axis)
-        size, typical, beside = (float(np.sqrt(np.mean(part ** 2)))
-                                 for part in (seam, steps, np.array([*steps[:2], *steps[-2:]])))
-        if size > JUMP * max(typical, beside) and size > 1e-9 * np.ptp(heights):
-            found.append((axis, size, typical))
-    return found
-
-
-def _split(specification):
-    """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
-    stem, separator, dataset = specification.partition(".h5:")
-    filename = stem + ".h5" if separator else specification
-    return filename, Path(filename).suffix, dataset
-
-
-def _read_dataset(filename, dataset):
-    """A dataset of an HDF5 file."""
-    import h5py  # needed for this kind of file only
-
-    with h5py.File(filename, "r") as file:
-        if not isinstance(file.get(dataset or "/"), h5py.Dataset):
-            raise KeyError(f"there is no dataset '{dataset}'; write FILE.h5:dataset, "
-                           f"at the top level there are: {', '.join(file) or 'none'}")
-        return file[dataset][()]
-
-
-_READERS = {
-    ".npy": lambda filename, _: np.load(filename, allow_pickle=False),
-    ".txt": lambda filename, _: np.loadtxt(filename, encoding="utf-8-sig"),
-    ".h5": _read_dataset,
-}

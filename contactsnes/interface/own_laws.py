@@ -1,56 +1,15 @@
-"""Laws in files of one's own: `FILE.py:NAME` is loaded, and its tangent is compared with
-differences of its tractions."""
+"""Laws of one's own: their tangent is compared with differences of their tractions."""
 
-import hashlib
-import importlib.util
 import itertools
-from pathlib import Path
 
 import numpy as np
 
-from ..options.fields import InputError, nearest
-from .laws.law import Law
+from ..options.fields import InputError
 
 STEP = 1e-5
 """Step of the differences, ranges of the law."""
 ALIKE = 1e-4
 """Difference of tangents, over the largest entry at the place, up to which they are alike."""
-
-
-def is_own(name):
-    """Whether a law's name is that of a class in a file."""
-    return ".py:" in name
-
-
-def load(name):
-    """The class that `FILE.py:NAME` names, with Python's usual trust in the file; InputError where
-    there is none."""
-    file, _, title = name.rpartition(":")
-    path = Path(file)
-    if not path.is_file():
-        raise InputError(f"-scene_law is '{name}': there is no file '{file}' "
-                         "in the working folder, or from it; check its name")
-    spec = importlib.util.spec_from_file_location(f"contactsnes_own_law_{path.stem}", path)
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except InputError:
-        raise
-    except Exception as error:
-        raise InputError(f"-scene_law is '{name}': the file '{file}' does "
-                         f"not run ({type(error).__name__}: {error}); mend it") from error
-    found = {key: value for key, value in vars(module).items() if isinstance(value, type)
-             and issubclass(value, Law) and value is not Law}
-    if title not in found:
-        own = [key for key, value in found.items() if value.__module__ == module.__name__]
-        known = (f"its laws are {', '.join(own)}" if own else "it has no subclass of "
-                 "contactsnes.interface.laws.Law")
-        guess = nearest(title, own)
-        raise InputError(f"-scene_law is '{name}': '{file}' has no law '{title}': {known}"
-                         + (f"; try {file}:{guess}" if guess else ""))
-    # What was computed with a law is of that law, not of what its file says later.
-    found[title].source_sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
-    return found[title]
 
 
 def check(law, name):

@@ -15,7 +15,7 @@ from scipy.fft import next_fast_len
 from scipy.ndimage import minimum_filter
 
 from ..grid.cell import Grid, Transform
-from ..options.fields import InputError, as_text
+from ..options.fields import InputError
 
 FINE = {1: 8, 2: 4}
 """Nodes within the shortest wave of the grid on which the lowest point of a gap is looked for, by
@@ -131,15 +131,3 @@ def _numbers(periods, shortest):
     x, y = (numbers[(x > 0) | (y > 0)] for numbers in (x, y))
     order = np.lexsort((y, x, np.maximum(x, abs(y))))
     return np.array([x[order], y[order]])
-
-
-def check_edge(contact):
-    """InputError for a rough body that is in contact at the edge of its cell, where its neighbours
-    meet it."""
-    scene, gap = contact.scene, contact.initial_gap
-    smallest = min(np.take(gap, 0, axis).min() for axis in range(gap.ndim))
-    if scene.geometry == "rough" and smallest < scene.contact_threshold:
-        raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': the "
-                         "rough body would be in contact up to the edge "
-                         "of the cell; take a longer period, or a "
-                         "smaller -scene_rough_slope")

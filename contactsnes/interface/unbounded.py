@@ -25,7 +25,8 @@ from scipy.interpolate import make_interp_spline
 from scipy.special import itj0y0, j0, j1, jv, sici, struve
 
 from ..grid.cell import Grid, Operator, Transform
-from .elasticity import Body, Surface, layer_compliance
+from .bodies.layer import Layer
+from .elasticity import Surface, layer_compliance
 
 THICK = 40.0
 """qH beyond which layer and half-space agree to rounding."""
@@ -44,10 +45,20 @@ def free_space(body, grid, components):
 
     Parameters
     ----------
-    body : Body
+    body : Body with a ``far_field``
     grid : Grid of lags, even numbers of points
     components : 1 (normal), or one more than there are directions
     """
+    symbols = _of_layer(body.far_field(), grid, components)
+    for i in range(components):
+        # what is left for the shortest waves is a spring at each place
+        if body.local_compliance[min(i, 1)]:
+            symbols[i, i] = symbols[i, i] + body.local_compliance[min(i, 1)]
+    return symbols
+
+
+def _of_layer(body, grid, components):
+    """Symbols of an unbounded layer or half-space."""
     if min(grid.periods) / 2 >= FORGOTTEN * body.height:
         symbols = body.compliance(grid.wavevectors(), components)
         for i in range(components):
@@ -135,12 +146,12 @@ def _integral_of_j0(x):
     return result
 
 
-class _CutHalfspace(Body):
+class _CutHalfspace(Layer):
     """A half-space whose surface does not deform beyond a distance from its load."""
 
     def __init__(self, body, distance):
-        super().__init__(body.poisson, math.inf, body.work_ratio)
-        object.__setattr__(self, "distance", distance)
+        super().__init__(body.poisson, math.inf)
+        self.distance, self.work_ratio = distance, body.work_ratio
 
     def surface(self, wavenumber):
         """Transforms of 1/(pi r), -cos 2 theta/(pi r) and beta_D cos theta/(pi r), cut off, with

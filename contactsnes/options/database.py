@@ -36,6 +36,23 @@ def known_options(classes=()):
 def split_arguments(arguments):
     """Files and options of a command line, two lists, each in its order.
 
+    Flags of laws and shapes in files of one's own, which take no value, are known before that,
+    wherever these are named.
+    """
+    try:
+        found = _joined(*_split(arguments))
+        given = {name[1:].lower(): value for name, value in zip(found, found[1:])
+                 if is_option(name) and not is_option(value)}
+        for cls in COMMON:
+            cls.prepare(lambda: given)
+    except InputError:
+        pass  # it is told where the same is read in earnest
+    return _split(arguments)
+
+
+def _split(arguments):
+    """Files and options of a command line, two lists, each in its order.
+
     An argument after an option is its value, unless it is itself an option, or ends in .opts, or
     follows a flag of ours without being true or false.
     """
@@ -61,6 +78,12 @@ def split_arguments(arguments):
     return files, options
 
 
+def _joined(files, options):
+    """The argument vector of files and options, those of the files first."""
+    return ["contactsnes", *(argument for path in files for argument in read_file(path)),
+            *with_files(options)]
+
+
 def petsc_arguments(arguments):
     """The argument vector for `petsc4py.init`: the files' options from left to right, then those of
     the command line.
@@ -68,9 +91,7 @@ def petsc_arguments(arguments):
     PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
     cannot hold.
     """
-    files, options = split_arguments(arguments)
-    found = ["contactsnes", *(argument for path in files for argument in read_file(path)),
-             *with_files(options)]
+    found = _joined(*split_arguments(arguments))
     depth = 0
     for name, value in zip(found, found[1:]):
         depth += (value.lower() == "-prefix_push") - (value.lower() == "-prefix_pop")

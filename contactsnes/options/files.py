@@ -11,6 +11,9 @@ LINE = re.compile(
     r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*"""
 )
 
+CODE = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)")
+"""A name in a file of Python."""
+
 
 def is_option(argument):
     """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5
@@ -67,7 +70,7 @@ def read_file(path, above=()):
         raise InputError(f"the options file '{path}' includes itself by "
                          f"-options_file ({' -> '.join(map(str, (*above, path)))}): take "
                          "out one of these lines")
-    arguments = [argument for number, line in enumerate(text.splitlines(), start=1)
+    arguments = [_beside(argument, path) for number, line in enumerate(text.splitlines(), start=1)
                  for argument in _read_line(line, f"{path}, line {number}")]
     if arguments.count("-prefix_push") != arguments.count("-prefix_pop"):
         raise InputError(f"the options file '{path}' has unequal numbers of "
@@ -88,6 +91,15 @@ def _text(path):
                   else "give a file of lines '-option value'")
         raise InputError(f"the options file '{path}' cannot be read ({reason}): {advice}") from None
     return text
+
+
+def _beside(argument, path):
+    """An argument; FILE.py:NAME with the path from the working folder, where FILE.py lies beside
+    the file of options that names it."""
+    match = CODE.fullmatch(argument)
+    if not match or not (file := Path(path).parent / match["file"]).is_file():
+        return argument
+    return f"{file}:{match['name']}"
 
 
 def refuse_circles(text):

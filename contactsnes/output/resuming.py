@@ -94,7 +94,8 @@ def differences(scene, options, others, other_options, done):
     """
     before, now = entries(options), entries(other_options)
     names = [name for name in {**others, **scene} if name not in SOURCES]
-    pairs = [(name, scene.get(name, "not given"), others.get(name, "not given")) for name in names]
+    pairs = [(name, *(_without_folder(values.get(name, "not given")) for values in (scene, others)))
+             for name in names]
     found = [(name, *(np.asarray(value).tolist() for value in (old, new)))
              for name, old, new in pairs if not _agree(old, new)]
     texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
@@ -103,6 +104,13 @@ def differences(scene, options, others, other_options, done):
                        for entry in (before, now))
         texts.append((f"leg {number + 1} of load_path, which is done,", there, here))
     return found + [text for text in texts if _meaning(text[1]) != _meaning(text[2])]
+
+
+def _without_folder(value):
+    """A value; of FILE.py:NAME the NAME, since the checksum of the file decides."""
+    if isinstance(value, str) and ".py:" in value:
+        return value.rpartition(":")[2]
+    return value
 
 
 def _agree(old, new):

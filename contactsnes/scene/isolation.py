@@ -2,6 +2,7 @@
 
 import math
 
+from ..interface import bodies, shapes
 from ..options.fields import InputError, as_text
 from .load import names
 
@@ -23,10 +24,14 @@ def check_scene(scene):
         raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': "
                          "allowed are finite numbers, or inf for every "
                          "direction; an isolated cylinder has -scene_dimension 1")
-    if scene.geometry != {1: "cylinder", 2: "sphere"}[scene.dimension]:
+    if scene.dimension not in shapes.of(scene).parabola:
         raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period "
-                         "inf allowed are cylinder (-scene_dimension 1) and "
-                         "sphere (-scene_dimension 2)")
+                         "inf allowed are cylinder (-scene_dimension 1), "
+                         "sphere (-scene_dimension 2), and shapes of one's own that "
+                         "declare a parabola below them for that dimension")
+    if bodies.of(scene).far_field() is None:
+        raise InputError(f"-scene_body is '{scene.body}': its kernel on an unbounded flat is not "
+                         "known (far_field); take a finite -scene_period")
     if scene.points not in (None, "auto"):
         raise InputError(f"-scene_points is '{as_text(scene.points)}': the grid of "
                          "an isolated contact (-scene_period inf) follows from "
@@ -35,12 +40,6 @@ def check_scene(scene):
     if scene.points and scene.spacing:
         raise InputError(f"-scene_spacing is '{as_text(scene.as_typed('spacing'))}', but "
                          "-scene_points auto chooses it: give one of them")
-
-
-def strains(scene):
-    """Whether a layer of Poisson ratio 1/2 moves the interface sideways: strains are force/H, in a
-    plane force x length/H^2."""
-    return scene.height < {1: math.inf, 2: 1000.0}[scene.dimension]
 
 
 def slides(scene, load):
@@ -55,7 +54,7 @@ def slides(scene, load):
         return False
     force = largest_force(scene, load)
     slip = (1.087 / (2 * math.pi) * force * (0.75 * force) ** (1 / 3)
-            / (scene.height ** 2 * math.sqrt(scene.work_ratio)))
+            / (bodies.of(scene).far_field().height ** 2 * math.sqrt(scene.work_ratio)))
     return scene.tangential_maugis * slip > LEFT_OUT
 
 

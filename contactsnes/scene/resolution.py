@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from ..interface import laws
+from ..interface import bodies, laws, shapes
 from ..interface.laws.coupled import SOFTENING
 from ..options.fields import as_text
 
@@ -32,23 +32,39 @@ def resolution(scene, sheared, steepest=None):
     of a state in place of the law's where nothing overlaps.
     """
     if steepest is None:
-        law = laws.of(scene)
-        steepest = law.softening * scene.normal_maugis ** 2
-        if sheared:
-            tangential = sharpness(scene) ** 2
-            steepest = max(steepest, tangential * law.slip_softening,
-                           law.coupled_softening(scene.normal_maugis, math.sqrt(tangential)))
+        steepest = _softening(scene, sheared)
+    else:
+        steepest = _in_series(steepest, max(bodies.of(scene).local_compliance))
     steepest /= SOFTENING
-    uniform = {"cylinder": (False, True), "flat": (True, True)}.get(scene.geometry, (False, False))
-    return tuple(0.0 if same else spacing * steepest / LARGEST_RESOLUTION
-                 for spacing, same in zip(scene.spacings, uniform))
+    uniform = shapes.of(scene).uniform
+    return tuple(0.0 if axis in uniform else spacing * steepest / LARGEST_RESOLUTION
+                 for axis, spacing in enumerate(scene.spacings))
+
+
+def _softening(scene, sheared):
+    """Steepest softening of the law that the body meets behind what deforms at each place for
+    itself, E*/beta."""
+    law, (normal, tangential) = laws.of(scene), bodies.of(scene).local_compliance
+    found = [_in_series(law.softening * scene.normal_maugis ** 2, normal)]
+    if sheared:
+        squared = sharpness(scene) ** 2
+        found += [_in_series(squared * law.slip_softening, tangential),
+                  _in_series(law.coupled_softening(scene.normal_maugis, math.sqrt(squared)),
+                             max(normal, tangential))]
+    return max(found)
+
+
+def _in_series(softening, compliance):
+    """Softening of a law behind a spring at each place; inf where these snap by themselves."""
+    left = 1.0 - compliance * softening
+    return softening / left if left > 0.0 else math.inf
 
 
 def sharpness(scene):
     """The tangential Maugis parameter, larger in two dimensions, where waves transverse to the slip
     are softer by 1 - nu."""
     return scene.tangential_maugis * (1.0 if scene.dimension == 1
-                                      else math.sqrt(1.0 / (1.0 - scene.poisson)))
+                                      else math.sqrt(1.0 / bodies.of(scene).transverse_stiffness))
 
 
 def default_spacing(scene):

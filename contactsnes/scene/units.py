@@ -17,7 +17,8 @@ from .load import Control, names, quantities
 
 UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m",
          "w_t,r": "N/m", "R phi_n": "N", "R sqrt(phi_n phi_t)": "N", "w_n,r u_n,r": "J/m",
-         "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa"}
+         "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa",
+         "beta/E*": "m/Pa"}
 """Unit of a dimensionless quantity -> its unit in SI."""
 
 SCALES = ("work_of_adhesion_normal", "work_of_adhesion_tangential", "contact_modulus", "radius")
@@ -86,6 +87,7 @@ class Units(Options):
         """
         if values.get("units") != "si":
             return cls(**values)
+        cls.prepare(lambda: {cls.prefix + name: value for name, value in values.items()})
         values = {name: checked(cls.option_name(name), value, cls.rule(name))
                   for name, value in values.items() if value is not None}
         for group, source in DERIVED.items():
@@ -190,7 +192,8 @@ def sizes(values, normal_maugis, tangential_maugis):
             * length, "w_n,r u_n,r": modulus * normal ** 2,
             "R phi_n u_n,r": modulus * normal ** 2 * length,
             "p_n,r": normal_maugis * modulus * normal / length,
-            "p_t,r": tangential_maugis * modulus * tangential / length}
+            "p_t,r": tangential_maugis * modulus * tangential / length,
+            "beta/E*": length / modulus}
 
 
 def _divided(value, factor):

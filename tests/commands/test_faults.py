@@ -16,10 +16,10 @@ import h5py
 import numpy as np
 import pytest
 
-from contactsnes.branch import grid_choice
+from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
 from contactsnes.commands import cli, session
-from contactsnes.interface import gap as geometry
+from contactsnes.interface import heights as geometry
 from contactsnes.options import database as options
 from contactsnes.options import files
 from contactsnes.options.fields import InputError
@@ -396,25 +396,25 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
 
 
 def test_what_is_said_to_fit_does(monkeypatch):
-    monkeypatch.setattr(grid_choice, "memory", lambda: 3e8)
+    monkeypatch.setattr(too_large, "memory", lambda: 3e8)
     load, form = Load(path="normal_displacement=1"), Form()
     for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
         with pytest.raises(InputError, match="would fit") as refusal:
-            grid_choice.refuse_too_large(scene, load, form)
+            too_large.refuse_too_large(scene, load, form)
         points = int(str(refusal.value).split("; ")[1].split()[0].split(",")[0])
-        grid_choice.refuse_too_large(replace(scene, points=points), load, form)
+        too_large.refuse_too_large(replace(scene, points=points), load, form)
         assert 100 * points ** scene.dimension > 3e7
-    monkeypatch.setattr(grid_choice, "memory", lambda: 1e15)
-    grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form())
+    monkeypatch.setattr(too_large, "memory", lambda: 1e15)
+    too_large.refuse_too_large(Scene(points=2 ** 31), load, Form())
     with pytest.raises(InputError, match="PETSc counts 2147483647"):
-        grid_choice.refuse_too_large(Scene(points=2 ** 31), load, Form(form="force"))
+        too_large.refuse_too_large(Scene(points=2 ** 31), load, Form(form="force"))
 
 
 def test_memory_is_what_limits_leave(monkeypatch):
-    assert 0 < grid_choice.memory() <= 0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf(
+    assert 0 < memory.memory() <= 0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf(
         "SC_PHYS_PAGES")
-    monkeypatch.setattr(grid_choice, "_group_limits", lambda: [5e8])
-    assert grid_choice.memory() == 4e8
+    monkeypatch.setattr(memory, "_group_limits", lambda: [5e8])
+    assert memory.memory() == 4e8
 
 
 def test_numbers_beyond_computing_are_refused_with_the_option():

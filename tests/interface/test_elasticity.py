@@ -9,8 +9,8 @@ import pytest
 from numpy.polynomial import chebyshev
 from scipy.integrate import quad
 
+from contactsnes.interface.bodies.layer import Layer
 from contactsnes.interface.elasticity import (
-    Body,
     layer_compliance,
     layer_stiffness,
     rigid_stiffness,
@@ -20,7 +20,7 @@ POISSON = (0.0, 0.25, 0.3, 0.45, 0.49, 0.5)
 
 
 def wave_numbers(shape, period):
-    """Arguments of Body.compliance for a grid."""
+    """Arguments of Layer.compliance for a grid."""
     full = [2 * np.pi * np.fft.fftfreq(n, length / n) for n, length in zip(shape, period)]
     half = 2 * np.pi * np.fft.rfftfreq(shape[-1], period[-1] / shape[-1])
     return (half,) if len(shape) == 1 else (full[0][:, None], half[None, :])
@@ -101,7 +101,7 @@ def exact(k, poisson, name):
 def test_layer_solves_navier(poisson, thickness):
     angle, q = 2.2, thickness / 1.7
     qx, qy = q * np.cos(angle), q * np.sin(angle)
-    body = Body(poisson, 1.7)
+    body = Layer(poisson, 1.7)
     # three rows, so that qx is not Nyquist's
     waves = (np.array([[0.0], [qx], [0.0]]), np.array([[0.0, qy]]))
     for prescribed, blocks in (("displacement", body.stiffness(waves, 3, last_even=False)),
@@ -115,7 +115,7 @@ def test_layer_solves_navier(poisson, thickness):
 @pytest.mark.parametrize("thickness", (0.2, 1.0, 4.0))
 def test_plane_strain_solves_navier(poisson, thickness):
     waves = (np.array([0.0, thickness]),)
-    body = Body(poisson, 1.0)
+    body = Layer(poisson, 1.0)
     for prescribed, blocks in (("displacement", body.stiffness(waves, 2, last_even=False)),
                                ("force", body.compliance(waves, 2, last_even=False))):
         expected = layer_by_collocation(thickness, 0.0, poisson, 1.0, prescribed)[:2, :2]
@@ -182,7 +182,7 @@ def test_long_waves_feel_the_rigid_stiffness(poisson):
     assert stiffness.normal == pytest.approx(normal, rel=1e-8)
     assert stiffness.longitudinal == pytest.approx(tangential, rel=1e-8)
     assert stiffness.transverse == pytest.approx(tangential, rel=1e-8)
-    assert Body(poisson, 3.0).rigid_compliance == pytest.approx((1 / normal, 1 / tangential),
+    assert Layer(poisson, 3.0).rigid_compliance == pytest.approx((1 / normal, 1 / tangential),
                                                                 rel=1e-15)
 
 
@@ -197,9 +197,9 @@ def test_long_waves_of_the_incompressible_layer():
 
 def test_rigid_compliance_vanishes_where_the_mean_follows_the_top():
     assert rigid_stiffness(0.5, 4.0) == (math.inf, 0.0625)
-    assert Body(0.5, 4.0).rigid_compliance == (0.0, 16.0)
+    assert Layer(0.5, 4.0).rigid_compliance == (0.0, 16.0)
     assert rigid_stiffness(0.3, math.inf) == (math.inf, math.inf)
-    assert Body(0.3, math.inf).rigid_compliance == (0.0, 0.0)
+    assert Layer(0.3, math.inf).rigid_compliance == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("shape, components", (((8,), 1), ((8,), 2), ((9,), 2), ((8, 6), 1),
@@ -210,7 +210,7 @@ def test_rigid_compliance_vanishes_where_the_mean_follows_the_top():
                                                          (1.0, 0.2, 2000.0)))
 def test_stiffness_inverts_compliance_at_every_wave(shape, components, work_ratio, poisson, height):
     waves = wave_numbers(shape, (5.0, 7.0)[:len(shape)])
-    body, even = Body(poisson, height, work_ratio), shape[-1] % 2 == 0
+    body, even = Layer(poisson, height).with_work_ratio(work_ratio), shape[-1] % 2 == 0
     compliance = matrices(body.compliance(waves, components, last_even=even), components)
     stiffness = matrices(body.stiffness(waves, components, last_even=even), components)
     product = (stiffness @ compliance).reshape(-1, components, components)
@@ -225,17 +225,17 @@ def test_stiffness_inverts_compliance_at_every_wave(shape, components, work_rati
 
 def test_frictionless_stiffness_lets_the_tangential_displacement_free():
     q = np.array([0.0, 0.7, 1.4, 2.1])
-    full = Body(0.2, 1.0).stiffness((q,), 2, last_even=False)
+    full = Layer(0.2, 1.0).stiffness((q,), 2, last_even=False)
     free = (full[0, 0] * full[1, 1] - full[0, 1] * full[1, 0])[1:].real / full[1, 1][1:]
-    np.testing.assert_allclose(Body(0.2, 1.0).stiffness((q,), 1)[0, 0][1:], free, rtol=1e-13)
+    np.testing.assert_allclose(Layer(0.2, 1.0).stiffness((q,), 1)[0, 0][1:], free, rtol=1e-13)
 
 
 @pytest.mark.parametrize("method", ("compliance", "stiffness"))
 def test_work_ratio_is_a_change_of_tangential_units(method):
     waves = wave_numbers((8, 6), (5.0, 7.0))
     unit = np.diag([1.0, np.sqrt(2.5), np.sqrt(2.5)])  # u_t,r and w_t,r over u_n,r and w_n,r
-    one = matrices(getattr(Body(0.3, 2.0), method)(waves, 3), 3)
-    other = matrices(getattr(Body(0.3, 2.0, 2.5), method)(waves, 3), 3)
+    one = matrices(getattr(Layer(0.3, 2.0), method)(waves, 3), 3)
+    other = matrices(getattr(Layer(0.3, 2.0).with_work_ratio(2.5), method)(waves, 3), 3)
     np.testing.assert_allclose(other, np.linalg.inv(unit) @ one @ unit, rtol=1e-13, atol=1e-15)
 
 
@@ -243,7 +243,7 @@ def test_work_ratio_is_a_change_of_tangential_units(method):
 @pytest.mark.parametrize("points", (8, 9))
 def test_kernels_of_the_line(method, points):
     waves = wave_numbers((points,), (5.0,))
-    blocks = getattr(Body(0.3, 1.5), method)(waves, 2, last_even=points % 2 == 0)
+    blocks = getattr(Layer(0.3, 1.5), method)(waves, 2, last_even=points % 2 == 0)
     kernels = {key: np.fft.irfft(block, points) for key, block in blocks.items()}
     # a real kernel has exactly this spectrum: irfft dropped nothing
     for key, block in blocks.items():
@@ -258,7 +258,7 @@ def test_kernels_of_the_line(method, points):
 @pytest.mark.parametrize("method", ("compliance", "stiffness"))
 @pytest.mark.parametrize("shape", ((8, 6), (7, 6), (8, 5), (7, 5), (1, 6), (6, 1)))
 def test_kernels_of_the_plane(method, shape):
-    blocks = getattr(Body(0.3, 1.5), method)(wave_numbers(shape, (5.0, 4.0)), 3,
+    blocks = getattr(Layer(0.3, 1.5), method)(wave_numbers(shape, (5.0, 4.0)), 3,
                                              last_even=shape[1] % 2 == 0)
     kernels = {key: np.fft.irfft2(block, shape) for key, block in blocks.items()}
     mirror_x, mirror_y = (-np.arange(n) % n for n in shape)
@@ -276,7 +276,7 @@ def test_kernels_of_the_plane(method, shape):
 def test_plane_is_isotropic():
     waves = wave_numbers((6, 6), (5.0, 5.0))
     kernels = {key: np.fft.irfft2(block, (6, 6))
-               for key, block in Body(0.3, 1.5).compliance(waves, 3).items()}
+               for key, block in Layer(0.3, 1.5).compliance(waves, 3).items()}
     swap = {0: 0, 1: 2, 2: 1}
     for (i, j), kernel in kernels.items():
         np.testing.assert_allclose(kernels[swap[i], swap[j]], kernel.T, atol=1e-14)
@@ -290,7 +290,7 @@ def test_logarithmic_kernel():
         return np.exp(np.sin(2 * np.pi * x / period)) + 0.3 * np.cos(6 * np.pi * x / period)
 
     x = np.arange(points) * period / points
-    blocks = Body(0.5, math.inf).compliance(wave_numbers((points,), (period,)), 2)
+    blocks = Layer(0.5, math.inf).compliance(wave_numbers((points,), (period,)), 2)
     displacement = np.fft.irfft(-blocks[0, 0] * np.fft.rfft(attraction(x)), points)
     np.testing.assert_allclose(blocks[0, 0], blocks[1, 1], rtol=1e-14)
     for i in (0, 11, 40):
@@ -304,7 +304,7 @@ def test_logarithmic_kernel():
 def test_pressure_draws_a_compressible_surface_in():
     """Flamant: a pressure moves the surface of a body with nu < 1/2 towards the loaded point."""
     points, period = 256, 10.0
-    blocks = Body(0.2, math.inf).compliance(wave_numbers((points,), (period,)), 2)
+    blocks = Layer(0.2, math.inf).compliance(wave_numbers((points,), (period,)), 2)
     x = (np.arange(points) - points // 2) * period / points
     pressure = np.exp(-(x / 0.3) ** 2)
     tangential = np.fft.irfft(blocks[1, 0] * np.fft.rfft(pressure), points)
@@ -322,7 +322,7 @@ def test_pressure_draws_a_compressible_surface_in():
                                                       (0.5, 50.0, True), (0.49, math.inf, True),
                                                       (0.3, 2000.0, True), (0.0, 1.0, True)))
 def test_what_vanishes_is_left_out(poisson, height, couples):
-    body = Body(poisson, height)
+    body = Layer(poisson, height)
     line, plane = wave_numbers((16,), (100.0,)), wave_numbers((8, 6), (100.0, 100.0))
     assert body.couples(2 * np.pi / 100) is couples
     for method in (body.compliance, body.stiffness):
@@ -338,10 +338,10 @@ def test_isotropic_half_space_keeps_no_shear_block():
     not, by what couples."""
     waves = wave_numbers((8, 6), (5.0, 5.0))
     for height, keeps in ((math.inf, False), (2.0, True)):
-        assert ((1, 2) in Body(0.0, height).compliance(waves, 3)) is keeps
-        assert (1, 2) in Body(0.0, height).stiffness(waves, 3)
+        assert ((1, 2) in Layer(0.0, height).compliance(waves, 3)) is keeps
+        assert (1, 2) in Layer(0.0, height).stiffness(waves, 3)
 
 
 def test_components_must_fit_the_interface():
     with pytest.raises(ValueError, match="use 1 .* or 3"):
-        Body(0.3, 1.0).compliance(wave_numbers((8, 6), (5.0, 5.0)), 2)
+        Layer(0.3, 1.0).compliance(wave_numbers((8, 6), (5.0, 5.0)), 2)

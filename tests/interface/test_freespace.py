@@ -10,7 +10,8 @@ from scipy.special import j0, j1, jv
 
 from contactsnes.grid.cell import Convolution, Grid, Operator
 from contactsnes.grid.windows import Window
-from contactsnes.interface.elasticity import Body, layer_compliance
+from contactsnes.interface.bodies.layer import Layer
+from contactsnes.interface.elasticity import layer_compliance
 from contactsnes.interface.unbounded import free_space
 
 WIDTH = 0.7
@@ -51,7 +52,7 @@ def line_integral(body, entry, wave, x):
 @pytest.mark.parametrize("height", [math.inf, 500.0, 3.0, 0.3])
 @pytest.mark.parametrize("poisson", [0.5, 0.3])
 def test_line_is_the_integral(height, poisson):
-    body, grid = Body(poisson, height, 2.0), Grid((256,), (256 * 0.25,))
+    body, grid = Layer(poisson, height).with_work_ratio(2.0), Grid((256,), (256 * 0.25,))
     window, normal = deformed(body, grid, (gaussian, nothing))
     _, tangential = deformed(body, grid, (nothing, gaussian))
     x, ratio = window.coordinates()[0], math.sqrt(2.0)
@@ -71,7 +72,7 @@ def test_line_is_the_integral(height, poisson):
 
 @pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, math.inf), (0.3, 4.0)])
 def test_line_is_the_limit_of_large_periods(poisson, height):
-    body, errors = Body(poisson, height), []
+    body, errors = Layer(poisson, height), []
     _, alone = deformed(body, Grid((128,), (32.0,)), (gaussian, gaussian))
     for factor in (8, 16):
         grid = Grid((128 * factor,), (32.0 * factor,))
@@ -98,7 +99,7 @@ def plane_integral(body, combine, order, r):
 @pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, 4.0), (0.3, 0.3),
                                              (0.0, 2000.0)])
 def test_plane_is_the_integral(poisson, height):
-    body, grid = Body(poisson, height, 2.0), Grid((128, 96), (32.0, 21.0))
+    body, grid = Layer(poisson, height).with_work_ratio(2.0), Grid((128, 96), (32.0, 21.0))
     window, normal = deformed(body, grid, (gaussian, nothing, nothing))
     _, along = deformed(body, grid, (nothing, gaussian, nothing))
     _, across = deformed(body, grid, (nothing, nothing, gaussian))

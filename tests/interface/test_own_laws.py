@@ -13,7 +13,7 @@ from contactsnes.interface import laws, own_laws
 from contactsnes.interface.laws.law import Law
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
-from contactsnes.options.fields import extend, option
+from contactsnes.options.fields import Options, extend, option
 from contactsnes.scene import settings
 from contactsnes.scene.resolution import resolution
 
@@ -88,7 +88,7 @@ def test_options_of_a_law_are_checked_as_those_of_a_scene():
 
 def test_scenes_before_an_extension_have_its_default():
     @dataclasses.dataclass(frozen=True)
-    class Few(settings.Options):
+    class Few(Options):
         prefix = "few_"
         one: int = option(1, "one")
 
@@ -219,8 +219,8 @@ RIGHT = {"corners": "0.0,", "normal": "(1 - a) * np.exp(-a)", "along": "1.0",
 def written(tmp_path, monkeypatch):
     """A function that writes a law, with changes, and gives its name; what it enters is
     forgotten."""
-    monkeypatch.setattr(laws, "OWN", {})
-    monkeypatch.setattr(laws, "OPTIONS", dict(laws.OPTIONS))
+    monkeypatch.setattr(laws.REGISTRY, "own", {})
+    monkeypatch.setattr(laws.REGISTRY, "options", dict(laws.REGISTRY.options))
     names = ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__", "__dataclass_fields__")
     for name in names:
         monkeypatch.setattr(Scene, name, getattr(Scene, name))

@@ -16,6 +16,7 @@ from contactsnes.branch.accuracy import Estimator, finer_contact  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.grid_choice import chosen  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.interface import shapes  # noqa: E402
 from contactsnes.interface.roughness import surface  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -201,8 +202,8 @@ def test_si_converts_waves_and_slope():
     scene = Scene.typed(**typed, geometry="rough", period=4e-3, rough_slope=5e-3,
                         rough_longest=2e-3, rough_shortest=2e-4, points=256)
     beta = (0.01 ** 2 * 0.03 / 2e6) ** (1 / 3)
-    assert scene.roughness == pytest.approx((0.8, 5e-3 * 0.01 / beta, 2e-3 / beta, 2e-4 / beta, 0),
-                                            rel=1e-12)
+    scaled = (0.8, 5e-3 * 0.01 / beta, 2e-3 / beta, 2e-4 / beta, 0)
+    assert shapes.of(scene).roughness(scene) == pytest.approx(scaled, rel=1e-12)
     assert attributes(scene)["rough_slope"] == 5e-3 and attributes(scene)["rough_shortest"] == 2e-4
     heights = Contact(scene).initial_gap * 0.6e-6 - ((np.arange(256) - 128) * 4e-3
                                                      / 256) ** 2 / 0.02

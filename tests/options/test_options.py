@@ -235,6 +235,8 @@ def test_what_is_written_as_options_is_read_back_equal(petsc, cls):
             if value != field.default:
                 petsc[f"{prefix}{cls.prefix}{field.name}"] = as_text(value)
         assert options.read(cls, prefix) == instance
+        for name in dataclasses.fields(cls):  # the database holds 512
+            petsc.delValue(f"{prefix}{cls.prefix}{name.name}")
         done += 1
 
 

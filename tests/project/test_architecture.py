@@ -50,8 +50,8 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
                       "branch"}, "matplotlib": {"output.figures", "compare.figure"},
-         "h5py": {"output.archive", "output.files", "output.layout", "output.tables",
-                  "interface.gap"},
+         "h5py": {"output.archive", "output.files", "output.layout", "output.store",
+                  "output.tables", "interface.heights"},
          "pyfftw": {"grid.cell", "grid.even"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from contactsnes.interface import shapes
 from contactsnes.interface.laws import LAWS
 from contactsnes.options.fields import InputError, allowed, as_text, nearest
 from contactsnes.scene.load import Control, Load, quantities
@@ -31,7 +32,9 @@ DEFAULTS = {"scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06
             "scene_residual_friction": "1", "scene_residual_adhesion": "0", "scene_work_ratio": "1",
             "scene_dugdale_width": "0.1", "scene_pressure_friction": "0.1",
             "scene_xu_needleman_q": "1", "scene_xu_needleman_r": "0", "scene_poisson": "0.5",
-            "scene_height": "2000", "scene_tangential": "auto",
+            "scene_height": "2000", "scene_body": "layer",
+            "scene_coating_normal": "0", "scene_coating_tangential": "0",
+            "scene_tangential": "auto",
             "scene_contact_threshold": "2.718281828", "scene_units": "dimensionless",
             **dict.fromkeys(("scene_work_of_adhesion_normal", "scene_work_of_adhesion_tangential",
                              "scene_contact_modulus", "scene_radius", "scene_range_normal",
@@ -72,7 +75,7 @@ def test_every_field_says_all_about_its_option(cls):
 
 def test_default_sinusoid_has_curvature_one_in_each_direction():
     scene = Scene(dimension=2, period=(10.0, 20.0), geometry="sinusoid")
-    for amplitude, period in zip(scene.amplitudes, scene.periods):
+    for amplitude, period in zip(shapes.of(scene).amplitudes(scene), scene.periods):
         gap = lambda x: amplitude * (1 - math.cos(2 * math.pi * x / period))
         step = 1e-3
         assert (gap(step) - 2 * gap(0) + gap(-step)) / step ** 2 == pytest.approx(1, rel=1e-6)
@@ -93,7 +96,7 @@ BAD = [(Scene, dict(dimension=3), "-scene_dimension", "3", "1, 2"),
        (Scene, dict(period=0), "-scene_period", "0", "above 0"),
        (Scene, dict(period=None), "-scene_period", "", "above 0"),
        (Scene, dict(period=(50, 60)), "-scene_period", "50,60", "one dimension"),
-       (Scene, dict(geometry="roughly"), "-scene_geometry", "roughly", "cylinder, sphere"),
+       (Scene, dict(geometry="roughly"), "-scene_geometry", "roughly", "sinusoid, sphere"),
        (Scene, dict(geometry="rough"), "-scene_geometry", "rough",
         "without -scene_rough_slope and -scene_rough_shortest"),
        (Scene, dict(geometry="rough", rough_slope=0.1), "-scene_geometry", "rough",

@@ -21,7 +21,7 @@ from contactsnes.solvers import capabilities  # noqa: E402
 from contactsnes.solvers.registry import OPTIONS  # noqa: E402
 
 RELAXATION = "contactsnes.solvers.relaxation."
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 TINY = ["-scene_points", "64", "-scene_period", "20", "-scene_normal_maugis", "1", "-load_path",
         "normal_displacement=0.5", "-continuation_initial_step", "0.25",
         "-continuation_largest_step", "0.25"]

@@ -19,7 +19,7 @@ from petsc4py import PETSc  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.first_points import start  # noqa: E402
-from contactsnes.branch.grid_choice import memory_of_solve  # noqa: E402
+from contactsnes.branch.memory import memory_of_solve  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.force_form import ForceForm  # noqa: E402

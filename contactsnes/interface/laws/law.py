@@ -7,12 +7,11 @@ first, then one or two tangential ones. Attraction is positive: the traction on 
 negative of the law's.
 """
 
-import dataclasses
 from functools import cached_property
 
 import numpy as np
 
-from ...options.fields import Options
+from ..declared import Declared
 
 
 def softening(tangent):
@@ -24,7 +23,7 @@ def softening(tangent):
                                                     - 0.5 * (normal + slipping), 0.0), 0.0)
 
 
-class Law(Options):
+class Law(Declared):
     """A traction-separation law without memory: tractions follow from the gaps at a node, whatever
     came before.
 
@@ -49,8 +48,6 @@ class Law(Options):
     odd : whether a slip the other way has the other traction, and the same normal one
     """
 
-    prefix = "scene_"
-    name, meaning = "", ""
     slip_options = ()
     range = 37.0
     deepest = -30.0
@@ -58,24 +55,6 @@ class Law(Options):
     opening_range, slip_range = 5.0, 6.0
     gap_corners, slip_corners = (), ()
     odd = True
-
-    def __init_subclass__(cls, **options):
-        super().__init_subclass__(**options)
-        own = {name: value for name, value in vars(cls).items()
-               if isinstance(value, dataclasses.Field)}
-        annotations = dict(vars(cls).get("__annotations__", {}))
-        cls.__annotations__ = {**{name: type(value.default) for name, value in own.items()},
-                               **annotations}
-        dataclasses.dataclass(eq=False)(cls)
-        for name, value in own.items():
-            if value.default is dataclasses.MISSING or not value.metadata:
-                raise TypeError(f"{cls.__name__}.{name} is not made by option(...)")
-
-    @classmethod
-    def declared(cls):
-        """Name -> field of every option that the law declares."""
-        fields = dataclasses.fields(cls) if dataclasses.is_dataclass(cls) else ()
-        return {field.name: field for field in fields}
 
     def evaluate(self, gap, traction, tangent=None):
         """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components,

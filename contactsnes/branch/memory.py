@@ -1,0 +1,50 @@
+"""What memory holds on this machine, and what a solve takes of it."""
+
+import contextlib
+import os
+import resource
+from pathlib import Path
+
+USABLE = 0.8
+"""Part of the machine's memory that a run may take."""
+
+
+def memory_of_solve(unknowns, whole):
+    """Bytes of a solve: 2 x 60 Krylov vectors and 20 work arrays of the unknowns, 10 arrays over
+    the cell."""
+    return 8 * ((2 * 60 + 20) * unknowns + 10 * whole)
+
+
+def memory():
+    """Bytes that a run may take on this machine: what is free now, within the limits of the process
+    and its control group."""
+    total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    limits = [total, *_group_limits(), *([] if limit == resource.RLIM_INFINITY else [limit])]
+    try:
+        fields = dict(line.split(":")
+                      for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
+        limits.append(1024 * int(fields["MemAvailable"].split()[0]))
+    except (OSError, ValueError, KeyError):
+        pass  # no Linux
+    return USABLE * min(limits)
+
+
+def _group_limits():
+    """Limits on memory of the control group of this process and of those above it, as far as there
+    are any."""
+    limits = []
+    try:
+        groups = [line.split(":", 2)[1:]
+                  for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines()]
+    except OSError:
+        return limits
+    for controllers, place in groups:
+        root, name = (("/sys/fs/cgroup", "memory.max") if not controllers
+                      else ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"))
+        if controllers in ("", "memory"):
+            folder = Path(root + place)
+            for above in (folder, *folder.parents):
+                with contextlib.suppress(OSError, ValueError):  # no such file, or the word max
+                    limits.append(int((above / name).read_text(encoding="ascii")))
+    return limits

@@ -1,0 +1,49 @@
+"""Bodies of one's own: what they declare is looked at on waves of the cell and far shorter ones."""
+
+import numpy as np
+
+from ..options.fields import InputError
+from .bodies import BODIES
+
+WAVES = 10.0 ** np.arange(0, 5, 0.5)
+"""Wave numbers over that of the cell at which a body is looked at."""
+
+ALIKE = 1e-8
+"""Relative difference up to which a stiffness is the inverse of a compliance."""
+
+
+def check_own(body, scene):
+    """InputError unless a body of one's own has finite compliances that store energy, and a
+    stiffness that is their inverse."""
+    if type(body) in BODIES.values():
+        return
+    named = f"{scene.option_name('body')} is '{scene.body}'"
+    longest = max((period for period in scene.periods if np.isfinite(period)), default=100.0)
+    q = 2 * np.pi / longest * WAVES
+    try:
+        with np.errstate(all="ignore"):
+            c, m, rigid = body.surface(q), body.surface_stiffness(q), body.rigid_compliance
+            determinant = c.normal * c.longitudinal - c.coupling ** 2
+            inverse = c.normal * m.normal - c.coupling * m.coupling
+    except Exception as error:
+        raise InputError(f"{named}: it cannot be evaluated ({type(error).__name__}: "
+                         f"{error}); mend it") from error
+    for words, values in (("its normal compliance", c.normal),
+                          ("its transverse compliance", c.transverse),
+                          ("the determinant of its normal and longitudinal compliance",
+                           determinant)):
+        _refuse(f"{named}: {words}", q, values, ~(np.isfinite(values) & (values > 0)),
+                "positive and finite")
+    _refuse(f"{named}: its stiffness times its compliance", q, inverse,
+            ~(np.abs(inverse - 1) < ALIKE), "1")
+    if not all(np.isfinite(value) and value >= 0 for value in rigid):
+        raise InputError(f"{named}: its rigid_compliance is {rigid}: both have to be finite and at "
+                         "least 0")
+
+
+def _refuse(words, q, values, wrong, meant):
+    """InputError that tells of the first wave number at which a value is wrong."""
+    if np.any(wrong):
+        place = np.argmax(np.broadcast_to(wrong, q.shape))
+        raise InputError(f"{words} is {np.broadcast_to(values, q.shape)[place]:.6g} at the wave "
+                         f"number {q[place]:.6g} 1/beta: it has to be {meant}")

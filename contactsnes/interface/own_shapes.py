@@ -1,0 +1,144 @@
+"""Shapes of one's own: plain functions of the coordinates, and what a shape claims, looked at on
+the nodes."""
+
+import inspect
+from functools import lru_cache
+
+import numpy as np
+
+from ..grid.even import mirrored
+from ..options.fields import InputError
+from .gap import evaluated, is_convex, where
+from .heights import seams
+from .shapes import SHAPES, of
+from .shapes.shape import NEAR, Shape, curvatures
+
+ROUNDING = 1e-10
+"""Difference of mirror images, and depth below a parabola, over the largest gap, up to which a
+claim holds."""
+
+SHARPER = 1.05
+"""Curvature on the nodes over the one that is claimed, up to which the claim holds."""
+
+
+class Plain(Shape):
+    """A function gap(x), in two dimensions gap(x, y), of arrays over the nodes: in beta and u_n,r,
+    in scenes in SI in metres."""
+
+    def __init__(self, function):
+        self.function = function
+        super().__post_init__()
+
+    def __repr__(self):
+        return getattr(self.function, "__qualname__", None) or repr(self.function)
+
+    def gap(self, coordinates, scene):
+        """What the function makes of the coordinates."""
+        _check_arguments(self.function, len(coordinates))
+        length = scene.scale("beta")[0]
+        # whole arrays of its own: what a function writes into them stays there
+        places = [length * x for x in np.broadcast_arrays(*coordinates)]
+        return np.asarray(self.function(*places)) / scene.scale("u_n,r")[0]
+
+
+def _check_arguments(function, count):
+    """TypeError, in words, for a function that does not take one array a direction."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # of a function of C nothing is known
+        return
+    try:
+        signature.bind(*range(count))
+    except TypeError:
+        given = " and ".join("xy"[:count])
+        raise TypeError(f"it takes {signature}, but is given {given}: on a line it is gap(x), on a "
+                        "plane gap(x, y)") from None
+
+
+@lru_cache(maxsize=256)
+def plain(function):
+    """The shape of a function; the same for the same function."""
+    return Plain(function)
+
+
+def check(shape, gap, coordinates, scene):
+    """InputError where a shape claims what its gap on the nodes is not; a sentence names the place.
+
+    Parameters
+    ----------
+    shape : Shape
+    gap : array over the nodes, u_n,r
+    coordinates : tuple of ndarray, one a direction, beta, to broadcast
+    scene : Scene
+    """
+    named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
+    size = max(np.ptp(gap), np.finfo(float).tiny)
+    for axis in shape.even:
+        if axis < gap.ndim:
+            image = mirrored(gap, axis)
+            _refuse(f"{named}, which claims to be even along {'xy'[axis]} (even = {shape.even})",
+                    np.abs(gap - image) > ROUNDING * size, (gap, image),
+                    "the gap is {:.9g} {unit}, and {:.9g} {unit} at its mirror image",
+                    coordinates, scene)
+    for axis in shape.uniform:
+        if axis < gap.ndim:
+            first = np.broadcast_to(np.take(gap, [0], axis), gap.shape)
+            _refuse(f"{named}, which claims to be uniform along {'xy'[axis]}",
+                    np.abs(gap - first) > ROUNDING * size, (gap, first),
+                    "the gap is {:.9g} {unit}, and {:.9g} {unit} elsewhere along it",
+                    coordinates, scene)
+    if shape.convex and not is_convex(gap):
+        raise InputError(f"{named}, which claims to be convex (convex = True), but its second "
+                         "differences on the nodes are not all positive: leave the claim out")
+    _check_parabola(shape, gap, coordinates, scene, named)
+    _check_curvature(shape, gap, coordinates, scene, named)
+
+
+def _check_parabola(shape, gap, coordinates, scene, named):
+    """InputError where a gap lies below the parabola that it claims to lie above."""
+    if scene.dimension in shape.parabola:
+        curvature = shape.parabola[scene.dimension]
+        below = np.broadcast_to(curvature / 2 * sum(x ** 2 for x in coordinates), gap.shape)
+        _refuse(f"{named}, which claims to lie above a parabola (parabola = {shape.parabola})",
+                gap < below - ROUNDING * np.max(below), (gap, below),
+                "the gap is {:.9g} {unit}, the parabola {:.9g} {unit}", coordinates, scene)
+
+
+def _check_curvature(shape, gap, coordinates, scene, named):
+    """InputError where a gap is more curved than its shape says, near its lowest place."""
+    if type(shape).curvature is Shape.curvature:
+        return
+    found = curvatures(gap, scene.spacings, NEAR / scene.normal_maugis)
+    for axis, (claimed, seen) in enumerate(zip(shape.curvature(scene), found)):
+        if not seen <= SHARPER * claimed:
+            raise InputError(f"{named}, which claims a curvature of at most {claimed:.6g} "
+                             f"u_n,r/beta^2 along {'xy'[axis]} (curvature), but differences on the "
+                             f"nodes give {seen:.6g} where the law acts: mend it, or leave "
+                             "curvature out")
+
+
+def _refuse(claim, wrong, values, words, coordinates, scene):
+    """InputError that tells of the first node where a claim does not hold."""
+    if wrong.any():
+        place = np.unravel_index(np.argmax(wrong), wrong.shape)
+        size, unit = scene.scale("u_n,r")
+        told = words.format(*(size * value[place] for value in values), unit=unit)
+        raise InputError(f"{claim}: at {where(place, coordinates, scene)} {told}; mend the gap, or "
+                         "leave the claim out")
+
+
+def check_own(shape, gap, coordinates, scene):
+    """`check`, of a shape of one's own; those of the package are what they claim."""
+    if type(shape) not in SHAPES.values():
+        check(shape, gap, coordinates, scene)
+
+
+def jumps(scene):
+    """Where the heights of a scene, or the gap of a shape of one's own, jump at the seam of its
+    cell (`heights.seams`), u_n,r; empty for other scenes."""
+    shape = of(scene)
+    if scene.isolated or (type(shape) in SHAPES.values() and not shape.gridded):
+        return []
+    axes = [(np.arange(points) - points // 2) * spacing
+            for points, spacing in zip(scene.shape, scene.spacings)]
+    return seams(evaluated(shape, np.meshgrid(*axes, indexing="ij", sparse=True), scene))

@@ -1,0 +1,103 @@
+"""A cylinder or sphere with self-affine roughness."""
+
+import math
+
+import numpy as np
+
+from ...options.fields import InputError, as_text, option
+from ..roughness import FINE, surface
+from .shape import Shape
+
+BYTES = 60
+"""Memory that a wave takes."""
+
+
+class Rough(Shape):
+    """|x|^2/2 - h, a self-affine h (`roughness.surface`), less its smallest value between nodes,
+    too: the same on every grid."""
+
+    name = "rough"
+    meaning = "cylinder, in two dimensions sphere, with self-affine roughness"
+    rough_hurst: float = option(0.8, "Hurst exponent H of roughness, whose power "
+                                "spectrum falls as q^-(2H + dimension)", minimum=0,
+                                maximum=1)
+    rough_slope: float = option(None, "root mean square slope of roughness", "u_n,r/beta",
+                                kind="number", above=0, default_text="none: rough needs it")
+    rough_longest: float = option(None, "longest wave of roughness", "beta", kind="number", above=0,
+                                  default_text="the shortest period")
+    rough_shortest: float = option(None, "length that all waves of roughness are longer than",
+                                   "beta", kind="number", above=0,
+                                   default_text="none: rough needs it")
+    rough_seed: int = option(0, "seed of the phases of roughness", minimum=0, maximum=2 ** 32 - 1)
+    apart = True
+
+    def roughness(self, scene):
+        """Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta), and seed."""
+        longest = min(scene.periods) if self.rough_longest is None else self.rough_longest
+        return self.rough_hurst, self.rough_slope, longest, self.rough_shortest, self.rough_seed
+
+    def surface(self, scene):
+        """The waves, `roughness.Surface`, and the smallest gap."""
+        return surface(tuple(map(float, scene.periods)), *self.roughness(scene))
+
+    def gap(self, coordinates, scene):
+        """|x|^2/2 - h, the coordinates those of a cell's nodes."""
+        found, lowest = self.surface(scene)
+        return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
+
+    def curvature(self, scene):
+        """That of sharp asperities: three times the root mean square."""
+        found = self.surface(scene)[0]
+        return tuple(1.0 + 3.0 * found.rms(2, axis) for axis in range(scene.dimension))
+
+    def check(self, scene):
+        """InputError unless roughness is given, and its waves fit into the cell."""
+        absent = [name for name in ("rough_slope", "rough_shortest") if getattr(self, name) is None]
+        if absent:
+            raise InputError("-scene_geometry is 'rough' without "
+                             f"{' and '.join(map(scene.option_name, absent))}: give the rms "
+                             "slope and the shortest wave")
+        _, _, longest, shortest, _ = self.roughness(scene)
+        for name, value, limit, what in (("rough_longest", longest, min(scene.periods),
+                                          "the period"),
+                                         ("rough_shortest", shortest, longest, "the longest wave")):
+            if value > limit:
+                raise InputError(f"{scene.option_name(name)} is "
+                                 f"'{as_text(scene.as_typed(name))}': allowed is at most "
+                                 f"{what}, {as_text(scene.told(limit, 'beta'))}")
+
+    def check_grid(self, scene):
+        """InputError if the grid is too coarse for the shortest wave."""
+        if self.rough_shortest < 2 * max(scene.spacings):
+            raise InputError("-scene_rough_shortest is "
+                             f"'{as_text(scene.as_typed('rough_shortest'))}': allowed is at "
+                             "least two spacings of the grid, "
+                             f"{2 * scene.told(max(scene.spacings), 'beta'):.6g}; take more "
+                             "-scene_points, or auto")
+
+    def too_near(self):
+        """A longer period, or less roughness."""
+        return "take a longer period, or a smaller -scene_rough_slope"
+
+    def shortest(self, scene):
+        """The shortest wave."""
+        return self.rough_shortest
+
+    def memory(self, scene):
+        """That of the waves, on the fine grid on which the lowest place is looked for."""
+        return BYTES * math.prod(FINE[scene.dimension] * period / self.rough_shortest
+                                 for period in scene.periods)
+
+    def filled(self, scene):
+        """The longest wave."""
+        return {"rough_longest": self.roughness(scene)[2]}
+
+    def about(self, scene, size):
+        """Waves, slope and height."""
+        hurst, slope, longest, shortest, seed = self.roughness(scene)
+        found, _ = self.surface(scene)
+        return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} "
+                f"waves shorter than {size(longest, 'beta', 4)} and longer "
+                f"than {size(shortest, 'beta', 4)}, seed {seed}", "root mean square "
+                f"slope {size(slope, 'u_n,r/beta', 4)}, height "
+                f"{size(found.rms(0), 'u_n,r', 4)}"]

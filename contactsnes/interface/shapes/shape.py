@@ -1,0 +1,129 @@
+"""The base of shapes: what a shape declares of its gap, and defaults of the rest.
+
+Lengths along the interface in beta, gaps in u_n,r = beta^2/R. The apex, the place that windows and
+symmetry are about, is the origin; node i of N lies at (i - N/2) L/N.
+"""
+
+import numpy as np
+
+from ..declared import Declared
+from ..gap import evaluated
+
+SAMPLES = {1: 4096, 2: 512}
+"""Nodes of a direction on which a curvature that is not declared is found, by dimension."""
+
+NEAR = 40.0
+"""Ranges of the law above the lowest place within which a curvature counts: there the law acts on
+bodies that just touch."""
+
+
+class Shape(Declared):
+    """The initial gap between the undeformed body and the flat. A subclass has to have ``gap``;
+    what it claims besides is looked at on the nodes, and a claim that does not hold is refused.
+
+    Attributes
+    ----------
+    even : directions (0 for x, 1 for y) in which it claims to be even about the apex. None is the
+        default; states are halved only where the nodes themselves show it
+    convex : whether it claims to be convex within the cell (one summit); None where that is not
+        known, and found out on the nodes
+    uniform : directions along which nothing varies: there is no edge of contact, and any grid
+        resolves it
+    apart : whether a contact that reaches the edge of the cell, where the body meets its neighbour,
+        is refused
+    gridded : whether it is known on one grid only, that of ``points``
+    parabola : dimension of the interface -> c such that the gap is nowhere below c |x|^2/2, on an
+        unbounded flat, too: it may then be an isolated contact (-scene_period inf)
+    """
+
+    even = ()
+    convex = None
+    uniform = ()
+    apart = False
+    gridded = False
+    parabola = {}
+
+    def gap(self, coordinates, scene):
+        """The gap, u_n,r, on nodes; its lowest place should be 0.
+
+        Parameters
+        ----------
+        coordinates : tuple of ndarray, one a direction, beta, to broadcast
+        scene : Scene, for its ``periods`` (beta), ``dimension``
+
+        Returns
+        -------
+        array that broadcasts to the nodes
+        """
+        raise NotImplementedError(f"the shape {type(self).__name__} has no gap(coordinates, scene)")
+
+    def curvature(self, scene):
+        """Largest curvature of the gap in each direction, u_n,r/beta^2, a tuple: where bodies come
+        near, it decides with the law how fine a grid an accuracy takes.
+
+        By default it is found on `SAMPLES` nodes, within `NEAR` ranges above the lowest one.
+        """
+        axes = [(np.arange(SAMPLES[scene.dimension]) / SAMPLES[scene.dimension] - 0.5) * period
+                for period in scene.periods]
+        gap = evaluated(self, np.meshgrid(*axes, indexing="ij", sparse=True), scene)
+        return curvatures(gap, [axis[1] - axis[0] for axis in axes], NEAR / scene.normal_maugis)
+
+    def check(self, scene):
+        """InputError unless a scene has what the shape needs, and a cell that it fits into."""
+
+    def check_grid(self, scene):
+        """InputError if the grid of a scene, where it is known, is too coarse for the shape."""
+
+    def too_near(self):
+        """What to try where a contact that is ``apart`` reaches the edge of its cell, in words."""
+        return "take a longer period"
+
+    def points(self, scene):
+        """Points of the only grid that it is known on, a tuple, where it is ``gridded``."""
+
+    def heights(self, scene):
+        """Heights from a file, u_n,r, of which archives keep a checksum; None where there are
+        none."""
+
+    def source(self, scene):
+        """Where heights come from, as it is typed: option and value, where it is ``gridded``."""
+
+    def shortest(self, scene):
+        """Length that all it is made of is longer than, beta: a grid has two nodes within it."""
+        return 0.0
+
+    def memory(self, scene):
+        """Bytes that it takes to compute the gap, besides arrays of the grid."""
+        return 0
+
+    def filled(self, scene):
+        """Name -> value of its options that have a default of the scene's making, in the scene's
+        own units; tuples for directions."""
+        return {}
+
+    def about(self, scene, size):
+        """Lines on what it is made of; ``size(value, unit, digits)`` puts a value in words."""
+        return []
+
+
+def curvatures(gap, spacings, reach):
+    """Largest second difference of a gap in each direction, within a reach above its lowest place,
+    over the spacing squared; a tuple, at least 1e-12.
+
+    Parameters
+    ----------
+    gap : array over the nodes, u_n,r
+    spacings : of the nodes, one a direction, beta
+    reach : u_n,r
+
+    Returns
+    -------
+    tuple of float, u_n,r/beta^2
+    """
+    found = []
+    for axis, spacing in enumerate(spacings):
+        bends = np.abs(np.diff(gap, 2, axis)) / spacing ** 2
+        # Half a cell away from the apex, where a body meets its neighbour, nothing is asked.
+        low = np.take(gap, range(1, gap.shape[axis] - 1), axis) <= gap.min() + reach
+        found.append(max(1e-12, float(np.max(bends, where=low, initial=0.0))))
+    return tuple(found)

@@ -1,0 +1,116 @@
+"""The law, the shape and the body of a scene: those of files of one's own, objects in place of
+them, and options of others."""
+
+import dataclasses
+
+from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
+from ..options.fields import InputError, extend
+
+REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
+
+ALWAYS_KEPT = {"residual_friction", "residual_adhesion"}
+"""Options of a law that archives tell of whatever the law, since the first ones did."""
+
+
+def with_parts(scene, law=None, geometry=None, body=None):
+    """The scene with objects in place of its law, shape or body: by name and options, where they
+    are of those that have a name.
+
+    Parameters
+    ----------
+    scene : Scene
+    law : Law, optional
+    geometry : Shape, or a function of the coordinates (`own_shapes.Plain`), optional
+    body : Body, optional
+
+    Returns
+    -------
+    Scene
+    """
+    if geometry is not None and not isinstance(geometry, shapes.Shape):
+        if isinstance(geometry, type) or not callable(geometry):
+            raise InputError(f"the geometry is {geometry!r}: give a function of the coordinates, "
+                             "or an object of a subclass of contactsnes.Shape")
+        geometry = own_shapes.plain(geometry)
+    for registry, made in zip(REGISTRIES, (law, geometry, body)):
+        if made is None:
+            continue
+        if type(made) is registry.found.get(made.name):
+            values = {name: getattr(made, name) for name in made.declared()}
+            scene = dataclasses.replace(scene, **{registry.field: made.name}, **values)
+        else:
+            scene = dataclasses.replace(scene, **{registry.field: registry.keep(made)})
+    return scene
+
+
+def admit(cls, values):
+    """Load the law, shape and body that options may name in files of one's own, and give the class
+    of scenes their options.
+
+    Parameters
+    ----------
+    cls : Scene
+    values : mapping of the fields of scenes, among others, to what they are given as
+
+    Raises
+    ------
+    InputError : where one, or an option of it, cannot be had
+    """
+    for registry in REGISTRIES:
+        name = values.get(registry.field) or ""
+        if not isinstance(name, str) or not own_files.is_own(name) or registry.knows(name):
+            continue
+        made = own_files.load(registry, name, own_shapes.plain if registry is shapes.REGISTRY
+                              else None)
+        try:
+            extend(cls, made.declared() if isinstance(made, type) else {})
+            registry.enter(name, made)
+        except TypeError as error:
+            raise InputError(f"-scene_{registry.field} is '{name}', but {error}: give its option "
+                             "another name") from None
+
+
+def check(scene):
+    """InputError where a law of one's own has another tangent than its tractions, each is looked at
+    once, or where shape or body do not suit the scene."""
+    law = laws.of(scene)
+    if scene.law in laws.REGISTRY.own and not vars(law).get("_looked_at"):
+        own_laws.check(law, scene.law)
+        law._looked_at = True
+    shapes.of(scene).check(scene)
+    own_bodies.check_own(bodies.of(scene), scene)
+    bodies.of(scene).check(scene)
+
+
+def sources(scene):
+    """Name -> SHA-256 of the files of one's own that a scene is made of."""
+    made = {registry.field: registry.of(scene) for registry in REGISTRIES}
+    return {f"{field}_sha256": part.source_sha256 for field, part in made.items()
+            if hasattr(part, "source_sha256")}
+
+
+def _declared(registry, scene):
+    """Options of what a scene names, a set."""
+    made = registry.named(getattr(scene, registry.field))
+    return set(made.declared()) if isinstance(made, type) else set()
+
+
+def untold(scene):
+    """Options of other laws, shapes and bodies, of which an archive of the scene does not tell."""
+    own = set().union(*(_declared(registry, scene) for registry in REGISTRIES))
+    others = set().union(*(registry.options for registry in REGISTRIES))
+    return others - own - ALWAYS_KEPT
+
+
+def ineffective(scene, sheared):
+    """(option, whether it changes nothing, why) for the options of laws, shapes and bodies, some of
+    which matter where there is slip only."""
+    rules = []
+    for registry, why in zip(REGISTRIES, ("the law {} has none", "the geometry is {}",
+                                          "the body {} has none")):
+        own = _declared(registry, scene)
+        reason = why.format(getattr(scene, registry.field))
+        rules += [(f"scene_{name}", name not in own, reason) for name in registry.options]
+    slip = laws.named(scene.law).slip_options
+    return (*rules, *((f"scene_{name}", not sheared, "no tangential unknown appears")
+                      for name in slip))

@@ -1,0 +1,197 @@
+"""Bodies that declare themselves: the coated layer against its formula and limits, and bodies of
+one's own."""
+
+import math
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes import Body, Branch, InputError, Load, Scene, option  # noqa: E402
+from contactsnes.grid.cell import Grid  # noqa: E402
+from contactsnes.interface import bodies  # noqa: E402
+from contactsnes.interface.bodies.coated import Coated  # noqa: E402
+from contactsnes.interface.bodies.layer import Layer  # noqa: E402
+from contactsnes.interface.elasticity import Surface  # noqa: E402
+from contactsnes.interface.unbounded import free_space  # noqa: E402
+from contactsnes.scene import settings  # noqa: E402
+from contactsnes.scene.resolution import resolution  # noqa: E402
+
+LINE = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
+PRESSED = Load(path="normal_displacement=2")
+WAVES = {1: Grid((16,), (5.0,)).wavevectors(), 2: Grid((8, 6), (5.0, 4.0)).wavevectors()}
+
+
+def last(scene, load=PRESSED, **parts):
+    """The last point of a scene."""
+    return list(Branch(scene, load, **parts))[-1]
+
+
+def matrices(blocks, components):
+    """Matrices (components, components, waves), zero where a block is missing."""
+    some = next(iter(blocks.values()))
+    found = np.zeros((components, components, some.size), dtype=complex)
+    for (i, j), block in blocks.items():
+        found[i, j] = np.broadcast_to(block, some.shape).reshape(-1)
+    return found.transpose(2, 0, 1)
+
+
+@pytest.mark.parametrize("dimension", (1, 2))
+@pytest.mark.parametrize("poisson", (0.2, 0.5))
+def test_a_coating_is_a_spring_at_each_place(dimension, poisson):
+    """Its compliance is the layer's and a constant, its stiffness the inverse of that."""
+    layer, coated = Layer(poisson, 3.0), Coated(poisson, 3.0, 0.7, 0.4)
+    components = dimension + 1
+    added = (matrices(coated.compliance(WAVES[dimension], components), components)
+             - matrices(layer.compliance(WAVES[dimension], components), components))
+    spring = np.diag([0.7] + [0.4] * dimension)
+    np.testing.assert_allclose(added[1:], np.broadcast_to(spring, added[1:].shape), atol=1e-14)
+    product = (matrices(coated.stiffness(WAVES[dimension], components), components)
+               @ matrices(coated.compliance(WAVES[dimension], components), components))
+    np.testing.assert_allclose(product[1:], np.broadcast_to(np.eye(components), product[1:].shape),
+                               atol=1e-12)
+    assert coated.rigid_compliance == pytest.approx(np.add(layer.rigid_compliance, (0.7, 0.4)))
+
+
+def test_no_coating_is_the_layer():
+    point, same = last(Scene(**LINE)), last(Scene(**LINE, body="coated"))
+    np.testing.assert_array_equal(point.state.displacement, same.state.displacement)
+    load = Load(path="normal_force=1; tangential_displacement=1")
+    point, same = (last(Scene(**LINE, poisson=0.3, body=body), load) for body in ("layer",
+                                                                                  "coated"))
+    np.testing.assert_array_equal(point.state.displacement, same.state.displacement)
+
+
+def test_a_coated_flat_moves_by_its_springs():
+    """Everything is uniform: the approach of the top is that of the surface and W/L (1/k_0 + c)."""
+    scene = Scene(**LINE, geometry="flat", height=10.0, poisson=0.3, body="coated",
+                  coating_normal=0.5, coating_tangential=0.25)
+    branch = Branch(scene, Load(start="normal_displacement=-10",
+                                path="normal_displacement=1; tangential_displacement=0.3"))
+    *_, point = branch
+    stiffness = 0.7 ** 2 / (0.4 * 10.0), 0.7 / 20.0
+    gap = branch.contact.initial_gap[:, None].T + point.state.displacement
+    tractions = branch.contact.law.traction(gap)[:, 0] * scene.ranges
+    approach = -tractions[0] * (1 / stiffness[0] + 0.5) - gap[0, 0] / scene.normal_maugis
+    assert point.displacements[0] == pytest.approx(approach, rel=1e-7)
+    moved = tractions[1] * (1 / stiffness[1] + 0.25) + gap[1, 0] / scene.tangential_maugis
+    assert point.displacements[1] == pytest.approx(moved, rel=1e-7)
+
+
+def test_a_very_soft_coating_under_a_stiff_body_is_a_bed_of_springs():
+    """Places do not feel each other: each is in balance with its own spring."""
+    scene = Scene(points=256, period=20.0, normal_maugis=0.5, height=0.01, poisson=0.0,
+                  tangential="off", body="coated", coating_normal=2.0)
+    branch = Branch(scene, PRESSED)
+    *_, point = branch
+    gap = branch.contact.initial_gap[None] + branch.contact.extended(point.state)
+    traction = branch.contact.law.traction(gap)[0] * 0.5
+    spring = 2.0 + 0.01  # the layer's own, height over its modulus, E* for Poisson ratio 0
+    raised = branch.contact.initial_gap / 0.5 - 2.0 - spring * traction
+    np.testing.assert_allclose(gap[0] / 0.5, raised, atol=2e-3)
+
+
+def test_a_coating_that_snaps_by_itself_is_refused():
+    assert Scene(normal_maugis=2.0, body="coated", coating_normal=1.0)
+    with pytest.raises(InputError, match="-scene_coating_normal is '2': .* allowed is less than "
+                       "1.847"):
+        Scene(normal_maugis=2.0, body="coated", coating_normal=2.0)
+    soft = Scene(normal_maugis=1.0, tangential_maugis=3.0, residual_friction=0.0, body="coated",
+                 coating_tangential=2.0)
+    settings.check(soft, PRESSED)
+    with pytest.raises(InputError, match="-scene_coating_tangential is '2'"):
+        settings.check(soft, Load(path="tangential_displacement=1"))
+    assert resolution(Scene(normal_maugis=2.0, body="coated", coating_normal=1.0), False)[0] \
+        == pytest.approx(resolution(Scene(normal_maugis=2.0), False)[0]
+                         / (1 - 4 * math.exp(-2)), rel=1e-12)
+
+
+def test_what_is_told_of_a_body():
+    names = ["scene_coating_normal"]
+    assert settings.ineffective(Scene(), PRESSED, names) == [(names[0], "the body layer has none")]
+    assert not settings.ineffective(Scene(body="coated"), PRESSED, names)
+    told = settings.attributes(Scene(body="coated", coating_normal=0.01))
+    assert (told["body"], told["coating_normal"], told["poisson"]) == ("coated", 0.01, 0.5)
+    assert not {"body", "coating_normal"} & set(settings.attributes(Scene()))
+
+
+def test_an_isolated_coated_contact():
+    """On an unbounded flat a coating is a spring at each place, too: as in a long cell."""
+    grid = Grid((64,), (16.0,))
+    plain, coated = (free_space(body, grid, 1)[0, 0] for body in (Layer(0.5, 50.0),
+                                                                  Coated(0.5, 50.0, 0.7, 0.0)))
+    np.testing.assert_allclose(coated - plain, 0.7, rtol=1e-12)
+    values = dict(normal_maugis=1.0, height=5.0, body="coated", coating_normal=0.7)
+    lone = last(Scene(period=math.inf, spacing=0.1, **values), Load(path="normal_force=3"))
+    cell = last(Scene(period=80.0, points=800, **values), Load(path="normal_force=3"))
+    assert lone.state.displacement[0].min() < 0
+    assert lone.in_contact == cell.in_contact
+
+
+class Graded(Body):
+    """A half-space that stiffens with depth: 2/(q + q0), with no coupling."""
+
+    graded_rate = option(0.0, "q0 of the body Graded", "1/beta", minimum=0)
+    rigid_compliance = (0.0, 0.0)
+
+    def surface(self, wavenumber):
+        """`Surface` compliance."""
+        compliance = 2 / (np.asarray(wavenumber, dtype=float) + self.graded_rate)
+        return Surface(compliance, compliance, compliance, 0 * compliance)
+
+
+def test_a_body_of_ones_own():
+    """Without grading it is the half-space without Poisson's ratio; graded it is stiffer."""
+    own = last(Scene(**LINE), body=Graded())
+    assert own.forces[0] == pytest.approx(last(Scene(**LINE, height=math.inf)).forces[0], rel=1e-9)
+    assert last(Scene(**LINE), body=Graded(1.0)).forces[0] > own.forces[0]
+    branch = Branch(Scene(**LINE), PRESSED, body=Graded(3.0))
+    assert branch.attributes()["body"] == "Graded(graded_rate=3.0)"
+    assert "poisson" not in branch.attributes()
+    with pytest.raises(InputError, match="-scene_body is .*far_field"):
+        Branch(Scene(period=math.inf, spacing=0.2), Load(path="normal_force=1"), body=Graded())
+
+
+@pytest.mark.parametrize("changes, words", (
+    ({"surface": lambda self, q: Surface(q - 1, q, q, 0 * q)}, "its normal compliance is -0.68"),
+    ({"surface": lambda self, q: Surface(1 / q, 1 / q, 1 / q, 2 / q)}, "the determinant .* is -30"),
+    ({"surface": lambda self, q: Surface(1 / q, 1 / q, q / 0, 0 * q)}, "transverse .* is inf"),
+    ({"surface_stiffness": lambda self, q: Surface(q, q, q, 0 * q)},
+     "its stiffness times its compliance is 2 at the wave number 0.314159 1/beta: it has to be 1"),
+    ({"rigid_compliance": (-1.0, 0.0)}, "rigid_compliance is"),
+    ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
+))
+def test_what_is_wrong_with_a_body_is_told(changes, words):
+    with pytest.raises(InputError, match=f"-scene_body is 'Other.*: .*{words}"):
+        Branch(Scene(**LINE), PRESSED, body=type("Other", (Graded,), changes)())
+
+
+def test_bodies_couple_as_they_are_seen_to():
+    class Tilting(Graded):
+        def surface(self, wavenumber):
+            found = super().surface(wavenumber)
+            return found._replace(coupling=0.1 * found.normal, transverse=2 * found.transverse)
+
+    body = Tilting().with_work_ratio(4.0)
+    assert body.couples(0.1) and not Graded().couples(0.1) and body.anisotropy(0.1) == 0.5
+    compliance = matrices(body.compliance(WAVES[2], 3), 3)[1:]
+    stiffness = matrices(body.stiffness(WAVES[2], 3), 3)[1:]
+    np.testing.assert_allclose(stiffness @ compliance, np.broadcast_to(np.eye(3), compliance.shape),
+                               atol=1e-12)
+
+
+def test_a_body_in_a_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(bodies.REGISTRY, "own", {})
+    (tmp_path / "mine.py").write_text(
+        "from contactsnes import Body\nfrom contactsnes.interface.bodies.layer import Layer\n\n\n"
+        "class Stiff(Layer):\n    surface_stiffness = Body.surface_stiffness\n\n"
+        "    def surface(self, wavenumber):\n        found = super().surface(wavenumber)\n"
+        "        return found._replace(normal=found.normal / 2)\n", encoding="utf-8")
+    name = f"{tmp_path / 'mine.py'}:Stiff"
+    scene = Scene(**LINE, body=name)
+    assert last(scene).forces[0] > last(Scene(**LINE)).forces[0]
+    assert len(Branch(scene, PRESSED).attributes()["body_sha256"]) == 64
+    with pytest.raises(InputError, match="has no body 'Soft': its bodies are Stiff"):
+        Scene(body=f"{tmp_path / 'mine.py'}:Soft")
