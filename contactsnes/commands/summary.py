@@ -57,7 +57,6 @@ def start_window(settings, branch):
 def skipped(settings, branch):
     """Sentences on what is left out of the solves, and why."""
     scene = settings.scene
-    form = settings.form
     load = settings.load
     sheared = scenes.tangential_legs(scene, load)
     sentences = []
@@ -76,25 +75,26 @@ def skipped(settings, branch):
         sentences.append("no elastic coupling of normal and tangential "
                          "displacements: an incompressible layer this "
                          "thick has none")
-    window, cell = start_window(settings, branch), branch.contact.grid.shape
     if np.isnan(branch.contact.datum):
         sentences.append("no displacement of the body as a whole (nan): "
                          "that of a half-plane under a force has no bound")
-    if scene.isolated:
-        sentences.append("nodes beyond the law's range: the window has "
-                         f"{_by(window.shape)} nodes at the start; there is "
-                         f"room for {_by(n // 2 for n in cell)}")
-    elif form.form == "force":
-        sentences.append(
-            f"no window: the force form is solved on the whole cell of {_by(cell)} nodes")
-    elif window.is_whole:
-        sentences.append(f"the window is the whole cell of {_by(cell)} nodes")
-    else:
-        nodes = (_by(window.shape) if len(window.parts) == 1
-                 else f"{len(window.parts)} boxes with {window.size}")
-        sentences.append("nodes beyond the law's range: the window has "
-                         f"{nodes} of {_by(cell)} nodes at the start")
-    return [*sentences, _mirror_images(settings, branch, sheared)]
+    return [*sentences, _nodes(settings, branch), _mirror_images(settings, branch, sheared)]
+
+
+def _nodes(settings, branch):
+    """Sentence on the nodes that are left out, or why none are."""
+    window, cell = start_window(settings, branch), branch.contact.grid.shape
+    if settings.scene.isolated:
+        return ("nodes beyond the law's range: the window has "
+                f"{_by(window.shape)} nodes at the start; there is "
+                f"room for {_by(n // 2 for n in cell)}")
+    if settings.form.form == "force":
+        return f"no window: the force form is solved on the whole cell of {_by(cell)} nodes"
+    if window.is_whole:
+        return f"the window is the whole cell of {_by(cell)} nodes"
+    nodes = (_by(window.shape) if len(window.parts) == 1
+             else f"{len(window.parts)} boxes with {window.size}")
+    return f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start"
 
 
 def _mirror_images(settings, branch, sheared):
