@@ -17,8 +17,7 @@ __version__ = "0.1.0"
 _HOMES = {"Scene": "scene.settings", "Load": "scene.load", "Steps": "scene.settings",
           "Form": "scene.settings", "InputError": "options.fields", "option": "options.fields",
           "Law": "interface.laws.law", "Shape": "interface.shapes.shape",
-          "Body": "interface.bodies.body",
-          "Contact": "contact.problem", "Branch": "branch.branch",
+          "Body": "interface.bodies.body", "Contact": "contact.problem", "Branch": "branch.branch",
           "NotConverged": "continuation.points", "NoEquilibrium": "continuation.points",
           "observe": "contact.observables", "table": "contact.observables",
           "Archive": "output.archive", "read": "output.reading", "plot": "output.figures.plot",}
