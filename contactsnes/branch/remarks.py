@@ -73,7 +73,7 @@ class Remarks:
                       "hysteresis; energy is lost in jumps only")
 
     def tell_of_release(self, last, leg):
-        """Say of a leg that lets go of a displacement and moves another one whether it begins at an
+        """Say of a leg that releases a displacement and moves another one whether it begins at an
         unstable point.
 
         Where nobody checks stability, and only there; of a leg that moves forces alone its first

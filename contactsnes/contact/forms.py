@@ -1,13 +1,14 @@
-"""The contact problem in two forms of one balance, on the nodes where the law acts and on the whole
-cell.
+"""The contact problem as a balance of displacements on the nodes where the law acts; `force_form`
+has it as one of forces on the whole cell.
 
 Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i /
 delta_i. With the body's compliance C (mean-free part, scaled by lambda_i lambda_j) and its rigid
 compliance c_0, both scaled:
 
-displacement form, window:  v + C t(a + v) - vbar = 0,   vbar = far displacement - c_0 mean t, or
-one more unknown force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of the
-mean displacement or force for q = 0
+displacement form, window:   v + C t(a + v) - vbar = 0,  vbar = far displacement - c_0 mean t, or
+                             one more unknown
+force form, whole cell:      K v + t(a + v) = 0 for q != 0, and the balance of the mean
+                             displacement or force for q = 0
 """
 
 import numpy as np
