@@ -92,8 +92,8 @@ class Corrector:
             form = self.form_on(guess, controls)
             form.set_load(load)
             unknown, iterations = self.run(form,
-                                               form.pack(guess.displacement,
-                                                         guess.means[form.forced]), most_iterations)
+                                           form.pack(guess.displacement,
+                                                     guess.means[form.forced]), most_iterations)
             state = form.state(unknown)
             if not states.covers(self.contact, state):
                 guess = states.fitted(self.contact, state, afresh=True)
@@ -186,7 +186,7 @@ class Corrector:
             snes.setTolerances(atol=0.5 * tolerance)
             try:
                 unknown, _ = self.run(form if system is None else system, unknown.copy(), WARM,
-                                          snes)
+                                      snes)
                 if system is not None:
                     system.set_position(unknown[-1])
                 state = form.state(unknown[:form.size])

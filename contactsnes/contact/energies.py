@@ -166,7 +166,7 @@ class PathEnergies:
         """The point with displacements and forces of all components."""
         missing = (0, self.contact.scene.components - len(point.forces))
         return Entry(point, np.pad(far_displacements(self.contact, point), missing),
-                       np.pad(point.forces, missing))
+                     np.pad(point.forces, missing))
 
     def _keep(self, point):
         """Keep a point, unless it is a further event at the last one."""
@@ -184,7 +184,7 @@ class PathEnergies:
         lost."""
         external = weights(self.contact,
                            len(entry.forces)) @ (last.forces * (entry.displacements
-                                                                  - last.displacements))
+                                                                - last.displacements))
         point, before = entry.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"

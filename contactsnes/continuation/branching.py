@@ -61,7 +61,7 @@ def _branched(system, leg, critical, beyond, reached):
     except NotConverged:
         return reached
     if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
-                                                                        reached.state):
+                                                                           reached.state):
         return reached
     return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
                    event="jump")
