@@ -42,17 +42,6 @@ class BracketEnd(NamedTuple):
         return self.direction.rate
 
 
-def cubic_slope(begin, end, rise):
-    """Coefficients (a, b, c) of the slope a t^2 + b t + c of a cubic, t from 0 to 1.
-
-    Parameters
-    ----------
-    begin, end : its slopes at 0 and 1
-    rise : its value at 1, from 0 at 0
-    """
-    return 3.0 * (begin + end) - 6.0 * rise, 6.0 * rise - 4.0 * begin - 2.0 * end, begin
-
-
 class LimitPoint:
     """The limit point of the load between two points of a branch, one on either side of it.
 
@@ -133,8 +122,9 @@ class LimitPoint:
         begin = self.sign * self.left.slope * width
         end = self.sign * self.right.slope * width
         rate = self.sign * rise
-        part, (a, b, c) = np.linspace(0.0, 1.0, 33), cubic_slope(begin, end, rate)
-        cubic = (a / 3.0 * part + 0.5 * b) * part ** 2 + c * part
+        part = np.linspace(0.0, 1.0, 33)
+        cubic = ((begin + end - 2.0 * rate) * part + (3.0 * rate - 2.0 * begin
+                                                      - end)) * part ** 2 + begin * part
         return float(cubic.max() - max(0.0, rate))
 
     def relative(self, change):
@@ -147,7 +137,11 @@ class LimitPoint:
         """Place where the cubic through both points with their slopes has its limit point."""
         left, right = self.left, self.right
         width = right.place - left.place
-        a, b, c = cubic_slope(left.slope, right.slope, self.rate)
+        rise = self.rate
+        # Slope of the cubic, a t^2 + b t + c for t from 0 to 1.
+        a = 3.0 * (left.slope + right.slope) - 6.0 * rise
+        b = 6.0 * rise - 4.0 * left.slope - 2.0 * right.slope
+        c = left.slope
         roots = np.roots([a, b, c]) if abs(a) > 1e-9 * abs(b) else np.array([-c / b])
         inside = [root.real for root in roots if abs(root.imag) < 1e-9 and 0.0 <= root.real <= 1.0]
         return left.place + width * (inside[0] if inside
@@ -160,7 +154,9 @@ class LimitPoint:
         rise = heading * self.rate
         if min(begin, end) <= rise < LEVEL / (self.right.place - self.left.place):
             return False
-        slopes = np.polyval(cubic_slope(begin, end, rise), np.linspace(0.0, 1.0, 33))
+        part = np.linspace(0.0, 1.0, 33)
+        slopes = (begin + (6.0 * rise - 4.0 * begin - 2.0 * end) * part
+                  + 3.0 * (begin + end - 2.0 * rise) * part ** 2)
         return bool(slopes.min() < (NEARLY * rise if slopes.min() < min(begin, end) else 0.0))
 
     def _corner(self):
