@@ -135,10 +135,11 @@ class Branch:
         makers = [lambda points, number=number: self._leg(number, points)
                   for number in range(1, len(self.legs) + 1)]
         points = path.branch(self.corrector, self._start, makers, predictor=self._predictor,
-                                at_fold=self.steps.at_fold, stops=self.load.stops,
-                                history=self.history, certify=self.stability
-                                or (lambda point: point), at_bifurcation=self.steps.at_bifurcation,
-                                stepper=steppers.stepper(self.steps))
+                             at_fold=self.steps.at_fold, stops=self.load.stops,
+                             history=self.history,
+                             certify=self.stability or (lambda point: point),
+                             at_bifurcation=self.steps.at_bifurcation,
+                             stepper=steppers.stepper(self.steps))
         works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None,

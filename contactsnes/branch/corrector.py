@@ -75,7 +75,14 @@ class Corrector:
 
     def solve(self, guess, controls, load, most_iterations=WARM):
         """The converged point at given loads near a guess; NotConverged otherwise. The window grows
-        when a solution asks."""
+        when a solution asks.
+
+        Parameters
+        ----------
+        guess : State
+        controls, load : of each component (u_n,r, u_t,r or w_n,r, w_t,r)
+        most_iterations : of Newton's method, after which the solve has failed
+        """
         guess = states.with_components(finite(guess), len(controls))
         if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
             guess = self.symmetry.checked(nearer(self.run, self.contact, guess, controls, load,
@@ -85,8 +92,8 @@ class Corrector:
             form = self.form_on(guess, controls)
             form.set_load(load)
             unknown, iterations = self.run(form,
-                                               form.pack(guess.displacement,
-                                                         guess.means[form.forced]), most_iterations)
+                                           form.pack(guess.displacement,
+                                                     guess.means[form.forced]), most_iterations)
             state = form.state(unknown)
             if not states.covers(self.contact, state):
                 guess = states.fitted(self.contact, state, afresh=True)
@@ -129,6 +136,13 @@ class Corrector:
         """Run the SNES from an unknown, which is overwritten; the solution and its iterations.
 
         Raises NotConverged with PETSc's reasons by name.
+
+        Parameters
+        ----------
+        form : of the SNES
+        unknown : array of the form's size, overwritten
+        most_iterations : of Newton's method; None: as options say
+        snes : SNES, if not the corrector's own
         """
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
@@ -172,7 +186,7 @@ class Corrector:
             snes.setTolerances(atol=0.5 * tolerance)
             try:
                 unknown, _ = self.run(form if system is None else system, unknown.copy(), WARM,
-                                          snes)
+                                      snes)
                 if system is not None:
                     system.set_position(unknown[-1])
                 state = form.state(unknown[:form.size])

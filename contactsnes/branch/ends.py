@@ -46,7 +46,13 @@ class Ends:
 
     def end_of_branch(self, point, leg, heading):
         """Why a branch has nothing to offer beyond a point whose load goes on (1) or back (-1), in
-        words, or ""."""
+        words, or "".
+
+        Parameters
+        ----------
+        point, leg : Point, Leg
+        heading : 1 or -1
+        """
         gap = states.normal_gap(self.contact, point.state)
         free = point.controls[0] == FORCE or heading < 0.0
         if free and not point.in_contact and self.contact.grid.minimum(
@@ -65,6 +71,11 @@ class Ends:
 
         Off the flat a body is attracted only, and less the farther it is away: as the force grows
         to zero, equilibria end out of the law's range, whatever the steps that led there.
+
+        Parameters
+        ----------
+        point, leg : Point, Leg
+        position : of the point in the leg
         """
         if (point.controls[0] != FORCE or point.in_contact or leg.moving != 0
             or leg.direction[0] <= 0.0):

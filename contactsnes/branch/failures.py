@@ -173,7 +173,13 @@ def slips(contact, point):
 
 def narrow(contact, before, after):
     """Whether what changed from one state to another, by half of the most or more, is nowhere wider
-    than `NARROW` nodes."""
+    than `NARROW` nodes.
+
+    Parameters
+    ----------
+    contact : Contact
+    before, after : State
+    """
     window = max(before.window, after.window, key=lambda window: window.size)
     first, last = states.onto(before, window), states.onto(after, window)
     change = np.linalg.norm(last - first, axis=0)

@@ -40,6 +40,11 @@ def start(system, controls, load):
 
     A cold solve finds it where the gap is convex; elsewhere, and where that fails, motion
     decides.
+
+    Parameters
+    ----------
+    system : Corrector
+    controls, load : of each component
     """
     why = ambiguous(system)
     if why is None:
@@ -72,14 +77,27 @@ def ambiguous(system):
 
 def cold(system, controls, load):
     """The point at given loads that the body reaches from the start without overlap, without
-    friction first."""
+    friction first.
+
+    Parameters
+    ----------
+    system : Corrector
+    controls, load : of each component
+    """
     point = first_point(system, controls[:1], load[:1])
     return point if len(controls) == 1 else system.solve(point.state, controls, load, COLD)
 
 
 def coarser(system, contact, tolerance):
     """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid
-    but its own serves it."""
+    but its own serves it.
+
+    Parameters
+    ----------
+    system : Corrector
+    contact : Contact on a coarser grid
+    tolerance : of the residual norm, ranges of the law; None: that of -snes_atol
+    """
     form = system.settings
     if not (form.cascade and not FORMS[form.form].whole_cell and form.first == "none"
             and asked().has_tangent):
@@ -111,7 +129,13 @@ def first_point(system, controls, load):
 
 
 def beginning(contact, controls, load):
-    """The undeformed body from which a first point is reached; components as controls."""
+    """The undeformed body from which a first point is reached; components as controls.
+
+    Parameters
+    ----------
+    contact : Contact
+    controls, load : of each component
+    """
     if contact.isolated and load[0] == 0.0:
         # Without a force an isolated body stays where it starts, outside the law's range.
         return states.with_components(states.apart(contact), len(controls))
@@ -123,6 +147,12 @@ def on_grid(system, controls, load, start=None):
 
     Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves
     at given approaches first find the one that belongs to the load.
+
+    Parameters
+    ----------
+    system : Corrector
+    controls, load : of the normal component
+    start : State to begin with, if not the one without overlap
     """
     state = states.undeformed(system.contact, controls, load) if start is None else start
     if controls[0] == FORCE or system.contact.rigid_compliance(1)[0] > 0.0:
@@ -171,7 +201,14 @@ def levels(contact, start):
 
 def through_grids(system, start, controls, load):
     """The state near a first point that coarser grids find from a start without overlap, or None
-    where none serves."""
+    where none serves.
+
+    Parameters
+    ----------
+    system : Corrector
+    start : State without overlap
+    controls, load : of the normal component
+    """
     state, found = None, levels(system.contact, start)
     for finer, level in reversed(list(zip(found, found[1:]))):
         coarse = coarser(system, level, tolerance(level, finer))
@@ -198,6 +235,11 @@ def refined(contact, finer, state):
     With the same law, displacements over the cell are interpolated by their waves: they are as
     smooth as the body makes them. With another one, w = a + N(a)/kappa in units of length is, with
     one stiffness for both: where the surfaces overlap it is the traction, elsewhere the gap.
+
+    Parameters
+    ----------
+    contact, finer : Contact
+    state : State of the first of them
     """
     if contact.ranges[0] == finer.ranges[0]:
         cell = resampled(contact.grid, finer.grid, contact.extended(state))

@@ -14,7 +14,13 @@ class Neighbours:
 
     def adapted(self, point, controls, load):
         """The point as one of a leg: with as many components as there are controls, under its
-        controls and load."""
+        controls and load.
+
+        Parameters
+        ----------
+        point : Point
+        controls, load : of each component of the leg
+        """
         displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
                                  for values in (point.displacements, point.forces))
         state = self.symmetry.checked(states.with_components(point.state, len(controls)))
@@ -33,22 +39,44 @@ class Neighbours:
 
     def missed(self, guess, state, largest=False):
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean
-        square or largest."""
+        square or largest.
+
+        Parameters
+        ----------
+        guess, state : State
+        largest : whether the largest at a node, not the root mean square
+        """
         return states.missed(self.contact, states.with_components(guess, len(state.displacement)),
                              state, largest)
 
     def strayed(self, guess, last, state):
         """By how much a node ends farther from its prediction than a smooth branch leaves open
-        (``acceptance.strayed``)."""
+        (``acceptance.strayed``).
+
+        Parameters
+        ----------
+        guess, last, state : State, foretold, before the step and after it
+        """
         return acceptance.strayed(self.contact, *self._alike(guess, last, state))
 
     def doubtful(self, guess, last, state):
-        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``)."""
+        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``).
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
         return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
 
     def detached(self, guess, last, state, back):
         """Whether the tangent at a state hardly leads back to the last one
-        (``acceptance.detached``)."""
+        (``acceptance.detached``).
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        back : State, foretold from ``state`` for where ``last`` is
+        """
         return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
 
     def _alike(self, *found):
@@ -57,7 +85,12 @@ class Neighbours:
 
     def progress(self, origin, ahead, state):
         """How far a state is from ``origin`` towards ``ahead``, as a part of that distance
-        (negative: the other way)."""
+        (negative: the other way).
+
+        Parameters
+        ----------
+        origin, ahead, state : State
+        """
         return states.progress(self.contact, origin, ahead, state)
 
     def chord_length(self, first, last):

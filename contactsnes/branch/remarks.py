@@ -73,7 +73,7 @@ class Remarks:
                       "hysteresis; energy is lost in jumps only")
 
     def tell_of_release(self, last, leg):
-        """Say of a leg that lets go of a displacement and moves another one whether it begins at an
+        """Say of a leg that releases a displacement and moves another one whether it begins at an
         unstable point.
 
         Where nobody checks stability, and only there; of a leg that moves forces alone its first
@@ -82,8 +82,7 @@ class Remarks:
         freed = any(pair == (DISPLACEMENT, FORCE) for pair in zip(last.controls, leg.controls))
         pulled = any(control == DISPLACEMENT and way != 0.0
                      for control, way in zip(leg.controls, leg.direction))
-        if self.certified or last.leg == leg.number or not (freed and pulled
-                                                                        and self.has_tangent):
+        if self.certified or last.leg == leg.number or not (freed and pulled and self.has_tangent):
             return
         begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event="none",
                         tangents=())

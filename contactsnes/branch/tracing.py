@@ -75,7 +75,14 @@ class Tracer(Corrector, Neighbours, Ends):
 
     def direction(self, point, chord, leg):
         """The branch's direction at a point per unit of length along a chord: one linear solve,
-        regular at a fold, too."""
+        regular at a fold, too.
+
+        Parameters
+        ----------
+        point : Point
+        chord : two states
+        leg : Leg
+        """
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
         right = np.zeros(arc.size)
@@ -107,7 +114,14 @@ class Tracer(Corrector, Neighbours, Ends):
 
     def along_tangent(self, point, leg, position, step):
         """The state of a point of a leg moved along the branch's tangent: one linear solve with the
-        Jacobian there."""
+        Jacobian there.
+
+        Parameters
+        ----------
+        point, leg : Point, Leg
+        position : of the point in the leg
+        step : of the position
+        """
         state, direction = self.fitted(point.state), leg.direction
         form = self.form_on(state, leg.controls)
         form.set_load(leg.load(position))

@@ -70,9 +70,10 @@ def _styles(records, shown):
             if name not in families[family] and (shown is None or name in shown):
                 families[family].append(name)
     styles = {}
-    for family in (family for family in HUES if family in families):
+    for family in sorted(families, key=[*HUES, *families].index):
         names = families[family]
-        shades = matplotlib.colormaps[HUES[family]](np.linspace(0.95, 0.45, len(names)))
+        hue = HUES.get(family, HUES["others"])
+        shades = matplotlib.colormaps[hue](np.linspace(0.95, 0.45, len(names)))
         for number, (name, shade) in enumerate(zip(names, shades)):
             styles[name] = family, dict(color=shade, linestyle=LINES[number % len(LINES)],
                                         linewidth=2.0 if name == "newton" else 1.1, zorder=4

@@ -37,7 +37,6 @@ class CompareOptions(Options):
     overwrite: bool = option(False, "replace existing files")
 
 
-
 class Method(NamedTuple):
     """A method: its name, and its options as name (lower case, without dash) -> value."""
 

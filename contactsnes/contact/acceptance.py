@@ -61,7 +61,13 @@ def strayed(contact, guess, last, found):
 
 def doubtful(contact, guess, last, found):
     """Whether nodes release so much energy on the way that a jump may be a part of it
-    (``_suspects``)."""
+    (``_suspects``).
+
+    Parameters
+    ----------
+    contact : Contact
+    guess, last, found : State, as of `strayed`
+    """
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 

@@ -197,7 +197,14 @@ def _stretched(contact, state, window, places, target, part):
 
 def spline(values, places, axis):
     """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
-    array with these along the axis."""
+    array with these along the axis.
+
+    Parameters
+    ----------
+    values : array, nodes along the axis
+    places : array, in nodes
+    axis : int
+    """
     count = values.shape[axis]
     coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
     places = np.minimum(np.maximum(places, 0.0), count - 1.0)

@@ -98,6 +98,12 @@ def straight(contact, first, last, panels=1):
     over nodes, phi_i.
 
     By Gauss and Legendre's rule of five points in each of some equal panels.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State; the way is on the window of the last
+    panels : equal parts of the way
     """
     start, gap = onto(first, last.window), np.zeros_like(last.displacement)
     gap[0] = last.window.take(contact.initial_gap)
@@ -110,7 +116,14 @@ def straight(contact, first, last, panels=1):
 
 def line_integral(places, values, along, first):
     """Integral of ``values`` d(``along``) from place number ``first`` to the last, by polynomials
-    through all places."""
+    through all places.
+
+    Parameters
+    ----------
+    places : array, distances along a path
+    values, along : arrays of the same length
+    first : number of the place from which on
+    """
     degree = len(places) - 1
     curves = [Polynomial.fit(places, y, degree) for y in (values, along)]
     area = (curves[0] * curves[1].deriv()).integ()
@@ -153,7 +166,7 @@ class PathEnergies:
         """The point with displacements and forces of all components."""
         missing = (0, self.contact.scene.components - len(point.forces))
         return Entry(point, np.pad(far_displacements(self.contact, point), missing),
-                       np.pad(point.forces, missing))
+                     np.pad(point.forces, missing))
 
     def _keep(self, point):
         """Keep a point, unless it is a further event at the last one."""
@@ -171,7 +184,7 @@ class PathEnergies:
         lost."""
         external = weights(self.contact,
                            len(entry.forces)) @ (last.forces * (entry.displacements
-                                                                  - last.displacements))
+                                                                - last.displacements))
         point, before = entry.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"

@@ -238,7 +238,12 @@ def refuse(contact, sheared, settings, method):
 
 def obstacles(contact, sheared, settings, method):
     """Why states are not taken for even at the start and in each leg, in words or None where they
-    are, a list."""
+    are, a list.
+
+    Parameters
+    ----------
+    contact, sheared, settings, method : as of `refuse`
+    """
     why = method_obstacle(settings, method)
     return [why or obstacle(contact, contact.scene.components if tangential else 1)
             for tangential in sheared]

@@ -1,5 +1,5 @@
-"""The contact problem in two forms of one balance, on the nodes where the law acts and on the whole
-cell.
+"""The contact problem as a balance of displacements on the nodes where the law acts; `force_form`
+has it as one of forces on the whole cell.
 
 Everything here is in ranges of the law: displacements v_i = lambda_i u_i, tractions in phi_i /
 delta_i. With the body's compliance C (mean-free part, scaled by lambda_i lambda_j) and its rigid

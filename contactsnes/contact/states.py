@@ -207,7 +207,14 @@ def with_components(state, components):
 
 def combined(contact, states, weights):
     """Weighted sum of states at fixed places, on the window of the last, without overlap much
-    deeper than its."""
+    deeper than its.
+
+    Parameters
+    ----------
+    contact : Contact
+    states : list of State
+    weights : numbers, one a state
+    """
     window = states[-1].window
     displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     floor = contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0
@@ -227,6 +234,12 @@ def missed(contact, guess, found, largest=False):
     below 10).
 
     Root mean square, or the largest: the one that a spot makes which is small beside the rest.
+
+    Parameters
+    ----------
+    contact : Contact
+    guess, found : State
+    largest : whether the largest at a node, not the root mean square
     """
     change, near = way(contact, guess, found, max(guess.window, found.window,
                                                   key=lambda window: window.size))
@@ -240,7 +253,14 @@ def missed(contact, guess, found, largest=False):
 
 def way(contact, first, last, window):
     """Displacements from one state to another on a window, and the nodes where the law acts on
-    either (gap below 10)."""
+    either (gap below 10).
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    window : Window
+    """
     begin, end = onto(first, window), onto(last, window)
     return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
 
@@ -251,6 +271,12 @@ def chord(contact, first, last, window):
     The product of the row with displacements from ``first`` is how far they lead along the way,
     root mean square over the nodes where the law acts on either end (over all, where it acts on
     none): a number that depends on neither grid nor window.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    window : Window
     """
     change, near = way(contact, first, last, window)
     if near.any():
@@ -262,7 +288,13 @@ def chord(contact, first, last, window):
 
 def progress(contact, origin, ahead, state):
     """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the
-    window of ``ahead``."""
+    window of ``ahead``.
+
+    Parameters
+    ----------
+    contact : Contact
+    origin, ahead, state : State
+    """
     start = onto(origin, ahead.window)
     way, gone = ahead.displacement - start, onto(state, ahead.window) - start
     return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)

@@ -108,12 +108,12 @@ class ArcSteps(NaturalSteps):
         missed = self.system.missed(guess, point.state)
         moved = self.system.missed(last.state, point.state)
         if (missed > MISSED and missed > SHARE * moved) or self.system.strayed(guess, last.state,
-                                                                           point.state) > 0.0:
+                                                                               point.state) > 0.0:
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its "
                                f"prediction, {moved:.3g} from the last point, "
                                "perhaps on another branch")
         if missed > ASIDE and (missed > ALONG * moved or self.system.missed(self._back(point),
-                                                                           last.state) > SHARE
+                                                                            last.state) > SHARE
                                * moved):
             raise NotConverged("the branch where the step ended hardly leads back")
         ahead = self._way(last, point)

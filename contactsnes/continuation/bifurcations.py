@@ -32,6 +32,8 @@ SOFTER = 0.7
 BACK = 0.5
 """Way, and part of the softest value at its begin, from which on the tangent at its end is asked,
 and what part of the way that has to lead back."""
+
+
 def examined(system, certify, leg, last, point):
     """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of
     another branch.

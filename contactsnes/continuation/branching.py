@@ -25,6 +25,12 @@ def followed(system, stability, leg, critical, beyond):
 
     Raises NotConverged or NoEquilibrium, the first that a motion raised, where none leads to
     another equilibrium.
+
+    Parameters
+    ----------
+    system, stability, leg : System, Stability (`system.Stability`), Leg
+    critical : Point, the bifurcation
+    beyond : Point of the branch behind it, not stable
     """
     where = (f"at {system.told(leg.controls, leg.load(beyond.position))}, off the branch "
              "that has lost its stability")
@@ -55,7 +61,7 @@ def _branched(system, leg, critical, beyond, reached):
     except NotConverged:
         return reached
     if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
-                                                                        reached.state):
+                                                                           reached.state):
         return reached
     return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
                    event="jump")
@@ -66,6 +72,12 @@ def settled(system, stability, point, where):
     at most three times.
 
     The motion of an even state is even, but what is not even may grow: only the mark tells.
+
+    Parameters
+    ----------
+    system, stability : System, Stability (`system.Stability`)
+    point : Point, the end of the jump
+    where : str, what messages say of the place
     """
     for _ in range(3):
         point = stability(point)

@@ -45,8 +45,8 @@ class FoldingSteps(ArcSteps):
 
         No point where the fold turns out to lie before the last one.
         """
-        fold, late = (None, False) if self.system.end_of_branch(point, self.leg,
-                                                       self.heading) else self._fold_before(point)
+        ended = self.system.end_of_branch(point, self.leg, self.heading)
+        fold, late = (None, False) if ended else self._fold_before(point)
         if late:
             return fold, None
         here, last = self.history[-1]

@@ -183,7 +183,7 @@ class LimitPoint:
         part of its width."""
         width = self.right.place - self.left.place
         found = self._point_at(min(max(place, self.left.place + closest * width),
-                                  self.right.place - closest * width), tight)
+                                   self.right.place - closest * width), tight)
         if found.slope * self.sign > 0.0:
             self.left = found
         else:

@@ -16,7 +16,14 @@ SAME = 1e-6
 
 def grown(step, iterations, largest, target=8):
     """The next step after a success: longer by up to twice the fewer iterations it took (as in
-    BifurcationKit)."""
+    BifurcationKit).
+
+    Parameters
+    ----------
+    step, largest : lengths, in one unit
+    iterations : of the last solve; 0 where not known
+    target : iterations with which a step stays as long as it is
+    """
     if iterations >= target:
         return min(largest, step * max(0.5, target / iterations))
     return min(largest, step * (1.0 + ((target - iterations) / target) ** 2))

@@ -97,7 +97,13 @@ def settle(system, state, controls, load, where, origin=None):
 
 def inertial(system, state, controls, load, where, options):
     """The equilibrium that motion with inertia leads to; where that has no end, since inertia may
-    carry a body past an equilibrium, overdamped motion decides. Errors as of `settle`."""
+    carry a body past an equilibrium, overdamped motion decides. Errors as of `settle`.
+
+    Parameters
+    ----------
+    system, state, controls, load, where : as of `settle`
+    options : MotionOptions
+    """
     try:
         return by_inertia(system, state, controls, load, where)
     except Leaving:
@@ -117,6 +123,11 @@ def by_creep(system, state, controls, load, origin, options):
 
     Raises Leaving or Unsettled as the motion does, NotConverged where Newton's method does not
     confirm its end.
+
+    Parameters
+    ----------
+    system, state, controls, load, origin : as of `settle`
+    options : MotionOptions
     """
     if not np.isfinite(state.displacement).all():
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
@@ -132,7 +143,14 @@ def by_creep(system, state, controls, load, origin, options):
 
 
 def at_rest(system, motion, controls, load):
-    """The converged point where a motion comes to rest, followed on until Newton confirms it."""
+    """The converged point where a motion comes to rest, followed on until Newton confirms it.
+
+    Parameters
+    ----------
+    system : Corrector
+    motion : OverdampedMotion
+    controls, load : of each component
+    """
     for rest in RESTS:
         motion.follow(rest)
         try:
@@ -144,7 +162,14 @@ def at_rest(system, motion, controls, load):
 
 def polished(system, rest, controls, load):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
-    elsewhere."""
+    elsewhere.
+
+    Parameters
+    ----------
+    system : Corrector
+    rest : State
+    controls, load : of each component
+    """
     point = system.solve(rest, controls, load, COLD)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
@@ -157,6 +182,10 @@ def by_inertia(system, state, controls, load, where):
     """The equilibrium that damped motion with inertia leads to on the whole cell.
 
     Raises Leaving where the body leaves, NotConverged where it does not settle.
+
+    Parameters
+    ----------
+    system, state, controls, load, where : as of `settle`
     """
     form = ForceForm(system.contact.periodic, controls)
     form.set_load(load)

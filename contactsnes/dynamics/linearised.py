@@ -129,7 +129,15 @@ class Overdamped:
 
 def mirrored(window, field, axis, signs):
     """Mirror image about the apex of a field (components, nodes) on a centred window, its
-    components times signs."""
+    components times signs.
+
+    Parameters
+    ----------
+    window : Window, centred
+    field : array (components, nodes)
+    axis : direction that is reversed
+    signs : one a component
+    """
     box = np.flip(window.box(field), axis + 1)
     if window.shape[axis] == window.grid.shape[axis]:
         box = np.roll(box, 1, axis + 1)

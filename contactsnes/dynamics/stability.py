@@ -118,7 +118,14 @@ class Stability:
             symmetry.leave("an unstable mode is not even about the apex")
 
     def modes(self, point, accurate=ACCURATE, number=0):
-        """`Modes` of a point, accurate up to a ``number``."""
+        """`Modes` of a point, accurate up to a ``number``.
+
+        Parameters
+        ----------
+        point : Point
+        accurate : residual; None where signs alone are asked for
+        number : of the last mode that is to be accurate, 0 for the leading one
+        """
         state = states.fitted(self.contact, point.state)
         axes = []
         if len(state.window.parts) == 1:

@@ -30,7 +30,14 @@ class CoreOptions(Options):
 
 def core_weight(form, component, options):
     """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there in each box;
-    None where nothing is stiff."""
+    None where nothing is stiff.
+
+    Parameters
+    ----------
+    form : DisplacementForm or ForceForm, linearised
+    component : int
+    options : CoreOptions
+    """
     tangent = form.tangent[component, component]
     largest = form.grid.maximum(tangent)
     if largest <= 1e-6:

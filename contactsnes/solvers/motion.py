@@ -234,6 +234,14 @@ def slides(law, grid, gap, force, pressed):
     """Whether friction has levelled off wherever the law acts, at a sum over nodes below ``force``.
 
     What is ``pressed`` down where the law acts nowhere will come into contact.
+
+    Parameters
+    ----------
+    law : Law
+    grid : Grid
+    gap : array (components, nodes), ranges of the law
+    force : of the component, a sum over nodes of tractions in phi_t/delta_t
+    pressed : whether the body is pressed down
     """
     within = gap[0] < law.range
     if not within.any():

@@ -56,7 +56,7 @@ class Relaxation:
             self.most_evaluations = snes.max_funcs
 
     def setUp(self, snes):
-        """Have the norm tested that is handed over, for the function's Vec is not kept."""
+        """Have the norm tested that is reported to PETSc, for the function's Vec is not kept."""
         if not isinstance(snes.appctx, ForceForm):
             raise InputError(
                 f"-snes_python_type is '{snes.getPythonType()}': it needs -contact_form force")

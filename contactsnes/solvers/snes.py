@@ -164,7 +164,13 @@ def create_snes(form, prefix="", tolerance=None):
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
     form's own preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol
-    1e-8, -snes_rtol and -snes_stol 0. A ``tolerance`` stands in place of -snes_atol.
+    1e-8, -snes_rtol and -snes_stol 0.
+
+    Parameters
+    ----------
+    form : of the equations
+    prefix : of the options, after the dash
+    tolerance : of the residual norm, in place of -snes_atol
     """
     database = PETSc.Options(prefix)
     _collect()
@@ -178,7 +184,6 @@ def create_snes(form, prefix="", tolerance=None):
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
-    ksp = snes.getKSP()
     with full_steps(database, kind):
         smoothers = create_levels(snes, form, equip) if kind == "fas" else []
         if method.forcing and not database.hasName("ksp_rtol"):
@@ -187,17 +192,29 @@ def create_snes(form, prefix="", tolerance=None):
         snes.setFromOptions()
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
-    if not database.hasName("ksp_atol") and ksp.getPCSide() == PETSc.PC.Side.RIGHT:
+    if not database.hasName("ksp_atol") and snes.getKSP().getPCSide() == PETSc.PC.Side.RIGHT:
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks
         # for.
-        ksp.setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
-    form.ritz = Ritz()
-    if method.has_tangent:
-        ksp.setComputeEigenvalues(True)
-        snes.setMonitor(form.ritz)
+        snes.getKSP().setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
+    watch_modes(snes, form, method)
     inner = [(solver, form) for solver in inner_solvers(snes, form)]
     regularise([(snes, form), *inner, *smoothers], read(NewtonOptions, prefix))
     return snes
+
+
+def watch_modes(snes, form, method):
+    """Give a form its monitor of Ritz values, which sees those of a method with a tangent.
+
+    Parameters
+    ----------
+    snes : SNES of the form
+    form : which gets ``ritz``
+    method : Capabilities of the type of SNES
+    """
+    form.ritz = Ritz()
+    if method.has_tangent:
+        snes.getKSP().setComputeEigenvalues(True)
+        snes.setMonitor(form.ritz)
 
 
 def regularise(solvers, options):
@@ -253,6 +270,12 @@ def displacement_test(snes, iteration, norms, form):
 
     In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is
     a step.
+
+    Parameters
+    ----------
+    snes : SNES
+    iteration, norms : as PETSc gives them
+    form : of the equations
     """
     rtol, atol, stol, most = snes.getTolerances()
     unknown = snes.getSolution().getArray(readonly=True)

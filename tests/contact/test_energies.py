@@ -226,7 +226,7 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
                                 (free + 0.001, 1e-4, 1e-4)):
         # A work on the interface whose error exceeds all that is lost says nothing of the latter.
         known = PathEnergies(contact, found[-3:-1]).completed(replace(jumped, jump_work=work,
-                                                              viscous_work=viscous))
+                                                                      viscous_work=viscous))
         assert (known.jump_balance == "motion"
                 and known.energy_imbalance == pytest.approx(before.energy_imbalance))
         assert known.dissipated_work == pytest.approx(lost)

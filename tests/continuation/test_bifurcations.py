@@ -234,7 +234,7 @@ def test_a_motion_that_leads_back_is_no_other_branch(end, back):
     system = Landing([end], curve(lambda u: -u, lambda u: -np.ones_like(u)))
     (_, critical), (_, beyond) = system.points([0.0], [0.0])
     found = branching.followed(system, Dense(system), UNIT_LEG,
-                                  replace(critical, mode=np.ones(1)), beyond)
+                               replace(critical, mode=np.ones(1)), beyond)
     assert (found is None) == back and any("led back" in sentence
                                            for sentence in system.sentences) == back
 

@@ -36,5 +36,11 @@ class Predictor:
 
 
 def through(system, points, places, place):
-    """The state at a place by the polynomial through points, each component on its own."""
+    """The state at a place by the polynomial through points, each component on its own.
+
+    Parameters
+    ----------
+    system : System
+    points, places, place : as of `Predictor.state`
+    """
     return system.extrapolate(points, lagrange_weights(places, place))
