@@ -179,8 +179,7 @@ def create_snes(form, prefix="", tolerance=None):
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
     equip(snes, form)
-    kind = database.getString("snes_type", "newtonls")
-    method = asked(prefix)
+    kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
@@ -197,8 +196,8 @@ def create_snes(form, prefix="", tolerance=None):
         # for.
         snes.getKSP().setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     watch_modes(snes, form, method)
-    inner = [(solver, form) for solver in inner_solvers(snes, form)]
-    regularise([(snes, form), *inner, *smoothers], read(NewtonOptions, prefix))
+    own = ((solver, form) for solver in (snes, *inner_solvers(snes, form)))
+    regularise([*own, *smoothers], read(NewtonOptions, prefix))
     return snes
 
 
