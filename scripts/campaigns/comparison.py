@@ -71,6 +71,8 @@ def compare(one, other, tolerance=1e-6, fold=1e-6, finished=True):
             found.append(f"end of leg {leg}: {_told(one, other, *ends)}")
             break
     names = [_events(story, common) for story in (one, other)]
+    if stopped:
+        names = [_before_the_end(story, own) for story, own in zip((one, other), names)]
     # Longer steps find gross sliding and loss of contact later, perhaps behind the fold that they
     # would come before.
     exact, others = ([[name for name, _ in own if (name[1] in EXACT) is is_exact] for own in names]
@@ -97,6 +99,16 @@ def _events(story, common):
     """((leg, event, kind), point) of a story as far as a leg."""
     return [((int(story.legs[point]), story.path["event"][point], story.path["fold_kind"][point]),
              point) for point in story.events if story.legs[point] <= common]
+
+
+def _before_the_end(story, events):
+    """Events without the fold whose point is also the one with the event that ended the path:
+    shorter steps may have met that event, and ended, before the fold."""
+    last = story.count - 1
+    if story.path["event"][last] in (*EXACT, "none"):
+        return events
+    return [(name, point) for name, point in events
+            if name[1] != "fold" or not np.array_equal(story.values(point), story.values(last))]
 
 
 def _load(story, point):

@@ -133,6 +133,30 @@ def test_paths_that_end_elsewhere_do_not_agree(worker, tmp_path):
             and "end of leg 1" in comparison.compare(*paths)[0])
 
 
+class Told(comparison.Story):
+    """A story of made events, on one leg."""
+
+    def __init__(self, *events):
+        self.count = len(events)
+        self.legs, self.names = np.ones(self.count, int), ["tangential_displacement"]
+        self.events = [point for point, (event, _) in enumerate(events) if event != "none"]
+        self.path = checker.Path(event=[event for event, _ in events], fold_kind=[""] * self.count,
+                                 tangential_displacement=[load for _, load in events],
+                                 dissipated_work=[0.0])
+        self.path.legs, self.path.dimension = [{0: ("force", 1.0), 1: ("displacement", 1.0)}], 0
+
+
+def test_an_event_that_ends_a_path_may_come_before_the_fold_that_longer_steps_reach():
+    sliding = ("gross_sliding", 3.0)
+    late = Told(("none", 2.0), ("fold", 3.2), ("gross_sliding", 3.2))
+    assert comparison.compare(late, Told(("none", 2.0), sliding)) == []
+    assert comparison.compare(Told(("none", 2.0), sliding), late) == []
+    apart = Told(("none", 2.0), ("fold", 2.5), ("jump", 2.5), ("gross_sliding", 3.2))
+    assert "events" in comparison.compare(apart, Told(("none", 2.0), sliding))[0]
+    assert "events" in comparison.compare(late, Told(("none", 2.0), ("none", 4.0)))[0]
+
+
+
 @pytest.mark.parametrize("name", ["acceptance of steps", "growth of the window", "evenness",
                                   "residual", "precision of folds", "events"])
 def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
