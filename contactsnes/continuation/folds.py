@@ -22,6 +22,10 @@ AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
 
+WITHIN = 0.1
+"""Part of a refused step within which a neighbour is looked for where it is nowhere farther away.
+"""
+
 
 class FoldSearch:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
@@ -40,7 +44,7 @@ class FoldSearch:
         the trouble; NoFold (``error`` again) where no solution can be followed any further."""
         begin = self.history[-1][0]
         try:
-            trail = self.trail()
+            trail = self.trail(refused)
         except NotConverged as second:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
         end = min(begin + self.largest, 1.0)
@@ -100,17 +104,20 @@ class FoldSearch:
         curvature, slope, _ = np.polyfit(arc, [place for place, _ in trail], 2)
         return arc, slope + 2.0 * curvature * arc
 
-    def trail(self):
+    def trail(self, refused=np.inf):
         """The last two points, made by a tiny tangent step where the leg has only begun."""
         if len(self.history) > 1:
             return [(position, point) for position, point in self.history[-2:]]
         here, last = self.history[-1]
         step = max(self.leg.smallest, 1e-3 * self.initial)
-        try:
-            # Backwards, since the trouble may be nearer than the step.
-            return [self._tiny(last, here, -step), (here, last)]
-        except NotConverged:
-            return [(here, last), self._tiny(last, here, step)]
+        # Backwards, since the trouble may be nearer than the step; there may be more behind.
+        for tiny in (-step, step):
+            try:
+                neighbour = self._tiny(last, here, tiny)
+            except NotConverged:
+                continue
+            return [neighbour, (here, last)] if tiny < 0.0 else [(here, last), neighbour]
+        return [self._tiny(last, here, -min(step, WITHIN * refused)), (here, last)]
 
     def _tiny(self, last, here, step):
         """Place and point of a step along the tangent from the only point."""

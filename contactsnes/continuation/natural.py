@@ -67,8 +67,9 @@ class NaturalSteps(LoadSteps):
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
                                 f"next one is {step:.3g} of the leg")
                 short = min(self.leg.initial, SHORT)
-                if searched != position and (step < self.leg.smallest or step < 0.1 * short
-                                             or failures > 1 and step < short):
+                # What a search missed beyond a longer step may be near where the last ones end.
+                if step < self.leg.smallest or searched != position and (
+                        step < 0.1 * short or failures > 1 and step < short):
                     searched, before = position, self.history[-1][1]
                     yield from self._look_ahead(error, step)
                     if self.stopped:
@@ -77,8 +78,6 @@ class NaturalSteps(LoadSteps):
                         failures = 0
                         step = self.history[-1][1].step
                         searched = None
-                elif step < self.leg.smallest:
-                    self._give_up(error, f"at {self._place(1.0)}")
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
             shortest, failures = min(step, self.leg.initial), 0

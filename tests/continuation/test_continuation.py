@@ -867,6 +867,22 @@ def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, s
                 and left == trail[:-1])
 
 
+@pytest.mark.parametrize("room, refused, behind", [(1.0, np.inf, True), (1e-6, 4e-6, True),
+                                                   (1e-6, np.inf, None)])
+def test_the_neighbour_of_an_only_point_is_as_near_as_what_was_refused(room, refused, behind):
+    system = System(explicit(lambda load: load, np.ones_like),
+                    fails=lambda load: abs(load - 0.5) > room)
+    last = system.solve(np.array([0.5]), UNIT_LEG.controls, np.array([0.5]))
+    search = FoldSearch(system, UNIT_LEG, [(0.5, last)])
+    if behind is None:
+        with pytest.raises(NotConverged):
+            search.trail(refused)
+        return
+    (before, _), (here, _) = search.trail(refused)
+    assert here == 0.5 and 0.0 < here - before <= room
+
+
+
 def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
     """Short steps beyond a peak, whose loads rise by rounding still: it lies before the last two
     pairs of points."""
