@@ -66,8 +66,10 @@ def begin_petsc(words):
 
     for size, rank in LAUNCHED:
         _refuse_several(_count(size), _count(rank))
-    # One process needs no daemon of Open MPI, which takes a good part of a second to start.
+    # One process needs no daemon of Open MPI, which takes a good part of a second to start, nor to
+    # look for networks, which takes a fifth.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    os.environ.setdefault("OMPI_MCA_pml", "ob1")
     try:
         # Unused options are our own business: PETSc would list those that a sentence on bad input
         # leaves unread. Signals are, too: PETSc's handlers would abort.
