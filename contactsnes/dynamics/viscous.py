@@ -2,7 +2,7 @@
 and their implicit steps.
 
 M u' = -(K u + t): the body is one whose material creeps with the relaxation time 1 (Kelvin and
-Voigt), M = K for every wave, and a mean that can move has the mass of `contact.Contact.mean_mass`.
+Voigt), M = K for every wave, and a mean that can move has the mass of `problem.Contact.mean_mass`.
 So u = w + m, with the means m of the components, and
 
     w' = -(w + C t),    m' = -(k_0 (m - far displacement) + mean t - prescribed mean) / m_0.

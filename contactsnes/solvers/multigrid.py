@@ -171,12 +171,12 @@ def _check(form, database):
 
 
 def create_levels(snes, form, equip):
-    """Make a form's SNES a full approximation scheme over coarser grids; its smoothers on all
-    grids, each with its form.
+    """Make a form's SNES a full approximation scheme; smoothers of all grids, each with its form.
 
     Parameters
     ----------
     snes : SNES of the form, before its setFromOptions
+    form : DisplacementForm on the finest grid
     equip : function (SNES, form) that sets function, Jacobian and linear solver
 
     A smoother is one step of Newton, its linear system solved to 0.1; the coarsest grid is solved

@@ -2,6 +2,7 @@
 of them."""
 
 import ast
+import re
 from pathlib import Path
 
 import contactsnes
@@ -38,14 +39,22 @@ def told(node):
     return "Parameters\n----------\n" in (ast.get_docstring(node) or "")
 
 
-def above(name, classes):
-    """The methods that one of a class overrides, as far as classes of these names are known."""
+def named(node):
+    """Names that the section tells of: what stands before the colons of its lines."""
+    section = ast.get_docstring(node).split("Parameters\n----------\n")[1]
+    lines = re.split(r"\n\n|\n\w+\n-+\n", section)[0].splitlines()
+    heads = [line.split(" : ")[0] for line in lines if not line.startswith(" ")]
+    return {name.strip().lstrip("*") for head in heads for name in head.split(",")}
+
+
+def above(name, nodes):
+    """The methods that one of a class overrides, among nodes by their dotted names."""
     owner, _, method = name.rpartition(".")
-    for node in classes.get(owner, ()):
+    for node in nodes.get(owner, ()):
         for base in map(ast.unparse, node.bases):
-            named = f"{base.rpartition('.')[2]}.{method}"
-            yield from classes.get(named, ())
-            yield from above(named, classes)
+            inherited = f"{base.rpartition('.')[2]}.{method}"
+            yield from nodes.get(inherited, ())
+            yield from above(inherited, nodes)
 
 
 def lacking(trees):
@@ -74,7 +83,19 @@ def test_the_finder_of_sections():
     assert lacking([tree]) == ["Two.go", "run"]
 
 
+def package():
+    """The tree of every file."""
+    return [ast.parse(path.read_text(encoding="utf-8"), path)
+            for path in sorted(PACKAGE.rglob("*.py"))]
+
+
 def test_many_arguments_are_told_one_by_one():
-    trees = [ast.parse(path.read_text(encoding="utf-8"), path)
-             for path in sorted(PACKAGE.rglob("*.py"))]
-    assert not lacking(trees), "these lack a section Parameters"
+    assert not lacking(package()), "these lack a section Parameters"
+
+
+def test_sections_name_all_arguments_and_no_others():
+    """Dataclasses, which have no ``__init__`` of their own, tell of their fields."""
+    found = {name: set(given) ^ named(node) for tree in package()
+             for name, node, given in public(tree) if given and told(node)}
+    assert not {name: names - {"self", "cls"} for name, names in found.items()
+                if names - {"self", "cls"}}
