@@ -125,8 +125,8 @@ def root_depth(x, half_width, period=np.inf):
 
     Parameters
     ----------
-    x, half_width : float or array, beta
-    period : float, beta; `inf`: isolated
+    x, half_width : float or array, one unit of length
+    period : float, the same unit; `inf`: isolated
     """
     left, right = half_width + np.asarray(x), half_width - np.asarray(x)
     if np.isfinite(period):
@@ -140,7 +140,7 @@ def reciprocal_depth(x, half_width, period=np.inf):
 
     Parameters
     ----------
-    x, half_width, period : as of `root_depth`; the result is in 1/beta
+    x, half_width, period : as of `root_depth`
     """
     depth = root_depth(x, half_width, period)
     return np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)

@@ -59,7 +59,7 @@ def zone_traction(x, inner, outer, stress, period=np.inf):
 
     Parameters
     ----------
-    x : float or array, beta
+    x : float or array, beta; isolated any unit of length, in which the edges are, too
     inner, outer, stress, period : as of `zone_force`
     """
     _require_order(inner, outer, period)
