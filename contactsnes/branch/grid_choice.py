@@ -91,6 +91,12 @@ def next_grid(scene, load, error):
 
     At most four times finer: the errors of the contact area fall with the fourth power of the
     spacing, those of corners of the law that nodes cross under shear with the second.
+
+    Parameters
+    ----------
+    scene : Scene, whose points are chosen
+    load : Load
+    error : float, relative, the largest of its points
     """
     if shapes.of(scene).gridded:
         return None
@@ -112,6 +118,13 @@ def predicted(scene, sheared, axis, points):
     A law of long range is smooth on the scale on which the initial gap, of curvature c, goes
     through it: exp(-c lambda x^2/2) has waves up to exp(-(pi/dx)^2/(c lambda)). Measured on lines
     at lambda = 3 to 10.
+
+    Parameters
+    ----------
+    scene : Scene
+    sheared : bool, whether tangential unknowns appear
+    axis : int, the direction
+    points : int, in that direction
     """
     grid = on(replace(scene, points="auto"), tuple(points if i == axis else FEWEST
                                                    for i in range(scene.dimension)))
@@ -160,7 +173,14 @@ def nice_below(points):
 
 def memory_needed(scene, load, points):
     """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its
-    errors are estimated on."""
+    errors are estimated on.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    points : tuple of int, one a direction
+    """
     cell = (scene.components if any(tangential_legs(scene, load)) else 1) * math.prod(points)
     return 5 * memory_of_solve(window_part(scene, load) * cell, cell)
 

@@ -18,6 +18,12 @@ def refuse_too_large(scene, load, form):
     PETSc can count the unknowns.
 
     To be called before anything of the grid's size is made.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    form : Form, the options of how it is solved
     """
     cell = cell_of(scene, load)
     nodes = (cell.components if any(tangential_legs(scene, load)) else 1) * math.prod(cell.shape)

@@ -44,10 +44,17 @@ class Tracer(Corrector, Neighbours, Ends):
         """The point at a place of a chord, near a guess and its position in the leg; NotConverged
         otherwise.
 
-        ``border``: what the place counts in the equation that holds it, and a unit of the position,
-        from the given one on. ``tight``: to a residual below which a fold's load hardly depends on
-        it. By Newton in the displacement form (options under the prefix ``arc_``) if the user's
-        method is another one.
+        By Newton in the displacement form (options under the prefix ``arc_``) if the user's method
+        is another one.
+
+        Parameters
+        ----------
+        chord : two states, whose difference measures lengths
+        length : float, along the chord, ranges of the law
+        guess, position, leg : State, float and Leg
+        border : what the length counts in the equation that holds it, and a unit of the position,
+            from the given one on
+        tight : bool, to a residual below which a fold's load hardly depends on it
         """
         share, rate = border
         length, guess = share * length + rate * position, finite(guess)

@@ -77,6 +77,8 @@ def detached(contact, guess, last, found, back):
 
     Parameters
     ----------
+    contact : Contact
+    guess, last, found : State, predicted, where the step began, and where it ended
     back : State, predicted by the tangent at ``found`` for where ``last`` is
     """
     compared = _compared(contact, guess, last, found)

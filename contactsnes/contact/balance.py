@@ -65,7 +65,13 @@ class Response:
 
 
 class FullForm(DisplacementForm):
-    """The displacement form at all nodes of a window, whose response is a `Response`."""
+    """The displacement form at all nodes of a window, whose response is a `Response`.
+
+    Parameters
+    ----------
+    contact, window, controls : as of `DisplacementForm`
+    half : EvenConvolution on half of the window, or None
+    """
 
     def __init__(self, contact, window, controls, half):
         self.convolution_class = lambda *given: Response(*given, half)

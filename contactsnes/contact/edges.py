@@ -48,7 +48,14 @@ def edges(contact, state):
 
 def slip_fronts(contact, state, ends):
     """The two places on a line, within ``ends`` of the contact, between which the surfaces stick:
-    where the slip passes that of the peak of the friction. None where there are not two."""
+    where the slip passes that of the peak of the friction. None where there are not two.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    ends : array (directions, 2), `edges` of the state, in nodes
+    """
     if len(ends) > 1 or len(state.displacement) < 2:
         return None
     places, signs = crossings(np.abs(state.window.box(state.displacement)[1]),
@@ -81,6 +88,13 @@ def follow_edge(contact, states, weights, half=False):
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places
     change abruptly where gaps at a fixed distance from the edge hardly do. So do the fronts of slip
     on a line. Where the law hardly acts, displacements are extrapolated at fixed places.
+
+    Parameters
+    ----------
+    contact : Contact
+    states : list of State, oldest first
+    weights : numbers, one a state
+    half : bool
     """
     ahead = _follow_spot(contact, states, weights, half)
     return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
@@ -144,7 +158,15 @@ def _follow_spots(contact, states, weights):
 
 def carried(contact, change, origin, state):
     """A small change of one state as one of another: moved with the edge of contact where it is one
-    spot, to the other's window."""
+    spot, to the other's window.
+
+    Parameters
+    ----------
+    contact : Contact
+    change : State, the small change
+    origin : State that it is a change of
+    state : State that it is wanted for
+    """
     fixed = State(state.window, onto(change, state.window), change.means)
     known = followed_places(contact, [origin, state])
     if known is None:

@@ -20,6 +20,11 @@ class HalfForm(DisplacementForm):
 
     Unknown and F are v and r over sqrt(M), M = nodes x components of the full window, as in the
     full form.
+
+    Parameters
+    ----------
+    contact, controls : as of `DisplacementForm`
+    window : EvenWindow
     """
 
     convolution_class = EvenConvolution

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
+from ..grid.nearest import nearest
 from .problem import APPROACH, FORCE
 
 NEAR = 15.0
@@ -35,13 +36,27 @@ def undeformed(contact, controls, load):
     Approach: the mean is as prescribed. Displacement: that of the top, with what the body as a
     whole gives way. Force: the flat carries it, or c is the smallest gap if it pulls. Tangential
     displacements are zero.
+
+    Parameters
+    ----------
+    contact : Contact
+    controls : 'displacement', 'force' or 'approach' for each component
+    load : controlled values, u_n,r, u_t,r or w_n,r, w_t,r by ``controls``
     """
+    grid = contact.grid
+    displacement = np.zeros((len(controls), grid.size))
+    depth = _depth(contact, controls, load)
+    displacement[0] = np.maximum(-contact.initial_gap, -depth).reshape(-1)
+    return State(grid.whole, displacement, grid.mean(displacement))
+
+
+def _depth(contact, controls, load):
+    """c of the start u_n = max(-g_0, -c), in ranges of the law."""
     gap = contact.initial_gap
     grid = contact.grid
-    components = len(controls)
     lowest, highest = grid.minimum(gap), grid.maximum(gap)
     compliance = 0.0 if controls[0] == APPROACH else contact.rigid_compliance(1)[0]
-    control, target = controls[0], -contact.far_displacement(components, load)[0]
+    control, target = controls[0], -contact.far_displacement(len(controls), load)[0]
 
     def approach(depth):
         return grid.sum(np.minimum(gap, depth).reshape(-1)) / grid.size
@@ -54,20 +69,16 @@ def undeformed(contact, controls, load):
 
     # The mean of equal gaps is not quite the gap.
     if load[0] <= 0.0 if control == FORCE else target <= max(lowest, approach(lowest)):
-        depth = lowest if control == FORCE else target
-    else:
-        # What the flat carries first rises with the depth and falls again towards full contact: the
-        # first root counts.
-        tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
-        above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
-        # Each trial of what the flat carries is a transform of the cell; a start need not be exact
-        # in that.
-        precision = 1e-12 if control != FORCE and not compliance else 1e-3
-        depth = highest if above is None else brentq(excess, tried[above - 1], tried[above],
-                                                     rtol=precision)
-    displacement = np.zeros((components, grid.size))
-    displacement[0] = np.maximum(-gap, -depth).reshape(-1)
-    return State(grid.whole, displacement, grid.mean(displacement))
+        return lowest if control == FORCE else target
+    # What the flat carries first rises with the depth and falls again towards full contact: the
+    # first root counts.
+    tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
+    above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
+    # Each trial of what the flat carries is a transform of the cell; a start need not be exact in
+    # that.
+    precision = 1e-12 if control != FORCE and not compliance else 1e-3
+    return highest if above is None else brentq(excess, tried[above - 1], tried[above],
+                                                rtol=precision)
 
 
 def apart(contact):
@@ -104,63 +115,20 @@ def onto(state, window):
     """The state on another window; where it was not known, its nearest known displacement."""
     if window == state.window:
         return state.displacement
-    boxes = [_nearest(state, part) for part in window.parts]
+    boxes = [nearest(state.displacement, state.window, part) for part in window.parts]
     return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
-
-
-def _nearest(state, box):
-    """Displacements (components, nodes) of a state at the nodes of a box, the nearest known
-    ones."""
-    source = state.window
-    found = None
-    least = np.inf
-    fields = state.displacement.reshape(len(state.displacement), len(source.parts), *source.shape)
-    gaps = _gaps(source, box)
-    for k in np.argsort(gaps, kind="stable"):
-        if found is not None and gaps[k] ** 2 >= np.max(least):
-            break
-        axes, away = _nodes_of(source.parts[k], box)
-        picked = fields[:, k]
-        for axis, nodes in enumerate(axes, start=1):
-            picked = picked[(slice(None),) * axis + (nodes,)]
-        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij",
-                              sparse=True)) if len(gaps) > 1 else 0.0
-        found = picked if found is None else np.where(far < least, picked, found)
-        least = np.minimum(far, least)
-    return np.ascontiguousarray(found).reshape(len(found), -1)
-
-
-def _gaps(source, box):
-    """Nodes between each box of a window and another, at least."""
-    if len(source.parts) == 1:
-        return np.zeros(1)
-    total, shape = np.array(box.grid.shape), np.array(source.shape)
-    ahead = (np.array(box.start) - np.array(source.start)) % total
-    between = np.maximum(np.minimum(ahead - shape, total - ahead - box.shape), 0)
-    return np.sqrt(np.sum(between.astype(float) ** 2, axis=1))
-
-
-def _nodes_of(source, box):
-    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and
-    their distances from those."""
-    axes, away = [], []
-    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape,
-                                                  box.grid.shape):
-        # Signed distance from the middle of what is known, so that nodes on either side find their
-        # own end of it.
-        offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
-        inside = 0 <= offset and offset + extent <= known
-        wanted = (offset + np.arange(extent) - known // 2
-                  + total // 2) % total - total // 2 + known // 2
-        nodes = np.clip(wanted, 0, known - 1)
-        axes.append(slice(offset, offset + extent) if inside else nodes)
-        away.append(wanted - nodes)
-    return axes, away
 
 
 def fitted(contact, state, afresh=False):
     """The state on the window that the law needs for it: the same state where its window will do,
-    unless ``afresh``."""
+    unless ``afresh``.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    afresh : bool
+    """
     window, reach = state.window, contact.law.range
     gap = normal_gap(contact, state)
     rim = window.rim()
@@ -224,7 +192,13 @@ def combined(contact, states, weights):
 
 
 def distance(contact, first, second):
-    """Root mean square distance of two states over the second's window, ranges of the law."""
+    """Root mean square distance of two states over the second's window, ranges of the law.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, second : State, with as many components
+    """
     change = onto(first, second.window) - second.displacement
     return float(np.sqrt(contact.grid.inner(change, change) / change.size))
 

@@ -43,6 +43,7 @@ def examined(system, certify, leg, last, point):
     system, leg : as of `between`
     certify : function (Point) -> Point, which need not say anything of stability
     last : (position, Point) of the leg, before the point
+    point : Point
     """
     point = point if point.stable >= 0 else certify(point)
     if np.isnan(point.softest):
@@ -66,6 +67,7 @@ def probe(system, leg, history, point):
     ----------
     system, leg : as of `between`
     history : [(position, Point), ...] of the leg, before the point
+    point : Point
     """
     if len(history) < 2 or system.examiner is None:
         return

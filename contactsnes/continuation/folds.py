@@ -29,7 +29,15 @@ WITHIN = 0.1
 
 class FoldSearch:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
-    of the solve."""
+    of the solve.
+
+    Parameters
+    ----------
+    system : System
+    leg : Leg
+    history : list of (position in the leg, Point), oldest first
+    most : int, steps of arc length that are tried
+    """
 
     def __init__(self, system, leg, history, most=60):
         self.system = system

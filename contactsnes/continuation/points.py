@@ -17,10 +17,12 @@ class NoFold(NotConverged):
 class TooCoarse(RuntimeError):
     """A point misses the accuracy for which its grid was chosen.
 
-    Attributes
+    Parameters
     ----------
-    scene : Scene, on the grid to take instead
-    load, error : of the point; the relative error is too large
+    sentence : str, the message
+    scene : Scene, on the grid to take instead; an attribute, too, as are all below
+    load : array of the point's controlled values
+    error : float, its relative error, which is too large
     """
 
     def __init__(self, sentence, scene, load, error):

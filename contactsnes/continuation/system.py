@@ -18,7 +18,14 @@ class States(Protocol):
     """States combined, and how far they are from each other; nothing here solves."""
 
     def adapted(self, point: Point, controls: tuple, load: np.ndarray) -> Point:
-        """The point under the controls and the load of another leg, which it satisfies as well."""
+        """The point under the controls and the load of another leg, which it satisfies as well.
+
+        Parameters
+        ----------
+        point : Point
+        controls : tuple of 'displacement' or 'force', one a component
+        load : array, one controlled value a component
+        """
 
     def extrapolate(self, points: Sequence, weights: Sequence) -> Any:
         """The weighted sum of the states of points or of `Direction`s."""
@@ -31,17 +38,40 @@ class States(Protocol):
 
     def strayed(self, guess: Any, last: Any, state: Any) -> float:
         """By how much a part of a state is farther from its prediction than steps from the state
-        ``last`` of a smooth branch leave open; at most 0 where no part is."""
+        ``last`` of a smooth branch leave open; at most 0 where no part is.
+
+        Parameters
+        ----------
+        guess : the predicted state
+        last : the state that the step began at
+        state : the state that was found
+        """
 
     def doubtful(self, guess: Any, last: Any, state: Any) -> bool:
-        """Whether a jump may be a part of the way from ``last`` to a state that was foretold."""
+        """Whether a jump may be a part of the way from ``last`` to a state that was foretold.
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
 
     def detached(self, guess: Any, last: Any, state: Any, back: Any) -> bool:
         """The same once ``back`` is known, the prediction of ``last`` by the tangent at the
-        state."""
+        state.
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        back : a state
+        """
 
     def progress(self, origin: Any, ahead: Any, state: Any) -> float:
-        """Part of the way from ``origin`` to ``ahead`` that a state has gone; negative: away."""
+        """Part of the way from ``origin`` to ``ahead`` that a state has gone; negative: away.
+
+        Parameters
+        ----------
+        origin, ahead, state : states
+        """
 
     def chord_length(self, first: Any, last: Any) -> float:
         """Length of the straight way between two states, a seminorm of their difference."""
@@ -68,7 +98,13 @@ class Solves(Protocol):
 
     def solve(self, guess: Any, controls: tuple, load: np.ndarray) -> Point:
         """The point at a load, near a guess of its state; ``spent["last_iterations"]`` is how hard
-        it was (0: not known)."""
+        it was (0: not known).
+
+        Parameters
+        ----------
+        guess : a state
+        controls, load : as of `States.adapted`
+        """
 
     def solve_arc(self, chord: tuple, length: float, guess: Any, position: float, leg: Leg,
                   border: tuple = (1.0, 0.0), tight: bool = False) -> Point:
@@ -87,11 +123,26 @@ class Solves(Protocol):
 
     def along_tangent(self, point: Point, leg: Leg, position: float, step: float) -> Any:
         """The state of a point at a position, moved along the branch's tangent by a step of the
-        position."""
+        position.
+
+        Parameters
+        ----------
+        point : Point
+        leg : Leg
+        position : of the point in the leg, 0 to 1
+        step : of the position, either sign
+        """
 
     def direction(self, point: Point, chord: tuple, leg: Leg) -> Direction:
         """The branch's direction at a point, per unit of length along a chord; regular at a fold,
-        too."""
+        too.
+
+        Parameters
+        ----------
+        point : Point
+        chord : two states, whose difference measures lengths
+        leg : Leg
+        """
 
     def unit(self, point: Point, direction: Direction) -> Direction:
         """A direction at a point per unit of the branch's own length."""
@@ -110,11 +161,25 @@ class Limits(Protocol):
 
     def end_of_branch(self, point: Point, leg: Leg, heading: float) -> str:
         """Why a branch has nothing to offer beyond a point whose load goes on (``heading`` 1) or
-        back (-1), in words, or ""."""
+        back (-1), in words, or "".
+
+        Parameters
+        ----------
+        point : Point
+        leg : Leg
+        heading : 1 or -1
+        """
 
     def end_of_attraction(self, point: Point, leg: Leg, position: float) -> Optional[Point]:
         """The fold, with its position, where a growing force ends what attracts a free body; None
-        for any other."""
+        for any other.
+
+        Parameters
+        ----------
+        point : Point
+        leg : Leg
+        position : of the point in the leg, 0 to 1
+        """
 
     def within_range(self, point: Point) -> Optional[Any]:
         """A state in which something acts on a body that a force moves freely; None for any
@@ -127,7 +192,14 @@ class Motion(Protocol):
 
     def kicked(self, fold: Point, beyond: Any, part: float) -> Any:
         """The state beside a fold, or on the way to the state ``beyond``, at a part of the distance
-        at which motions begin."""
+        at which motions begin.
+
+        Parameters
+        ----------
+        fold : Point
+        beyond : a state
+        part : float, dimensionless
+        """
 
     def settle(self, state: Any, controls: tuple, load: np.ndarray, where: str,
                origin: Optional[Any] = None) -> Point:

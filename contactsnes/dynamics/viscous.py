@@ -2,7 +2,7 @@
 and their implicit steps.
 
 M u' = -(K u + t): the body is one whose material creeps with the relaxation time 1 (Kelvin and
-Voigt), M = K for every wave, and a mean that can move has the mass of `contact.Contact.mean_mass`.
+Voigt), M = K for every wave, and a mean that can move has the mass of `problem.Contact.mean_mass`.
 So u = w + m, with the means m of the components, and
 
     w' = -(w + C t),    m' = -(k_0 (m - far displacement) + mean t - prescribed mean) / m_0.
@@ -137,7 +137,14 @@ class Equations:
 
     def newton(self, guess, shift, known, tolerance):
         """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its
-        linear system was solved."""
+        linear system was solved.
+
+        Parameters
+        ----------
+        guess, known : arrays of the form's size, unknowns
+        shift : float > 0, per unit of time
+        tolerance : float, norm of what the linear solve may leave of x'
+        """
         form = self.form
         count = self.form.count
         scale = 1.0 + shift
@@ -170,6 +177,12 @@ class Equations:
         or a third of the largest.
 
         At all nodes where the law acts at none.
+
+        Parameters
+        ----------
+        change : array of the form's size, an unknown
+        near : bool array (nodes of the equations), where the law acts
+        scale : float, dimensionless
         """
         grid, change = self.form.grid, np.abs(self.displacement(change)) / scale
         near = near if grid.count(near) else np.ones_like(near)

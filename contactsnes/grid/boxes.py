@@ -223,7 +223,7 @@ def cost(window):
 
 def fitting(grid, mask, margin):
     """The cheapest window around the nodes where ``mask`` (over the cell) holds: one box as
-    `cell.enclosing`, or several.
+    `windows.enclosing`, or several.
 
     Boxes are made around connected nodes and joined, the pair with the smallest common box first,
     until one is left; of all these windows the one whose products with the Jacobian are predicted

@@ -110,7 +110,11 @@ def layer_compliance(wavenumber, poisson, height):
         C_Ln = +i c = conj(C_nL),   c = [kappa (1-2nu) S^2 - k^2]/((1-nu) q G)
 
     Half-space: C_nn = C_LL = 2/q, c = 2 beta_D/q with Dundurs'
-    beta_D = (1-2nu)/(2(1-nu)). Parameters and result as in `layer_stiffness`, units beta/E*.
+    beta_D = (1-2nu)/(2(1-nu)). A Surface of arrays of the shape of `wavenumber`, units beta/E*.
+
+    Parameters
+    ----------
+    wavenumber, poisson, height : as of `layer_stiffness`
     """
     q = np.asarray(wavenumber, dtype=float)
     k, sinh, cosh, _, minus, plus, shear = _layer_terms(q, poisson, height)

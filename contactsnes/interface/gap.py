@@ -60,7 +60,14 @@ def _refuse_beyond(named, gap, coordinates, scene):
 
 
 def where(place, coordinates, scene):
-    """A node in words: its coordinates, in what the scene is told in."""
+    """A node in words: its coordinates, in what the scene is told in.
+
+    Parameters
+    ----------
+    place : tuple of int, the node's indices
+    coordinates : tuple of ndarray, one a direction, beta, to broadcast
+    scene : Scene
+    """
     nodes = np.broadcast_shapes(*(x.shape for x in coordinates))
     return ", ".join(f"{axis} = {scene.words(float(np.broadcast_to(x, nodes)[place]), 'beta')}"
                      for axis, x in zip("xy", coordinates))

@@ -128,7 +128,12 @@ def _refuse(claim, wrong, values, words, coordinates, scene):
 
 
 def check_own(shape, gap, coordinates, scene):
-    """`check`, of a shape of one's own; those of the package are what they claim."""
+    """`check`, of a shape of one's own; those of the package are what they claim.
+
+    Parameters
+    ----------
+    shape, gap, coordinates, scene : as of `check`
+    """
     if type(shape) not in SHAPES.values():
         check(shape, gap, coordinates, scene)
 

@@ -97,7 +97,16 @@ class Surface(NamedTuple):
 @lru_cache(maxsize=4)
 def surface(periods, hurst, slope, longest, shortest, seed):
     """The Surface of a Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta) and
-    a seed; and its lowest gap."""
+    a seed; and its lowest gap.
+
+    Parameters
+    ----------
+    periods : tuple of float, one a direction, beta
+    hurst : float, dimensionless
+    slope : float, rms, u_n,r/beta
+    longest, shortest : float, wavelengths, beta
+    seed : int, of the phases
+    """
     numbers = _numbers(periods, shortest)
     # A stream of numbers that no version of NumPy changes, in an order that does not depend on the
     # shortest wave.

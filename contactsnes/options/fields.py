@@ -24,13 +24,15 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     default : value of the field; None where it depends on others (`default_text` then says how)
     meaning, unit : str, for the help; an empty unit is dimensionless
     kind : 'flag', 'integer', 'number' or 'text'; by default the type of `default`
-    minimum, maximum : bounds that are allowed themselves; above, below : bounds that are not
+    minimum, maximum : bounds that are allowed themselves
+    above, below : bounds that are not
     choices : tuple of the allowed values
     many : None for one value; else a comma separates 'directions' (one or two), 'legs' or a 'list'
     infinite : whether inf is allowed
     even : whether an integer has to be even
-    word : a text that is allowed besides; also : function (text), whether it is, where ``word``
-        stands for many
+    word : a text that is allowed besides
+    also : function (text), whether it is allowed, where ``word`` stands for many
+    default_text : str, the default as the help says it
     """
     if kind is None:
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]

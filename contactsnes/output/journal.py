@@ -102,7 +102,14 @@ def decoded(data):
 
 def entries(path, key, first):
     """The whole entries of a journal, those of the points ``first``, ``first`` + 1, ... in order: a
-    list of mappings of names to arrays; none where it is of another archive."""
+    list of mappings of names to arrays; none where it is of another archive.
+
+    Parameters
+    ----------
+    path : of the journal
+    key : str, of its archive
+    first : int, number of the first point
+    """
     try:
         content = Path(path).read_bytes()
     except FileNotFoundError:

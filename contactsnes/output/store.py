@@ -59,7 +59,14 @@ class Store:
 
     def commit(self, write, points=1, slot=0):
         """Let `write` act on the file in place if there is room, else on the archive written
-        anew."""
+        anew.
+
+        Parameters
+        ----------
+        write : function (h5py.File)
+        points : int, that the file has to have room for, those in it included
+        slot : int, bytes of the largest state
+        """
         # nothing is built upon what an interrupted write leaves behind
         room, self.room = self.room, 0
         file = None

@@ -19,13 +19,14 @@ sinusoid : the same on a wave (`sinusoid_...`)
 cohesive : a normal load with adhesion of finite range (`maugis_line...`), and the rigid limit
     (`rigid_cylinder_...`)
 slip : shear of line contacts that slip: zones of constant traction (`slip_zone_...`) with a front
-    (`front_...`), the whole contact (`uniform_slip_...`, `sliding_...`), Coulomb friction
-    (`cattaneo_line_...`)
+    (`front_...`), the whole contact (`uniform_slip_...`, `sliding_...`)
+coulomb : shear of line contacts with Coulomb friction (`cattaneo_line_...`)
 drive : the layer that shears a contact (`drive_...`, `driven_...`), and whether sliding starts with
     a jump
 mixed_mode : shear of bonded adhesive contacts (`mixed_mode_...` of lines and spheres,
     `savkoor_briggs_line_load`)
-sphere : spheres under a normal load (`hertz_...`, `jkr_...`, `dmt_...`, `maugis_sphere...`)
+sphere : spheres under a normal load (`hertz_...`, `jkr_...`, `dmt_...`)
+sphere_cohesive : the same with adhesion of finite range (`maugis_sphere...`)
 sphere_shear : spheres under shear (`bonded_circle_...`, `cattaneo_sphere`,
     `savkoor_briggs_sphere_...`)
 laws : peaks and works of the traction-separation laws
@@ -70,6 +71,11 @@ from .cohesive import (
     rigid_cylinder_load,
     rigid_cylinder_pull_off,
 )
+from .coulomb import (
+    cattaneo_line_displacement,
+    cattaneo_line_stick_half_width,
+    cattaneo_line_traction,
+)
 from .drive import drive_critical_height, drive_stiffness, driven_displacement, driven_fold
 from .laws import (
     fading_slip,
@@ -110,9 +116,6 @@ from .mixed_mode import (
 )
 from .sinusoid import sinusoid_approach, sinusoid_half_width, sinusoid_load, sinusoid_pressure
 from .slip import (
-    cattaneo_line_displacement,
-    cattaneo_line_stick_half_width,
-    cattaneo_line_traction,
     front_force,
     front_onset,
     sliding_force,
@@ -138,6 +141,8 @@ from .sphere import (
     jkr_sphere_pull_off,
     jkr_sphere_radius,
     jkr_sphere_radius_at_approach,
+)
+from .sphere_cohesive import (
     maugis_sphere,
     maugis_sphere_pressure,
     maugis_sphere_pull_off,

@@ -30,13 +30,27 @@ def not_negative(**values):
 
 
 def at_most(value, limit, message):
-    """ValueError(message) unless a value is at most its limit everywhere, to rounding."""
+    """ValueError(message) unless a value is at most its limit everywhere, to rounding.
+
+    Parameters
+    ----------
+    value, limit : float or array, one unit
+    message : str
+    """
     require(np.less_equal(value, limit + ROUNDING * np.abs(limit)), message)
 
 
 def find_root(function, low, high, message, value=0.0):
     """Where `function` takes a value between low and high, an end where it does so to rounding if
-    it goes through the value nowhere in between. ValueError(message) where it does not take it."""
+    it goes through the value nowhere in between. ValueError(message) where it does not take it.
+
+    Parameters
+    ----------
+    function : function (float) -> float
+    low, high : float, in its argument's unit
+    message : str
+    value : float, in its result's unit
+    """
     misses = [function(end) - value for end in (low, high)]
     if np.sign(misses[0]) * np.sign(misses[1]) <= 0:
         return brentq(lambda place: function(place) - value, low, high, xtol=1e-300, maxiter=2000)
@@ -60,7 +74,13 @@ def jkr_root(share, message):
 
 
 def minimizer(function, low, high):
-    """Where `function` is least in (low, high)."""
+    """Where `function` is least in (low, high).
+
+    Parameters
+    ----------
+    function : function (float) -> float
+    low, high : float, in its argument's unit
+    """
     return minimize_scalar(function, bounds=(low, high), method="bounded",
                            options={"xatol": 1e-12}).x
 
@@ -101,7 +121,13 @@ def periodic_angle(half_width, period):
 
 def root_depth(x, half_width, period=np.inf):
     """sqrt(a^2 - x^2), or (L/pi) sqrt(sin^2(pi a/L) - sin^2(pi x/L)) without cancellation; 0
-    outside the contact."""
+    outside the contact.
+
+    Parameters
+    ----------
+    x, half_width : float or array, one unit of length
+    period : float, the same unit; `inf`: isolated
+    """
     left, right = half_width + np.asarray(x), half_width - np.asarray(x)
     if np.isfinite(period):
         left, right = (period / np.pi * np.sin(np.pi / period * distance)
@@ -110,7 +136,12 @@ def root_depth(x, half_width, period=np.inf):
 
 
 def reciprocal_depth(x, half_width, period=np.inf):
-    """1/`root_depth`, and 0 outside the contact."""
+    """1/`root_depth`, and 0 outside the contact.
+
+    Parameters
+    ----------
+    x, half_width, period : as of `root_depth`
+    """
     depth = root_depth(x, half_width, period)
     return np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
 

@@ -95,7 +95,14 @@ def maugis_line(load, normal_maugis, period=np.inf):
 
     Any normal Maugis parameter. The width of the law (gaps below e delta_n) exceeds 2 c by up to
     2.5 % at a parameter of 1, 0.5 % at 3 and 0.2 % from 5 on, under a load of 25. ValueError below
-    pull-off and, in a cell, where the contact or the zone jumps to the full period."""
+    pull-off and, in a cell, where the contact or the zone jumps to the full period.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    normal_maugis : float or array, dimensionless
+    period : float, beta; `inf`: isolated
+    """
     state, least, end = _stable(float(normal_maugis), float(period))
     if np.isinf(period):
         # So narrow a zone belongs to a larger load: s a^2 spread^3 and s^2 a spread^2 are below 3.
@@ -110,7 +117,14 @@ def maugis_line_pressure(x, contact_half_width, cohesive_half_width, normal_maug
     """Pressure of `maugis_line` with the half widths (a, c): Hertz's minus the zone's tension,
     sqrt(a^2-x^2)/2
     - (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2)) within a, -s up to c, or its periodic form; without
-      singularity anywhere."""
+      singularity anywhere.
+
+    Parameters
+    ----------
+    x, contact_half_width, cohesive_half_width : float or array, beta; the half widths a, c
+    normal_maugis : float or array, dimensionless
+    period : float, beta; `inf`: isolated
+    """
     tension = zone_traction(x, contact_half_width, cohesive_half_width,
                             peak_normal_traction(normal_maugis), period)
     return hertz_line_pressure(x, contact_half_width, period) - tension
@@ -118,7 +132,14 @@ def maugis_line_pressure(x, contact_half_width, cohesive_half_width, normal_maug
 
 def maugis_line_approach(contact_half_width, cohesive_half_width, normal_maugis, period):
     """Approach of the mean surface of `maugis_line` with the half widths (a, c): Hertz's less the
-    lift by the zone's tension. Needs a finite period."""
+    lift by the zone's tension. Needs a finite period.
+
+    Parameters
+    ----------
+    contact_half_width, cohesive_half_width : float or array, beta
+    normal_maugis : float or array, dimensionless
+    period : float, beta, finite
+    """
     lift = zone_lift(contact_half_width, cohesive_half_width, peak_normal_traction(normal_maugis),
                      period)
     return hertz_line_approach(contact_half_width, period) - lift

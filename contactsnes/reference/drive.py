@@ -9,7 +9,13 @@ from .checks import positive, require
 def drive_stiffness(period, height, poisson=0.5):
     """Force per tangential displacement of the top at a held surface, L k_0t = L (1 - nu)/(2 H),
     the simple shear of a layer, exact for the mean surface of a cell. Needs a finite period and a
-    top that moves as a rigid whole."""
+    top that moves as a rigid whole.
+
+    Parameters
+    ----------
+    period, height : float or array, beta
+    poisson : float or array, 0 to 0.5
+    """
     positive(period=period, height=height)
     require(np.isfinite(period), "the force per cell needs a finite period")
     require(np.greater_equal(poisson, 0) & np.less_equal(poisson, 0.5),
@@ -21,7 +27,14 @@ def driven_displacement(mean_slip, tangential_force, period, height, poisson=0.5
     """Tangential displacement of the top, U = mean u_t + T/(L k_0t), exact. The path (mean u_t, T)
     is the same for all heights above about the period (exp(-4 pi H/L) << 1, where the layer deforms
     as a half-space); sliding starts with a jump where dT/d(mean u_t) < -`drive_stiffness`. After
-    gross sliding T is constant."""
+    gross sliding T is constant.
+
+    Parameters
+    ----------
+    mean_slip : float or array, u_t,r
+    tangential_force : float or array, w_t,r per cell
+    period, height, poisson : as of `drive_stiffness`
+    """
     return mean_slip + tangential_force / drive_stiffness(period, height, poisson)
 
 
@@ -29,7 +42,13 @@ def drive_critical_height(softening, period, poisson=0.5):
     """Height H = L (1 - nu)/(2 S) of the layer above which sliding starts with a jump (a fold in
     the displacement of the top), for the steepest fall S = max(-dT/d(mean u_t)) > 0 of the force
     along the path; lower layers slide gradually. S is `uniform_slip_softening` for small tangential
-    Maugis parameters; a law without a fall (full residual friction) may have none."""
+    Maugis parameters; a law without a fall (full residual friction) may have none.
+
+    Parameters
+    ----------
+    softening : float or array, w_t,r/u_t,r
+    period, poisson : as of `drive_stiffness`
+    """
     positive(softening=softening)
     return drive_stiffness(period, 1.0, poisson) / softening
 
@@ -40,7 +59,14 @@ def driven_fold(mean_slip, tangential_force, period, height, poisson=0.5):
     more: sliding starts there with a jump, dT/d(mean u_t) = -`drive_stiffness`. By the parabolas
     over the slip through the three points about it: as exact as they are close. The path of one
     height serves all above about the period. ValueError where the displacement grows throughout:
-    sliding begins gradually."""
+    sliding begins gradually.
+
+    Parameters
+    ----------
+    mean_slip : array (points), u_t,r
+    tangential_force : array (points), w_t,r per cell
+    period, height, poisson : float, as of `drive_stiffness`
+    """
     slip, force = np.asarray(mean_slip, float), np.asarray(tangential_force, float)
     require(slip.ndim == 1 and slip.shape == force.shape and slip.size > 2,
             "the path needs two arrays of three points and more")

@@ -55,7 +55,13 @@ def hertz_line_half_width(load, period=np.inf):
 
 def hertz_line_pressure(x, half_width, period=np.inf):
     """Pressure p = sqrt(a^2 - x^2)/2, 0 outside (Johnson 1985); periodic, exact:
-    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L)). Conditions of `hertz_line_load`."""
+    p = (L/2 pi) arcosh(cos(pi x/L)/cos(pi a/L)). Conditions of `hertz_line_load`.
+
+    Parameters
+    ----------
+    x, half_width : float or array, beta
+    period : float, beta; `inf`: isolated
+    """
     angle, depth = half_angle(half_width, period), root_depth(x, half_width, period)
     if np.isinf(period):
         return depth / 2
@@ -80,7 +86,14 @@ def ligament_force(half_width, period=np.inf, work_of_adhesion=1.0):
     sqrt(2 pi a w), from K^2 = F^2/(L tan(pi a/L)) = 2 w (Tada, Paris & Irwin 2000). In mode I it is
     the adhesive part of JKR's load. In mode II it is the tangential strength if the traction falls
     to zero within a short range (law of McGarry et al., tangential Maugis parameter above about 5),
-    not if residual friction remains."""
+    not if residual friction remains.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    period : float, beta; `inf`: isolated
+    work_of_adhesion : float or array, phi_n; in mode II phi_t
+    """
     angle = half_angle(half_width, period)
     not_negative(work_of_adhesion=work_of_adhesion)
     width = np.pi * np.asarray(half_width) if np.isinf(period) else period * np.tan(angle)
@@ -91,7 +104,14 @@ def ligament_traction(x, half_width, force=1.0, period=np.inf):
     """Traction on a bonded strip or under a flat punch, F/(pi sqrt(a^2 - x^2)), 0 outside (Johnson
     1985); periodic: F cos(pi x/L)/(L sqrt(sin^2(pi a/L) - sin^2(pi x/L))) (Tada, Paris & Irwin
     2000), exact. Holds where nothing opens or slips at |x| < a, up to about the range of the law
-    from the edges."""
+    from the edges.
+
+    Parameters
+    ----------
+    x, half_width : float or array, beta
+    force : float or array, w_n,r; in mode II w_t,r
+    period : float, beta; `inf`: isolated
+    """
     half_angle(half_width, period)
     return force / np.pi * np.cos(np.pi * np.asarray(x) / period) * reciprocal_depth(x, half_width,
                                                                                      period)
@@ -107,7 +127,13 @@ def ligament_stiffness(half_width, period):
 
 def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
     """JKR load of a cylinder, `hertz_line_load` - `ligament_force`: W = pi a^2/4 - sqrt(2 pi a w)
-    (Barquins 1988). Stable or not. For adhesion of short range, a large normal Maugis parameter."""
+    (Barquins 1988). Stable or not. For adhesion of short range, a large normal Maugis parameter.
+
+    Parameters
+    ----------
+    half_width, period : beta, as of `ligament_force`
+    work_of_adhesion : float or array, phi_n
+    """
     return hertz_line_load(half_width, period) - ligament_force(half_width, period,
                                                                 work_of_adhesion)
 
@@ -115,7 +141,13 @@ def jkr_line_load(half_width, period=np.inf, work_of_adhesion=1.0):
 def jkr_line_pressure(x, half_width, period=np.inf, work_of_adhesion=1.0):
     """JKR pressure of a cylinder, sqrt(a^2 - x^2)/2 - sqrt(2 w/(pi a))/sqrt(1 - x^2/a^2) (Barquins
     1988) or its periodic form, 0 outside: tension without bound towards the edge, where the law's
-    peak bounds it within its range. For a large normal Maugis parameter."""
+    peak bounds it within its range. For a large normal Maugis parameter.
+
+    Parameters
+    ----------
+    x, half_width, period : beta, as of `ligament_traction`
+    work_of_adhesion : float or array, phi_n
+    """
     force = ligament_force(half_width, period, work_of_adhesion)
     return hertz_line_pressure(x, half_width, period) - ligament_traction(x, half_width, force,
                                                                           period)
@@ -124,7 +156,14 @@ def jkr_line_pressure(x, half_width, period=np.inf, work_of_adhesion=1.0):
 def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
     """JKR approach of the mean surface, d = d_Hertz - (2/pi) F ln(1/sin(pi a/L)), F =
     `ligament_force`: the periodic cell in the limit of a short range of adhesion (normal Maugis
-    parameter to infinity). Needs a finite period."""
+    parameter to infinity). Needs a finite period.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    period : float, beta, finite
+    work_of_adhesion : float or array, phi_n
+    """
     force = ligament_force(half_width, period, work_of_adhesion)
     lift = times_log_sine(force, half_angle(half_width, period))
     return hertz_line_approach(half_width, period) + 2 / np.pi * lift
@@ -133,7 +172,14 @@ def jkr_line_approach(half_width, period, work_of_adhesion=1.0):
 def load_extrema(power, log_value, period):
     """Tangents s of t = pi a/L for the least and the largest load, the roots of exp(log_value) =
     sin^3 t cos^power t = s^3 (1 + s^2)^(-(3 + power)/2); twice the same where they are one to
-    rounding."""
+    rounding.
+
+    Parameters
+    ----------
+    power : float, of the cosine, > 0
+    log_value : float, dimensionless
+    period : float, beta, for the message
+    """
     def logarithm(x):  # of the left side, x = ln s; below 3 x and -power x
         return 3 * x - (3 + power) * np.logaddexp(0.0, 2 * x) / 2
 
@@ -175,7 +221,13 @@ def jkr_line_pull_off(period=np.inf, work_of_adhesion=1.0):
 def jkr_line_half_width(load, period=np.inf, work_of_adhesion=1.0):
     """Half width of a JKR cylinder that is stable at a load. ValueError below pull-off and, in a
     periodic cell, above the load at which the contact jumps to the full period. For a large normal
-    Maugis parameter."""
+    Maugis parameter.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    period, work_of_adhesion : beta and phi_n, as of `jkr_line_load`
+    """
     message = f"no stable partial JKR contact at the load {load}"
     positive(period=period)
     not_negative(work_of_adhesion=work_of_adhesion)
@@ -216,7 +268,13 @@ def jkr_line_fold(period, work_of_adhesion=1.0):
 def jkr_line_half_width_at_approach(approach, period, work_of_adhesion=1.0):
     """Half width of a periodic JKR cylinder that is stable at an approach of the mean surface,
     between the fold and L^2/24, where the contact fills the cell. For a large normal Maugis
-    parameter and a finite period; w > 0."""
+    parameter and a finite period; w > 0.
+
+    Parameters
+    ----------
+    approach : float or array, u_n,r
+    period, work_of_adhesion : beta and phi_n, as of `jkr_line_approach`
+    """
     smallest = jkr_line_fold(period, work_of_adhesion)[0]
     return find_root(lambda a: jkr_line_approach(a, period, work_of_adhesion), smallest,
                      half_width_of(np.pi / 2, period),

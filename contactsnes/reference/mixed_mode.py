@@ -38,7 +38,15 @@ def mixed_mode_line(half_width, phase_angle, mode_parameter=1.0, work_ratio=1.0,
     """(load, tangential_force) of a bonded adhesive cylinder at the equilibrium K_I^2 + K_II^2 = 2
     G_c(psi) of its edge, W = W_Hertz - B cos psi, T = B sin psi/sqrt(phi_t/phi_n), B = ligament
     force times sqrt(G_c), exact in a cell, too. The unit of T carries sqrt(phi_t/phi_n), hence
-    `work_ratio` phi_t/phi_n, and m counts in works of phi_n. For short-range laws and no slip."""
+    `work_ratio` phi_t/phi_n, and m counts in works of phi_n. For short-range laws and no slip.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    phase_angle : float or array, psi, radians, within +-pi/2
+    mode_parameter, work_ratio : float or array, dimensionless
+    period : float, beta; `inf`: isolated
+    """
     positive(work_ratio=work_ratio)
     bond = ligament_force(half_width, period) * np.sqrt(mixed_mode_toughness(phase_angle,
                                                                              mode_parameter))
@@ -50,7 +58,15 @@ def savkoor_briggs_line_load(half_width, tangential_force, work_ratio=1.0, perio
     """Load of `mixed_mode_line` for m = 1, W = W_Hertz - sqrt(2 L tan(pi a/L) - (phi_t/phi_n) T^2),
     isolated pi a^2/4 - sqrt(2 pi a - (phi_t/phi_n) T^2) (Savkoor & Briggs 1977, for a line). For
     short-range laws and no slip: the area falls too fast for most experiments. The criterion G_I +
-    m G_II = phi_n is that of a `work_ratio` times m."""
+    m G_II = phi_n is that of a `work_ratio` times m.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    tangential_force : float or array, w_t,r
+    work_ratio : float or array, dimensionless
+    period : float, beta; `inf`: isolated
+    """
     positive(work_ratio=work_ratio)
     bond = (ligament_force(half_width, period) ** 2)
     sheared = work_ratio * np.square(tangential_force)
@@ -63,7 +79,13 @@ def savkoor_briggs_line_load(half_width, tangential_force, work_ratio=1.0, perio
 def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np.inf):
     """(half_width, tangential_force) of `mixed_mode_line` at the largest tangential force a load
     allows, 0 < m <= 1, beyond which the bond breaks; for m < 1 and under compression the width may
-    then be down to Hertz's."""
+    then be down to Hertz's.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    mode_parameter, work_ratio, period : as of `mixed_mode_line`
+    """
     return _weakest(*_line_states(load, mode_parameter, work_ratio, period))
 
 
@@ -71,7 +93,14 @@ def mixed_mode_line_strength(load, mode_parameter=1.0, work_ratio=1.0, period=np
 def mixed_mode_line_half_width(load, tangential_force, mode_parameter=1.0, work_ratio=1.0,
                                period=np.inf):
     """Half width of `mixed_mode_line`, stable at a load and a tangential force up to
-    `mixed_mode_line_strength`, 0 < m <= 1."""
+    `mixed_mode_line_strength`, 0 < m <= 1.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    tangential_force : float or array, w_t,r
+    mode_parameter, work_ratio, period : as of `mixed_mode_line`
+    """
     return _stable_size(tangential_force, *_line_states(load, mode_parameter, work_ratio, period))
 
 
@@ -106,7 +135,15 @@ def mixed_mode_sphere(contact_radius, phase_angle, mode_parameter=1.0, poisson=0
     The contact is taken to stay a circle, modes II and III averaged along its edge: tan^2 psi is
     the ratio of the mean energies that shear and normal load release (compare Waters & Guduru 2010;
     Papangelo & Ciavarella 2019). m = 1 is Savkoor and Briggs's contact. For short-range adhesion
-    (Maugis parameters large), no slip, and little elongation across the force."""
+    (Maugis parameters large), no slip, and little elongation across the force.
+
+    Parameters
+    ----------
+    contact_radius, radius : float or array, a and R, a length
+    phase_angle : float or array, psi, radians, within +-pi/2
+    mode_parameter, poisson : float or array, dimensionless; 0 to 1, 0 to 0.5
+    work_of_adhesion, contact_modulus : float or array, w, E*, in units consistent with R
+    """
     toughness = work_of_adhesion * mixed_mode_toughness(phase_angle, mode_parameter)
     bond = jkr_force(contact_radius, toughness, contact_modulus)
     load = hertz_sphere(contact_radius, contact_modulus, radius)[0] - bond * np.cos(phase_angle)
@@ -118,7 +155,13 @@ def mixed_mode_sphere_strength(load, mode_parameter=1.0, poisson=0.5, work_of_ad
                                contact_modulus=1.0, radius=1.0):
     """(contact_radius, tangential_force) of `mixed_mode_sphere` at the largest tangential force a
     load allows, 0 < m <= 1; for m < 1 and under compression the radius may then be down to Hertz's.
-    Conditions as there."""
+    Conditions as there.
+
+    Parameters
+    ----------
+    load : float or array, a force
+    mode_parameter, poisson, work_of_adhesion, contact_modulus, radius : as of `mixed_mode_sphere`
+    """
     return _weakest(*_sphere_states(load, mode_parameter, poisson, work_of_adhesion,
                                     contact_modulus, radius))
 
@@ -127,7 +170,13 @@ def mixed_mode_sphere_strength(load, mode_parameter=1.0, poisson=0.5, work_of_ad
 def mixed_mode_sphere_radius(load, tangential_force, mode_parameter=1.0, poisson=0.5,
                              work_of_adhesion=1.0, contact_modulus=1.0, radius=1.0):
     """Radius of `mixed_mode_sphere`, stable at a load and a tangential force up to
-    `mixed_mode_sphere_strength`, 0 < m <= 1."""
+    `mixed_mode_sphere_strength`, 0 < m <= 1.
+
+    Parameters
+    ----------
+    load, tangential_force : float or array, forces
+    mode_parameter, poisson, work_of_adhesion, contact_modulus, radius : as of `mixed_mode_sphere`
+    """
     states = _sphere_states(load, mode_parameter, poisson, work_of_adhesion, contact_modulus,
                             radius)
     return _stable_size(tangential_force, *states)

@@ -24,7 +24,15 @@ from .line import ligament_force, ligament_traction, load_extrema
 def sinusoid_load(half_width, period, amplitude, work_of_adhesion=1.0):
     """Load per period on the wave A(1 - cos 2 pi x/L), W = pi A sin^2(pi a/L) - sqrt(2 L tan(pi
     a/L) w) (Westergaard 1939; adhesive: Johnson 1995). Full contact needs W = pi A without adhesion
-    (w = 0). Stable or not; adhesion of short range, a finite period."""
+    (w = 0). Stable or not; adhesion of short range, a finite period.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    period : float, beta, finite
+    amplitude : float or array > 0, A, u_n,r
+    work_of_adhesion : float or array, phi_n
+    """
     positive(amplitude=amplitude)
     smooth = np.pi * amplitude * np.sin(periodic_angle(half_width, period)) ** 2
     return smooth - ligament_force(half_width, period, work_of_adhesion)
@@ -33,7 +41,13 @@ def sinusoid_load(half_width, period, amplitude, work_of_adhesion=1.0):
 def sinusoid_pressure(x, half_width, period, amplitude, work_of_adhesion=1.0):
     """Pressure on the wave of `sinusoid_load`, (2 pi A/L) cos(pi x/L) sqrt(sin^2(pi a/L) - sin^2(pi
     x/L)) minus the ligament's traction (Westergaard 1939; Johnson 1995), 0 outside; conditions as
-    there."""
+    there.
+
+    Parameters
+    ----------
+    x : float or array, beta
+    half_width, period, amplitude, work_of_adhesion : as of `sinusoid_load`
+    """
     positive(amplitude=amplitude)
     force = ligament_force(half_width, period, work_of_adhesion)
     depth = np.pi / period * root_depth(x, half_width, period)
@@ -44,7 +58,12 @@ def sinusoid_pressure(x, half_width, period, amplitude, work_of_adhesion=1.0):
 def sinusoid_approach(half_width, period, amplitude, work_of_adhesion=1.0):
     """Approach of the mean surface to the wave of `sinusoid_load`, A s^2 (1 - 2 ln s) - (2/pi) F
     ln(1/s) with s = sin(pi a/L), by the sum of flat punches; A at full contact. Conditions as
-    there."""
+    there.
+
+    Parameters
+    ----------
+    half_width, period, amplitude, work_of_adhesion : as of `sinusoid_load`
+    """
     positive(amplitude=amplitude)
     angle = periodic_angle(half_width, period)
     force = ligament_force(half_width, period, work_of_adhesion)
@@ -58,7 +77,13 @@ def sinusoid_half_width(load, period, amplitude, work_of_adhesion=1.0):
     """Half width on the wave of `sinusoid_load` that is stable at a load, between pull-off and the
     jump to full contact, both at sin^3 t cos^5 t = w L/(8 pi^2 A^2), t = pi a/L (Johnson 1995);
     without adhesion up to full contact, below half the period by rounding. Conditions as there;
-    ValueError where nothing partial is stable."""
+    ValueError where nothing partial is stable.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    period, amplitude, work_of_adhesion : as of `sinusoid_load`
+    """
     require(0 < period < np.inf, f"period {period} must be positive and finite")
     positive(amplitude=amplitude)
     not_negative(work_of_adhesion=work_of_adhesion)

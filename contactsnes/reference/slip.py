@@ -1,5 +1,5 @@
 """Line contacts under shear that slip: zones of constant traction, fronts, slip of the whole
-contact, Coulomb friction.
+contact.
 
 Two limits bound what the modified law does. A compliant interface (tangential Maugis parameter well
 below 1) slips as a whole: the slip weakens adhesion everywhere alike, and the contact is a JKR
@@ -18,16 +18,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
-from .checks import ROUNDING, at_most, elementwise, not_negative, positive, require
+from .checks import at_most, elementwise, not_negative, positive, require
 from .laws import TANGENTIAL_PEAK, fading_work, peak_tangential_traction
-from .line import (
-    hertz_line_approach,
-    hertz_line_half_width,
-    hertz_line_load,
-    hertz_line_pressure,
-    jkr_line_half_width,
-    ligament_force,
-)
+from .line import hertz_line_half_width, jkr_line_half_width, ligament_force
 from .zone import zone_force, zone_opening, zone_traction
 
 
@@ -38,14 +31,27 @@ def slip_zone_force(half_width, stick_half_width, strength, period=np.inf):
     much beyond the range of the law in the zone: the modified law with full residual friction,
     stiff, and the half width a over which friction acts once adhesion has gone
     (`sliding_half_width`). At a given share of the force of gross sliding s is met within 1 % up to
-    two thirds at a tangential Maugis parameter of 10, and 3 % at 3.6; at 1 it is wider by 15 %."""
+    two thirds at a tangential Maugis parameter of 10, and 3 % at 3.6; at 1 it is wider by 15 %.
+
+    Parameters
+    ----------
+    half_width, stick_half_width : float or array, a >= s, beta
+    strength : float or array > 0, tau, E* beta/R sqrt(phi_t/phi_n)
+    period : float, beta; `inf`: isolated
+    """
     positive(strength=strength)
     return zone_force(stick_half_width, half_width, strength, period)
 
 
 def slip_zone_traction(x, half_width, stick_half_width, strength, period=np.inf):
     """Traction of `slip_zone_force`, tau on s < |x| < a, (2 tau/pi) arctan
-    sqrt((a^2-s^2)/(s^2-x^2)) within s or its periodic form; 0 outside; conditions as there."""
+    sqrt((a^2-s^2)/(s^2-x^2)) within s or its periodic form; 0 outside; conditions as there.
+
+    Parameters
+    ----------
+    x : float or array, beta
+    half_width, stick_half_width, strength, period : as of `slip_zone_force`
+    """
     positive(strength=strength)
     return zone_traction(x, stick_half_width, half_width, strength, period)
 
@@ -53,7 +59,12 @@ def slip_zone_traction(x, half_width, stick_half_width, strength, period=np.inf)
 def slip_zone_edge_slip(half_width, stick_half_width, strength, period=np.inf):
     """Slip at the edge of the contact of `slip_zone_force`, (4 tau s/pi)[sqrt(m^2-1) arcosh m - m
     ln m], m = a/s, for s > 0; periodic by quadrature. The traction tau times it is the work that a
-    law of this strength may have spent there."""
+    law of this strength may have spent there.
+
+    Parameters
+    ----------
+    half_width, stick_half_width, strength, period : as of `slip_zone_force`
+    """
     positive(stick_half_width=stick_half_width, strength=strength)
     return zone_opening(stick_half_width, half_width, strength, period)
 
@@ -63,7 +74,14 @@ def front_force(half_width, stick_half_width, residual_traction, work, period=np
     the same in a periodic cell (`slip_zone_force` + `ligament_force`); without residual traction
     and at s = a the brittle strength, without work the slip zone of constant traction. G >= 0 is
     the work of the law in excess of tau_inf (`front_work`). Holds where the front is short beside
-    s, G/tau_max^2 << s: a tangential Maugis parameter of 1 and more."""
+    s, G/tau_max^2 << s: a tangential Maugis parameter of 1 and more.
+
+    Parameters
+    ----------
+    half_width, stick_half_width, period : as of `slip_zone_force`
+    residual_traction : float or array, tau_inf, E* beta/R sqrt(phi_t/phi_n)
+    work : float or array, G, phi_t
+    """
     not_negative(residual_traction=residual_traction, work=work)
     at_most(stick_half_width, half_width,
             f"stick_half_width {stick_half_width} exceeds half_width {half_width}")
@@ -81,7 +99,12 @@ def front_onset(half_width, residual_traction, work, period=np.inf):
     Conditions of `front_force`; the drive's stiffness, which lets the front go on a little, is left
     out. The force at onsets of the modified law with half residual friction is met within 0.3 % at
     a tangential Maugis parameter of 10 and 3 % at 1, for loads of 1 to 25 (that at which it slides,
-    which at a held displacement is larger than before) and a normal Maugis parameter of 10."""
+    which at a held displacement is larger than before) and a normal Maugis parameter of 10.
+
+    Parameters
+    ----------
+    half_width, residual_traction, work, period : as of `front_force`
+    """
     positive(half_width=half_width)
     found = minimize_scalar(lambda s: -front_force(half_width, s, residual_traction, work, period),
                             bounds=(0.0, half_width), method="bounded",
@@ -94,7 +117,14 @@ def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.
     tau = 2 lambda_t b exp(-b^2) up to b = 1/sqrt 2, then tau_max [r + (1-r) exp(-(b - 1/sqrt
     2)^2)]. Leading order for a tangential Maugis parameter lambda_t << 1, with the half width of
     the present state: 2 a tau_max of the width without shear is a few per cent above the true
-    maximum."""
+    maximum.
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    slip : float or array, u_t,r
+    tangential_maugis, residual_friction : float or array, lambda_t; r, 0 to 1
+    """
     not_negative(half_width=half_width)
     require(np.greater_equal(residual_friction, 0) & np.less_equal(residual_friction, 1),
             f"residual_friction {residual_friction} must lie between 0 and 1")
@@ -108,7 +138,13 @@ def uniform_slip_force(half_width, slip, tangential_maugis, residual_friction=1.
 def uniform_slip_softening(half_width, tangential_maugis, residual_friction):
     """Steepest fall of `uniform_slip_force` with the slip, (4/e)(1 - r) a lambda_t^2 at b = sqrt 2,
     at a fixed half width; for tangential Maugis parameters well below 1 (to compare with
-    `drive_stiffness`, by `drive_critical_height`)."""
+    `drive_stiffness`, by `drive_critical_height`).
+
+    Parameters
+    ----------
+    half_width : float or array, beta
+    tangential_maugis, residual_friction : as of `uniform_slip_force`
+    """
     positive(half_width=half_width, tangential_maugis=tangential_maugis)
     not_negative(residual_friction=residual_friction)
     require(np.less_equal(residual_friction, 1),
@@ -127,7 +163,16 @@ def uniform_slip_state(load, slip_ranges, tangential_maugis, residual_friction=1
     tau(b) with the traction of the modified law (`uniform_slip_force`). For tangential Maugis
     parameters well below 1 and normal ones well above; the true contact is wider by the range of
     the law, and its rim, where the gap is open, carries less. ValueError where the contact has
-    pulled off."""
+    pulled off.
+
+    Parameters
+    ----------
+    load : float or array, w_n,r
+    slip_ranges : float or array, b, ranges of the law
+    tangential_maugis, residual_friction : as of `uniform_slip_force`
+    period : float, beta; `inf`: isolated
+    residual_adhesion : float or array, 0 to 1, as of `fading_work`
+    """
     half_width = jkr_line_half_width(load, period,
                                      float(fading_work(slip_ranges, residual_adhesion)))
     slip = slip_ranges / tangential_maugis
@@ -140,7 +185,12 @@ def uniform_slip_onset(load, tangential_maugis, period=np.inf, residual_adhesion
     """(half_width, tangential_force, slip_ranges) of the largest force of `uniform_slip_state`,
     where sliding begins under a prescribed force: at a slip below that of the law's peak, since the
     contact shrinks. Conditions as there, and loads of at least 0, below which the contact may pull
-    off before it slides."""
+    off before it slides.
+
+    Parameters
+    ----------
+    load, tangential_maugis, period, residual_adhesion : as of `uniform_slip_state`
+    """
     require(load >= 0,
             f"the load {load} must not be negative: the contact may pull off before it slides")
 
@@ -159,7 +209,14 @@ def sliding_half_width(load, normal_maugis=np.inf, period=np.inf):
     sqrt(2 a) s^(3/2) at a distance s from the edge is added, a being (L/pi) tan(pi a/L) there in a
     cell. Leading order in the range of the law: about 1 % too narrow at a normal Maugis parameter
     of 3, 0.1 % at 10, for loads of 1 and more; for loads above 0 and a law without adhesion at
-    large slip."""
+    large slip.
+
+    Parameters
+    ----------
+    load : float or array > 0, w_n,r
+    normal_maugis : float or array > 0, dimensionless
+    period : float, beta; `inf`: isolated
+    """
     positive(load=load, normal_maugis=normal_maugis)
     half_width = hertz_line_half_width(load, period)
     edge = half_width if np.isinf(period) else period / np.pi * np.tan(np.pi * half_width / period)
@@ -169,44 +226,12 @@ def sliding_half_width(load, normal_maugis=np.inf, period=np.inf):
 def sliding_force(load, residual_traction, normal_maugis=np.inf, period=np.inf):
     """Tangential force 2 a tau_inf of gross sliding, a the `sliding_half_width`, whatever the
     tangential Maugis parameter and the drive: every point has slipped far beyond delta_t. For the
-    modified law with residual friction; other conditions as there."""
+    modified law with residual friction; other conditions as there.
+
+    Parameters
+    ----------
+    load, normal_maugis, period : as of `sliding_half_width`
+    residual_traction : float or array > 0, tau_inf, E* beta/R sqrt(phi_t/phi_n)
+    """
     positive(residual_traction=residual_traction)
     return 2 * residual_traction * sliding_half_width(load, normal_maugis, period)
-
-
-def cattaneo_line_stick_half_width(half_width, tangential_force, friction, period=np.inf):
-    """Half width s of the stick zone of a Hertzian cylinder with Coulomb friction f (ratio of
-    scaled tractions), from Q = f [W(a)
-    - W(s)]: s/a = sqrt(1 - Q/fW) (Cattaneo 1938; periodic by the superposition of Ciavarella 1998),
-      exact for a normal load held
-    while the force grows from nothing to at most fW. Needs friction in proportion to the pressure
-    and no adhesion, which neither cohesive law is."""
-    load = hertz_line_load(half_width, period)
-    positive(friction=friction)
-    require(np.greater_equal(tangential_force, 0) & np.less_equal(tangential_force,
-                                                                  friction * load * (1 + ROUNDING)),
-            f"tangential_force {tangential_force} must lie between 0 and "
-            f"friction times load, {friction * load}")
-    return hertz_line_half_width(np.maximum(load - tangential_force / friction, 0.0), period)
-
-
-def cattaneo_line_traction(x, half_width, stick_half_width, friction, period=np.inf):
-    """Tangential traction f [p(x; a) - p(x; s)], p the Hertzian pressure of each half width, s <= a
-    (Cattaneo 1938); conditions of `cattaneo_line_stick_half_width`."""
-    _require_stick(half_width, stick_half_width, friction)
-    outer, inner = (hertz_line_pressure(x, edge, period) for edge in (half_width, stick_half_width))
-    return friction * (outer - inner)
-
-
-def cattaneo_line_displacement(half_width, stick_half_width, friction, period):
-    """Displacement of the stick zone relative to the mean surface, f [d(a) - d(s)], d Hertz's
-    approach; conditions of `cattaneo_line_stick_half_width`, and a finite period."""
-    _require_stick(half_width, stick_half_width, friction)
-    return friction * (hertz_line_approach(half_width, period)
-                       - hertz_line_approach(stick_half_width, period))
-
-
-def _require_stick(half_width, stick_half_width, friction):
-    positive(friction=friction)
-    at_most(stick_half_width, half_width,
-            f"stick_half_width {stick_half_width} exceeds half_width {half_width}")

@@ -9,7 +9,14 @@ from .sphere import hertz_sphere, hertz_sphere_pressure, hertz_sphere_radius, jk
 def bonded_circle_stiffness(contact_radius, poisson=0.5, contact_modulus=1.0):
     """Tangential force per displacement of a sticking circle, 8 a G*, G* = mu/(2 - nu) = E*
     (1-nu)/(2 (2-nu)) for one body of Poisson ratio nu on a rigid counterface (Mindlin 1949), exact
-    without coupling (nu = 1/2)."""
+    without coupling (nu = 1/2).
+
+    Parameters
+    ----------
+    contact_radius : float or array > 0, a length
+    poisson : float or array, 0 to 0.5
+    contact_modulus : float or array > 0, E*, a force over a length squared
+    """
     positive(contact_radius=contact_radius, contact_modulus=contact_modulus)
     require(np.greater_equal(poisson, 0) & np.less_equal(poisson, 0.5),
             f"poisson {poisson} must lie between 0 and 0.5")
@@ -22,7 +29,15 @@ def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modul
     `bonded_circle_stiffness`. Needs friction in proportion to the pressure and no adhesion, and a
     load held while the force grows from nothing to at most f P. Slip across the force (unless nu =
     0) and normal-tangential coupling (unless nu = 1/2) are neglected: expect differences of a few
-    per cent."""
+    per cent.
+
+    Parameters
+    ----------
+    load, tangential_force : float or array, forces
+    friction : float or array > 0, dimensionless
+    poisson, contact_modulus : as of `bonded_circle_stiffness`
+    radius : float or array > 0, R, a length
+    """
     positive(load=load, friction=friction)
     a = hertz_sphere_radius(load, contact_modulus, radius)
     stick = 1 - tangential_force / (friction * load)
@@ -37,7 +52,13 @@ def cattaneo_sphere(load, tangential_force, friction, poisson=0.5, contact_modul
 def cattaneo_sphere_traction(r, contact_radius, stick_radius, friction, contact_modulus=1.0,
                              radius=1.0):
     """Traction of `cattaneo_sphere`, along the force, f [p(r; a) - p(r; s)] with Hertz's pressure
-    of each radius, s <= a; conditions as there."""
+    of each radius, s <= a; conditions as there.
+
+    Parameters
+    ----------
+    r, contact_radius, stick_radius : float or array, lengths
+    friction, contact_modulus, radius : as of `cattaneo_sphere`
+    """
     positive(friction=friction)
     at_most(stick_radius, contact_radius,
             f"stick_radius {stick_radius} exceeds contact_radius {contact_radius}")
@@ -59,7 +80,15 @@ def savkoor_briggs_sphere_load(contact_radius, tangential_force, poisson=0.5, wo
     (4 E* a^3/(3R) - P)^2 = 8 pi w E* a^3 - E* Q^2/(4 G*), G* of `bonded_circle_stiffness` (Savkoor
     & Briggs 1977). For short-range adhesion (Maugis parameters large) and no slip; the contact is
     taken to stay a circle, modes II and III averaged: the area falls too fast for most
-    experiments."""
+    experiments.
+
+    Parameters
+    ----------
+    contact_radius, radius : float or array, a and R, a length
+    tangential_force : float or array, Q, a force
+    poisson, contact_modulus : as of `bonded_circle_stiffness`
+    work_of_adhesion : float or array > 0, w, a force over a length
+    """
     bond = jkr_force(contact_radius, work_of_adhesion, contact_modulus)
     sheared = np.sqrt(savkoor_briggs_ratio(poisson)) * np.abs(tangential_force)
     at_most(sheared, bond, f"tangential_force {tangential_force} exceeds the strength "
@@ -72,7 +101,13 @@ def savkoor_briggs_sphere_radius(load, tangential_force, poisson=0.5, work_of_ad
                                  contact_modulus=1.0, radius=1.0):
     """Radius of `savkoor_briggs_sphere_load` that is stable at a load and a tangential force;
     conditions as there. ValueError beyond the strength, where 9 (pi w R)^2 + 6 pi w R P < E* Q^2/(4
-    G*)."""
+    G*).
+
+    Parameters
+    ----------
+    load, tangential_force : float or array, forces
+    poisson, work_of_adhesion, contact_modulus, radius : as of `savkoor_briggs_sphere_load`
+    """
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
     strength = force**2 + 2 * force * load
@@ -88,7 +123,13 @@ def savkoor_briggs_sphere_strength(load, poisson=0.5, work_of_adhesion=1.0, cont
                                    radius=1.0):
     """(contact_radius, tangential_force) of `savkoor_briggs_sphere_load` at the largest tangential
     force that a load >= -3 pi w R/2 allows, E* Q^2/(4 G*) = 9 (pi w R)^2 + 6 pi w R P at 4 E*
-    a^3/(3 R) = P + 3 pi w R; conditions as there."""
+    a^3/(3 R) = P + 3 pi w R; conditions as there.
+
+    Parameters
+    ----------
+    load : float or array, a force
+    poisson, work_of_adhesion, contact_modulus, radius : as of `savkoor_briggs_sphere_load`
+    """
     positive(work_of_adhesion=work_of_adhesion, contact_modulus=contact_modulus, radius=radius)
     force = 3 * np.pi * work_of_adhesion * radius
     at_most(np.negative(load), force / 2, f"the load {load} is below pull-off, {-force / 2}")

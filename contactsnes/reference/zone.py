@@ -24,7 +24,13 @@ def _require_order(inner, outer, period):
 
 
 def zone_angle(inner, outer, period):
-    """arccos(cos(pi c/L)/cos(pi a/L)) without cancellation."""
+    """arccos(cos(pi c/L)/cos(pi a/L)) without cancellation.
+
+    Parameters
+    ----------
+    inner, outer : float or array, a <= c, beta
+    period : float, beta, finite
+    """
     _require_order(inner, outer, period)
     return np.arctan2(np.pi / period * root_depth(inner, outer, period),
                       np.cos(np.pi * np.asarray(outer) / period))
@@ -32,7 +38,14 @@ def zone_angle(inner, outer, period):
 
 def zone_force(inner, outer, stress, period=np.inf):
     """Force of the whole strip, 2 s sqrt(c^2 - a^2); periodic (2 s L/pi) arccos(cos(pi c/L)/cos(pi
-    a/L)), exact."""
+    a/L)), exact.
+
+    Parameters
+    ----------
+    inner, outer : float or array, a <= c, beta
+    stress : float or array, s, E* beta/R, in shear times sqrt(phi_t/phi_n)
+    period : float, beta; `inf`: isolated
+    """
     _require_order(inner, outer, period)
     if np.isinf(period):
         return 2 * stress * root_depth(inner, outer)
@@ -42,7 +55,13 @@ def zone_force(inner, outer, stress, period=np.inf):
 def zone_traction(x, inner, outer, stress, period=np.inf):
     """s on a < |x| < c, and within a (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2)); periodic, exact, (2
     s/pi) arctan of cos(pi x/L) sqrt(sin^2(pi c/L) - sin^2(pi a/L))/(cos(pi c/L) sqrt(sin^2(pi a/L)
-    - sin^2(pi x/L)))."""
+    - sin^2(pi x/L))).
+
+    Parameters
+    ----------
+    x : float or array, beta; isolated any unit of length, in which the edges are, too
+    inner, outer, stress, period : as of `zone_force`
+    """
     _require_order(inner, outer, period)
     outside = np.cos(np.pi * np.asarray(x) / period) * root_depth(inner, outer, period)
     inside = np.cos(np.pi * np.asarray(outer) / period) * root_depth(x, inner, period)
@@ -58,7 +77,13 @@ def _sum_over_punches(function, angle):
 
 
 def opening_by_punches(density, angle, outer_angle):
-    """Integral of density(t) artanh(tan(t)/tan(C)) over 0 < t < `angle`, C = pi c/L."""
+    """Integral of density(t) artanh(tan(t)/tan(C)) over 0 < t < `angle`, C = pi c/L.
+
+    Parameters
+    ----------
+    density : function (array of angles) -> array
+    angle, outer_angle : float or array, radians; C is at least the angle
+    """
     C, least = np.asarray(outer_angle)[..., None], np.asarray(outer_angle - angle)[..., None]
     return _sum_over_punches(lambda t,
                              rest: density(t) * np.log(np.sin(C + t) / np.sin(least + rest)) / 2,
@@ -67,13 +92,24 @@ def opening_by_punches(density, angle, outer_angle):
 
 def isolated_opening(spread, inner, stress):
     """Displacement at c relative to |x| < a, isolated, (4 s a/pi)[sqrt(m^2-1) arcosh m - m ln m], m
-    = c/a = cosh(spread)."""
+    = c/a = cosh(spread).
+
+    Parameters
+    ----------
+    spread : float or array, arcosh c/a, dimensionless
+    inner, stress : float or array, a, beta; s, as of `zone_force`
+    """
     logarithm = np.log1p(2 * np.sinh(spread / 2) ** 2)
     return 4 * stress * inner / np.pi * (spread * np.sinh(spread) - np.cosh(spread) * logarithm)
 
 
 def zone_opening(inner, outer, stress, period=np.inf):
-    """Displacement at c relative to |x| < a, for a > 0; periodic by quadrature over the punches."""
+    """Displacement at c relative to |x| < a, for a > 0; periodic by quadrature over the punches.
+
+    Parameters
+    ----------
+    inner, outer, stress, period : as of `zone_force`
+    """
     _require_order(inner, outer, period)
     positive(inner=inner)
     if np.isinf(period):
@@ -84,7 +120,13 @@ def zone_opening(inner, outer, stress, period=np.inf):
 
 
 def zone_lift(inner, outer, stress, period):
-    """Displacement of |x| < a relative to the mean surface, by quadrature over the punches."""
+    """Displacement of |x| < a relative to the mean surface, by quadrature over the punches.
+
+    Parameters
+    ----------
+    inner, outer, stress : as of `zone_force`
+    period : float, beta, finite
+    """
     C, angle = periodic_angle(outer, period)[..., None], zone_angle(inner, outer, period)
 
     def logarithm(t, rest):  # ln(1/sin(pi b/L))

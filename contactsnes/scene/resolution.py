@@ -30,6 +30,12 @@ def resolution(scene, sheared, steepest=None):
     waves transverse to the slip in two dimensions, and of both together (``coupled_softening``).
     Directions without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that
     of a state in place of the law's where nothing overlaps.
+
+    Parameters
+    ----------
+    scene : Scene
+    sheared : bool, whether tangential unknowns appear
+    steepest : float, E*/beta; by default the law's
     """
     if steepest is None:
         steepest = _softening(scene, sheared)

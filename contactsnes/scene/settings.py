@@ -20,7 +20,14 @@ OPTION_CLASSES = declare(Scene, Form, Load, Steps, Output)
 
 def check(scene, load, steps=Steps()):
     """InputError unless load path and steps fit the scene. A path that is not set is not missed
-    here."""
+    here.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    steps : Steps
+    """
     if scene.isolated:
         isolation.check_load(scene, load)
     if scene.points != "auto":
@@ -66,6 +73,15 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     (name, why).
 
     `estimates`: whether the errors of points are estimated.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    names : iterable of str
+    form : Form
+    output : Output
+    estimates : bool
     """
     sheared = any(tangential_legs(scene, load))
     unsheared = "no tangential unknown appears"

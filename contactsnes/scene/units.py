@@ -183,7 +183,13 @@ def _groups(values):
 
 
 def sizes(values, normal_maugis, tangential_maugis):
-    """Unit (`UNITS`) -> its size in SI, from the values of `SCALES` and the Maugis parameters."""
+    """Unit (`UNITS`) -> its size in SI, from the values of `SCALES` and the Maugis parameters.
+
+    Parameters
+    ----------
+    values : mapping, name of `SCALES` -> float, SI
+    normal_maugis, tangential_maugis : float, dimensionless
+    """
     length, normal, tangential = _scales(values)
     modulus = values["contact_modulus"]
     return {"beta": length, "beta^2": length ** 2, "u_n,r": normal, "u_t,r": tangential,

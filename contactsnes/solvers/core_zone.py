@@ -55,6 +55,14 @@ class CoreBlock:
     circle around the core.
 
     Of several boxes each has a circle of its own, all of one size.
+
+    Parameters
+    ----------
+    form : DisplacementForm, linearised
+    component : int
+    weight : array (nodes), a^2, 0 to 1
+    mean_tangent : array (boxes), D, dimensionless
+    pad : float >= 1, extent of the circle over that of the core
     """
 
     def __init__(self, form, component, weight, mean_tangent, pad):
@@ -104,6 +112,12 @@ class CoupledBlock:
     B is the core block, F_c the sum of the law's linear response D M^-1 r in a box, k the kernel at
     the boxes' offsets; on its diagonal, by how much a box in the cell gives way more than on its
     circle, which is the same at all small lags.
+
+    Parameters
+    ----------
+    form : DisplacementForm, linearised, on a window of several boxes
+    component : int
+    block : CoreBlock of the component
     """
 
     def __init__(self, form, component, block):
@@ -172,6 +186,12 @@ class CoreZone:
     compliance of the body, and the unknowns and rows of force control) is of low rank and is
     eliminated by its Schur complement. A ``floor`` for the response to means, over that of a stiff
     contact, keeps it regular where the load is one more unknown.
+
+    Parameters
+    ----------
+    form : DisplacementForm, linearised
+    options : CoreOptions
+    floor : float, dimensionless
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):

@@ -123,7 +123,11 @@ class Motion:
         """The step of every method: v' = kept v' - impulse F/(m mu), v += time_step v', and the
         force there.
 
-        ``kept`` and ``impulse`` are numbers, or arrays (components, *half spectrum).
+        Parameters
+        ----------
+        time_step : float
+        kept : float or array (components, *half spectrum), part of the velocity
+        impulse : the same, a time
         """
         self.velocity *= kept
         np.multiply(self.acceleration, impulse, out=self._work)

@@ -20,6 +20,7 @@ from ..grid.transfer import interpolation
 from ..grid.windows import Window
 from ..options.database import read
 from ..options.fields import InputError, Options, option
+from .operators import Applied, Corrected
 
 LEVELS, SMALLEST = 3, 32
 """Grids by default, and the fewest nodes that a direction of the coarsest of them has."""
@@ -92,7 +93,13 @@ class Transfer:
 
     def correct(self, change, unknown, out):
         """out = unknown, perhaps the same array, corrected by P change, with change from what was
-        injected last."""
+        injected last.
+
+        Parameters
+        ----------
+        change : array of the coarse form's size
+        unknown, out : arrays of the fine form's size
+        """
         fine, coarse = self.fine, self.coarse
         field = coarse.displacement(change)
         gap = coarse.gap(self.injected)[0]
@@ -123,28 +130,6 @@ class CoarseForm(DisplacementForm):
         """F under the load that the finer form has now."""
         self.set_load(self.finer.load)
         return super().residual(unknown, out)
-
-
-class Applied:
-    """PETSc's Mat context of a function (array, array to fill)."""
-
-    def __init__(self, apply):
-        self.apply = apply
-
-    def mult(self, mat, x, y):
-        """y = A x."""
-        self.apply(x.getArray(readonly=True), y.getArray())
-
-
-class Corrected:
-    """PETSc's Mat context of a correction (change, unknown, array to fill)."""
-
-    def __init__(self, apply):
-        self.apply = apply
-
-    def multAdd(self, mat, x, y, z):
-        """z = y + A x, which depends on y."""
-        self.apply(x.getArray(readonly=True), y.getArray(readonly=True), z.getArray())
 
 
 def _matrix(rows, columns, context):
@@ -186,12 +171,12 @@ def _check(form, database):
 
 
 def create_levels(snes, form, equip):
-    """Make a form's SNES a full approximation scheme over coarser grids; its smoothers on all
-    grids, each with its form.
+    """Make a form's SNES a full approximation scheme; smoothers of all grids, each with its form.
 
     Parameters
     ----------
     snes : SNES of the form, before its setFromOptions
+    form : DisplacementForm on the finest grid
     equip : function (SNES, form) that sets function, Jacobian and linear solver
 
     A smoother is one step of Newton, its linear system solved to 0.1; the coarsest grid is solved

@@ -19,6 +19,12 @@ class ZonedStiffness:
     a^2 is the core's smoothed indicator, D the mean tangent there, c the smallest stiffness of the
     body. Where the body is rigid in the mean (displacement control, no rigid compliance) the mean
     is taken from its own row. A ``floor`` is not needed: nothing is eliminated.
+
+    Parameters
+    ----------
+    form : ForceForm, linearised
+    options : CoreOptions
+    floor : float
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
@@ -61,7 +67,14 @@ class ZonedStiffness:
 
 
 class EvenCoreZone:
-    """Preconditioner of the displacement form for even states: the core zone of its half form."""
+    """Preconditioner of the displacement form for even states: the core zone of its half form.
+
+    Parameters
+    ----------
+    form : EvenForm, linearised
+    options : CoreOptions
+    floor : float, as of `CoreZone`
+    """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.inner = form, CoreZone(form.half, options, floor)
@@ -122,7 +135,13 @@ class ZonePC:
         self.zone = zone(matrix.getPythonContext().form, self.options)
 
     def apply(self, pc, x, y):
-        """y = M^-1 x."""
+        """y = M^-1 x.
+
+        Parameters
+        ----------
+        pc : petsc4py PC
+        x, y : petsc4py Vec; y is filled
+        """
         self.zone.apply(x.getArray(readonly=True), y.getArray())
 
     def view(self, pc, viewer):

@@ -77,7 +77,14 @@ class PseudoTransient:
                              "-contact_form displacement")
 
     def solve(self, snes, b, x):
-        """Step from x until there is a reason to stop."""
+        """Step from x until there is a reason to stop.
+
+        Parameters
+        ----------
+        snes : petsc4py SNES
+        b : petsc4py Vec or None, not used
+        x : petsc4py Vec, the start, and the solution
+        """
         options = self.options
         residual = snes.getFunction()[0]
         trial = x.duplicate()

@@ -63,7 +63,14 @@ class Relaxation:
         snes.setConvergenceTest(self.test)
 
     def test(self, snes, iteration, norms):
-        """Convergence test: absolute, relative, and no growth without bound."""
+        """Convergence test: absolute, relative, and no growth without bound.
+
+        Parameters
+        ----------
+        snes : petsc4py SNES
+        iteration : int
+        norms : (of the unknown, of the step, of the residual)
+        """
         reasons, norm = PETSc.SNES.ConvergedReason, norms[2]
         rtol, atol, _, _ = snes.getTolerances()
         self._first = norm if iteration == 0 else self._first
@@ -77,7 +84,14 @@ class Relaxation:
                                                                self._first) else reasons.ITERATING
 
     def solve(self, snes, b, x):
-        """Move from x until there is a reason to stop."""
+        """Move from x until there is a reason to stop.
+
+        Parameters
+        ----------
+        snes : petsc4py SNES
+        b : petsc4py Vec or None, not used
+        x : petsc4py Vec, the start, and the solution
+        """
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
         self.method = self.method_class(motion, self.options)

@@ -15,6 +15,7 @@ from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
 from .capabilities import asked
 from .multigrid import create_levels
+from .operators import Jacobian
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -42,28 +43,6 @@ class NewtonOptions(Options):
 
 TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
-
-
-class Jacobian:
-    """PETSc's Mat context: the exact Jacobian of a form, matrix-free."""
-
-    def __init__(self, form):
-        self.form = form
-
-    def mult(self, mat, x, y):
-        """y = J x."""
-        self.form.apply_jacobian(x.getArray(readonly=True), y.getArray())
-
-    def multTranspose(self, mat, x, y):
-        """y = J^T x."""
-        self.form.apply_transpose(x.getArray(readonly=True), y.getArray())
-
-    def view(self, mat, viewer):
-        """What -snes_view prints of the operator."""
-        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: "
-                           f"{self.form.components} component(s) on {self.form.nodes} "
-                           f"nodes, {self.form.size - self.form.count} scalar "
-                           "unknown(s)\n")
 
 
 class RegularisedStep:

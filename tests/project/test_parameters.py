@@ -2,6 +2,7 @@
 of them."""
 
 import ast
+import re
 from pathlib import Path
 
 import contactsnes
@@ -9,43 +10,6 @@ import contactsnes
 PACKAGE = Path(contactsnes.__path__[0])
 MANY = 3
 """Arguments from which on they are told one by one, ``self`` not counted."""
-
-LACKING = {
-    "Applied.mult", "Body.stiffness", "CoreBlock", "CoreZone", "Corrected.multAdd",
-    "Coupled.evaluate", "CoupledBlock", "Edge.state", "Equations.newton", "Equations.size",
-    "EvenCoreZone", "FoldSearch", "FullForm", "HalfForm", "Jacobian.mult",
-    "Jacobian.multTranspose", "LastState.state", "Law.evaluate", "Limits.end_of_attraction",
-    "Limits.end_of_branch", "Motion.advance", "Motion.kicked", "PseudoTransient.solve",
-    "Recorder.run", "Relaxation.solve", "Relaxation.test", "Secant.state",
-    "Solves.along_tangent", "Solves.direction", "Solves.solve", "States.adapted",
-    "States.detached", "States.doubtful", "States.progress", "States.strayed", "Store.commit",
-    "Tangent.state", "TooCoarse", "Tracer.solve_arc", "Transfer.correct",
-    "XuNeedleman.evaluate", "ZonePC.apply", "ZonedStiffness", "at_most",
-    "bonded_circle_stiffness", "carried", "cattaneo_line_displacement",
-    "cattaneo_line_stick_half_width", "cattaneo_line_traction", "cattaneo_sphere",
-    "cattaneo_sphere_traction", "check", "check_own", "distance", "dmt_sphere",
-    "dmt_sphere_radius", "drive_critical_height", "drive_stiffness", "driven_displacement",
-    "driven_fold", "entries", "find_root", "fitted", "follow_edge", "front_force",
-    "front_onset", "hertz_line_pressure", "hertz_sphere", "hertz_sphere_pressure",
-    "hertz_sphere_radius", "ineffective", "isolated_opening", "jkr_force", "jkr_line_approach",
-    "jkr_line_half_width", "jkr_line_half_width_at_approach", "jkr_line_load",
-    "jkr_line_pressure", "jkr_sphere", "jkr_sphere_fold", "jkr_sphere_pressure",
-    "jkr_sphere_pull_off", "jkr_sphere_radius", "jkr_sphere_radius_at_approach",
-    "layer_compliance", "ligament_force", "ligament_traction", "load_extrema", "maugis_line",
-    "maugis_line_approach", "maugis_line_pressure", "maugis_sphere", "maugis_sphere_pressure",
-    "maugis_sphere_pull_off", "memory_needed", "minimizer", "mixed_mode_line",
-    "mixed_mode_line_half_width", "mixed_mode_line_strength", "mixed_mode_sphere",
-    "mixed_mode_sphere_radius", "mixed_mode_sphere_strength", "next_grid", "opening_by_punches",
-    "predicted", "reciprocal_depth", "refuse_too_large", "resolution", "root_depth",
-    "savkoor_briggs_line_load", "savkoor_briggs_sphere_load", "savkoor_briggs_sphere_radius",
-    "savkoor_briggs_sphere_strength", "sinusoid_approach", "sinusoid_half_width",
-    "sinusoid_load", "sinusoid_pressure", "sizes", "sliding_force", "sliding_half_width",
-    "slip_fronts", "slip_zone_edge_slip", "slip_zone_force", "slip_zone_traction",
-    "sphere_maugis_parameter", "surface", "undeformed", "uniform_slip_force",
-    "uniform_slip_onset", "uniform_slip_softening", "uniform_slip_state", "where", "zone_angle",
-    "zone_force", "zone_lift", "zone_opening", "zone_traction",
-}
-"""What has no such section yet. This list may only become shorter."""
 
 
 def arguments(function):
@@ -70,14 +34,37 @@ def public(node, prefix=""):
         yield from public(child, f"{prefix}{child.name}.")
 
 
-def lacking():
-    """Names of what has many arguments and no section on them."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"), path)
-        for name, node, given in public(tree):
-            told = ast.get_docstring(node) or ""
-            if len(given) >= MANY and "Parameters\n----------\n" not in told:
-                yield name
+def told(node):
+    """Whether a docstring has the section."""
+    return "Parameters\n----------\n" in (ast.get_docstring(node) or "")
+
+
+def named(node):
+    """Names that the section tells of: what stands before the colons of its lines."""
+    section = ast.get_docstring(node).split("Parameters\n----------\n")[1]
+    lines = re.split(r"\n\n|\n\w+\n-+\n", section)[0].splitlines()
+    heads = [line.split(" : ")[0] for line in lines if not line.startswith(" ")]
+    return {name.strip().lstrip("*") for head in heads for name in head.split(",")}
+
+
+def above(name, nodes):
+    """The methods that one of a class overrides, among nodes by their dotted names."""
+    owner, _, method = name.rpartition(".")
+    for node in nodes.get(owner, ()):
+        for base in map(ast.unparse, node.bases):
+            inherited = f"{base.rpartition('.')[2]}.{method}"
+            yield from nodes.get(inherited, ())
+            yield from above(inherited, nodes)
+
+
+def lacking(trees):
+    """Names of what has many arguments and no section on them, nor overrides what has one."""
+    known = [entry for tree in trees for entry in public(tree)]
+    nodes = {}
+    for name, node, _ in known:
+        nodes.setdefault(name, []).append(node)
+    return [name for name, node, given in known
+            if len(given) >= MANY and not any(map(told, [node, *above(name, nodes)]))]
 
 
 def test_the_finder_of_arguments():
@@ -87,7 +74,28 @@ def test_the_finder_of_arguments():
         ("one", ["a", "b", "c"]), ("Two", ["a", "b"]), ("Two.three", ["a"])]
 
 
+def test_the_finder_of_sections():
+    tree = ast.parse("class One:\n def run(self, a, b, c):\n  'Runs.\\n\\n  Parameters\\n"
+                     "  ----------\\n  a, b, c : int'\n"
+                     "class Two(rooms.One):\n def go(self, a, b, c): pass\n"
+                     "class Three(Two):\n def run(self, a, b, c): pass\n"
+                     "def run(a, b, c): pass")
+    assert lacking([tree]) == ["Two.go", "run"]
+
+
+def package():
+    """The tree of every file."""
+    return [ast.parse(path.read_text(encoding="utf-8"), path)
+            for path in sorted(PACKAGE.rglob("*.py"))]
+
+
 def test_many_arguments_are_told_one_by_one():
-    found = set(lacking())
-    assert sorted(found - LACKING) == [], "these lack a section Parameters"
-    assert sorted(LACKING - found) == [], "these have one now: take them from LACKING"
+    assert not lacking(package()), "these lack a section Parameters"
+
+
+def test_sections_name_all_arguments_and_no_others():
+    """Dataclasses, which have no ``__init__`` of their own, tell of their fields."""
+    found = {name: set(given) ^ named(node) for tree in package()
+             for name, node, given in public(tree) if given and told(node)}
+    assert not {name: names - {"self", "cls"} for name, names in found.items()
+                if names - {"self", "cls"}}

@@ -180,10 +180,14 @@ class Body(Declared):
         return self._without_zero_mode(self._compliance_blocks(waves, components), waves)
 
     def stiffness(self, wavevectors, components, *, last_even=True):
-        """Inverse of `compliance` among the given components, with the same parameters and result.
+        """Inverse of `compliance` among the given components, in the same blocks.
 
         One component: 1/C_nn, the frictionless interface. All: the body's
         stiffness, and at Nyquist modes the inverse of the compliance used there.
+
+        Parameters
+        ----------
+        wavevectors, components, last_even : as of `compliance`
         """
         waves = self._check(wavevectors, components, last_even)
         if components == 1:

@@ -57,11 +57,17 @@ class Law(Declared):
     odd = True
 
     def evaluate(self, gap, traction, tangent=None):
-        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components,
-        nodes) at once.
+        """Fill ``traction`` and, if given, ``tangent`` at once.
 
         ``traction`` may be ``gap`` itself. With one component there is no slip. The traction is
         returned.
+
+        Parameters
+        ----------
+        gap : array (components, nodes), ranges of the law
+        traction : array of the same shape, phi_n / delta_n and phi_t / delta_t; attraction positive
+        tangent : array (components, components, nodes), dt_i / dg_j, dimensionless; None: not
+            wanted
         """
         raise NotImplementedError(
             f"the law {type(self).__name__} has no evaluate(gap, traction, tangent=None)")

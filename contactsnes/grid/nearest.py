@@ -1,0 +1,59 @@
+"""Fields of a window at the nodes of another box: the same nodes, or the nearest ones."""
+
+import numpy as np
+
+
+def nearest(field, source, box):
+    """Values of a field at the nodes of a box, where it is not known those of the nearest known
+    node, array (components, nodes of the box).
+
+    Parameters
+    ----------
+    field : array (components, nodes of the window)
+    source : Window of one box or several
+    box : Window of one box
+    """
+    found = None
+    least = np.inf
+    fields = field.reshape(len(field), len(source.parts), *source.shape)
+    gaps = _gaps(source, box)
+    for k in np.argsort(gaps, kind="stable"):
+        if found is not None and gaps[k] ** 2 >= np.max(least):
+            break
+        axes, away = _nodes_of(source.parts[k], box)
+        picked = fields[:, k]
+        for axis, nodes in enumerate(axes, start=1):
+            picked = picked[(slice(None),) * axis + (nodes,)]
+        far = sum(np.meshgrid(*[distance ** 2 for distance in away], indexing="ij",
+                              sparse=True)) if len(gaps) > 1 else 0.0
+        found = picked if found is None else np.where(far < least, picked, found)
+        least = np.minimum(far, least)
+    return np.ascontiguousarray(found).reshape(len(found), -1)
+
+
+def _gaps(source, box):
+    """Nodes between each box of a window and another, at least."""
+    if len(source.parts) == 1:
+        return np.zeros(1)
+    total, shape = np.array(box.grid.shape), np.array(source.shape)
+    ahead = (np.array(box.start) - np.array(source.start)) % total
+    between = np.maximum(np.minimum(ahead - shape, total - ahead - box.shape), 0)
+    return np.sqrt(np.sum(between.astype(float) ** 2, axis=1))
+
+
+def _nodes_of(source, box):
+    """What picks the nodes of a box, or the nearest ones, from another box in each direction, and
+    their distances from those."""
+    axes, away = [], []
+    for start, extent, first, known, total in zip(box.start, box.shape, source.start, source.shape,
+                                                  box.grid.shape):
+        # Signed distance from the middle of what is known, so that nodes on either side find their
+        # own end of it.
+        offset = (start - first - known // 2 + total // 2) % total - total // 2 + known // 2
+        inside = 0 <= offset and offset + extent <= known
+        wanted = (offset + np.arange(extent) - known // 2
+                  + total // 2) % total - total // 2 + known // 2
+        nodes = np.clip(wanted, 0, known - 1)
+        axes.append(slice(offset, offset + extent) if inside else nodes)
+        away.append(wanted - nodes)
+    return axes, away

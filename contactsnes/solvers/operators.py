@@ -1,0 +1,68 @@
+"""PETSc's Mat contexts: the Jacobian of a form, and what is given as a function of arrays."""
+
+
+class Jacobian:
+    """The exact Jacobian of a form, matrix-free."""
+
+    def __init__(self, form):
+        self.form = form
+
+    def mult(self, mat, x, y):
+        """y = J x.
+
+        Parameters
+        ----------
+        mat : petsc4py Mat
+        x, y : petsc4py Vec, of the form's size; y is filled
+        """
+        self.form.apply_jacobian(x.getArray(readonly=True), y.getArray())
+
+    def multTranspose(self, mat, x, y):
+        """y = J^T x.
+
+        Parameters
+        ----------
+        mat, x, y : as of `mult`
+        """
+        self.form.apply_transpose(x.getArray(readonly=True), y.getArray())
+
+    def view(self, mat, viewer):
+        """What -snes_view prints of the operator."""
+        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: "
+                           f"{self.form.components} component(s) on {self.form.nodes} "
+                           f"nodes, {self.form.size - self.form.count} scalar "
+                           "unknown(s)\n")
+
+
+class Applied:
+    """A linear function (array, array to fill)."""
+
+    def __init__(self, apply):
+        self.apply = apply
+
+    def mult(self, mat, x, y):
+        """y = A x.
+
+        Parameters
+        ----------
+        mat : petsc4py Mat
+        x, y : petsc4py Vec; y is filled
+        """
+        self.apply(x.getArray(readonly=True), y.getArray())
+
+
+class Corrected:
+    """A correction (change, unknown, array to fill)."""
+
+    def __init__(self, apply):
+        self.apply = apply
+
+    def multAdd(self, mat, x, y, z):
+        """z = y + A x, which depends on y.
+
+        Parameters
+        ----------
+        mat : petsc4py Mat
+        x, y, z : petsc4py Vec, the change, the unknown and the result; z is filled
+        """
+        self.apply(x.getArray(readonly=True), y.getArray(readonly=True), z.getArray())
