@@ -4,8 +4,10 @@ PETSc is imported inside functions only: its database is filled when `petsc4py.i
 arguments that `petsc_arguments` makes, so this module has to work before that.
 """
 
+import contextlib
 import ctypes
 import dataclasses
+import os
 import re
 import tempfile
 from pathlib import Path
@@ -119,12 +121,11 @@ def database():
     """
     from petsc4py import PETSc
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "options")
-        viewer = PETSc.Viewer().createASCII(str(path), "w", comm=PETSc.COMM_SELF)
+    with _scratch() as path:
+        viewer = PETSc.Viewer().createASCII(path, "w", comm=PETSc.COMM_SELF)
         PETSc.Options().view(viewer)
         viewer.destroy()
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
     entries = {}
     for line in lines:
         if line.startswith("-"):
@@ -133,6 +134,17 @@ def database():
             name, _, value = text.partition(" ")
             entries[name.lower()] = value
     return entries
+
+
+@contextlib.contextmanager
+def _scratch():
+    """The path of a file to write and read: in memory, or where the system has none, on disk."""
+    if hasattr(os, "memfd_create") and os.path.isdir("/proc/self/fd"):
+        with os.fdopen(os.memfd_create("options")) as file:
+            yield f"/proc/self/fd/{file.fileno()}"
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            yield os.path.join(folder, "options")
 
 
 def install(wanted):
@@ -249,10 +261,8 @@ def check_names(classes=()):
 
 
 def _head(name, prefixes):
-    """What stands before the first of some prefixes in a name; an empty text where none is in
-    it."""
-    places = [match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}",
-                                                                            name)]
+    """What stands before the first of some prefixes in a name; an empty text where none is."""
+    places = (match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}", name))
     return name[:min(places, default=0)]
 
 

@@ -387,3 +387,13 @@ def test_names_under_prefixes_are_taken(options):
             sub_0_pc_core_width="4", mine_pc_core_width="4", jump_snes_atol="1e-9",
             fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2")
     bare_branch()
+
+
+def test_the_database_is_read_alike_from_memory_and_from_disk(options, monkeypatch):
+    from contactsnes.options.database import database
+
+    options(scene_geometry_file="two words -scene_points 3", scene_law="modified", empty="")
+    found = database()
+    assert found["scene_geometry_file"] == "two words -scene_points 3" and found["empty"] == ""
+    monkeypatch.delattr("os.memfd_create", raising=False)
+    assert database() == found
