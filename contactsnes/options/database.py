@@ -262,7 +262,7 @@ def check_names(classes=()):
 
 def _head(name, prefixes):
     """What stands before the first of some prefixes in a name; an empty text where none is."""
-    places = (match.start() for prefix in prefixes for match in re.finditer(f"(?<=_){prefix}", name))
+    places = (match.start() for own in prefixes for match in re.finditer(f"(?<=_){own}", name))
     return name[:min(places, default=0)]
 
 
@@ -279,9 +279,7 @@ def unused_options(classes=()):
     """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those of our own
     solvers.
 
-    Solvers inside others have their own: -npc_snes_ and so on (`NESTS`).
-
-    To be called after the solves, since PETSc's objects ask for their options when they are set up.
+    Solvers inside others have their own: -npc_snes_ and so on (`NESTS`). To be called after the solves, since PETSc's objects ask for their options when they are set up.
     """
     own = tuple(cls.prefix for cls in classes)
     return ["-" + name for name in database()
