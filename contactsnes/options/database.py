@@ -279,7 +279,8 @@ def unused_options(classes=()):
     """Names (with dash) that nobody asked for: those under -snes_ -ksp_ -pc_, and those of our own
     solvers.
 
-    Solvers inside others have their own: -npc_snes_ and so on (`NESTS`). To be called after the solves, since PETSc's objects ask for their options when they are set up.
+    Solvers inside others have their own: -npc_snes_ and so on (`NESTS`). To be called after the
+    solves, since PETSc's objects ask for their options when they are set up.
     """
     own = tuple(cls.prefix for cls in classes)
     return ["-" + name for name in database()
