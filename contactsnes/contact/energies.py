@@ -19,10 +19,10 @@ was followed; if there was none, it is not known.
 """
 
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from .states import normal_gap, onto
 
@@ -114,20 +114,36 @@ def straight(contact, first, last, panels=1):
                for part, share in zip((panel + 0.5 * (1.0 + places)) / panels, shares))
 
 
-def line_integral(places, values, along, first):
-    """Integral of ``values`` d(``along``) from place number ``first`` to the last, by polynomials
-    through all places.
+@cache
+def gauss(count):
+    """Gauss and Legendre's rule of so many points: places in -1 to 1, and their shares."""
+    return np.polynomial.legendre.leggauss(count)
+
+
+def line_rule(places, first):
+    """Arrays with which the sum of (values @ basis) (along @ slopes) is the integral of values
+    d(along) from place number ``first`` to the last, by polynomials through all places.
+
+    These are Lagrange's polynomials, and their slopes times shares, at the points of Gauss and
+    Legendre's rule of as many points, which is exact for them. (The sums come first: next to each
+    other places make large numbers that cancel.)
 
     Parameters
     ----------
     places : array, distances along a path
-    values, along : arrays of the same length
     first : number of the place from which on
     """
-    degree = len(places) - 1
-    curves = [Polynomial.fit(places, y, degree) for y in (values, along)]
-    area = (curves[0] * curves[1].deriv()).integ()
-    return area(places[-1]) - area(places[first])
+    points, shares = gauss(len(places))
+    half = 0.5 * (places[-1] - places[first])
+    points = places[first] + half * (1.0 + points)
+    basis, slopes = np.empty((len(places), len(points))), np.zeros((len(places), len(points)))
+    for i, own in enumerate(places):
+        others = np.delete(places, i)
+        factors = (points - others[:, None]) / (own - others)[:, None]
+        basis[i] = factors.prod(axis=0)
+        for j, other in enumerate(others):
+            slopes[i] += np.delete(factors, j, axis=0).prod(axis=0) / (own - other)
+    return basis, half * shares * slopes
 
 
 class PathEnergies:
@@ -220,10 +236,10 @@ class PathEnergies:
         steps = 1 + (last.point.smooth_steps if entry.point.leg == last.point.leg else 0)
         entries = [*self.trail[-min(steps, 3):], entry]
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
-        places = self._places(entries)
-        external = sum(part * line_integral(places, [other.forces[i] for other in entries],
-                                            [other.displacements[i] for other in entries], first)
-                       for i, part in enumerate(weights(self.contact, len(entry.forces))))
+        basis, slopes = line_rule(self._places(entries), first)
+        forces = np.array([other.forces for other in entries]).T @ basis
+        displacements = np.array([other.displacements for other in entries]).T @ slopes
+        external = weights(self.contact, len(forces)) @ np.sum(forces * displacements, axis=1)
         point, before = replace(entry.point, smooth_steps=steps), entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
