@@ -11,7 +11,7 @@ from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.even_form import obstacles
-from ..interface import bodies, shapes
+from ..interface import bodies, laws, shapes
 from ..interface.own_shapes import jumps
 from ..options.database import database
 from ..options.fields import as_text
@@ -124,6 +124,13 @@ def _by(shape):
     return " x ".join(map(str, shape))
 
 
+def _of_law(scene):
+    """What the law's options are, in words: of a law with options of its own, in one phrase."""
+    declared = laws.named(scene.law).declared()
+    return [", ".join(f"{name.replace('_', ' ')} {as_text(scene.as_typed(name))}"
+                      for name in declared)] if declared else []
+
+
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
@@ -133,10 +140,8 @@ def about_scene(settings):
     finest = _by(f"{ratio:.3g}" for ratio in resolved)
     return [
         f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
-        f"normal Maugis parameter {scene.normal_maugis:.8g}, "
-        f"tangential {scene.tangential_maugis:.8g}; residual friction "
-        f"{as_text(scene.residual_friction)}, residual adhesion "
-        f"{as_text(scene.residual_adhesion)}",
+        "; ".join([f"normal Maugis parameter {scene.normal_maugis:.8g}, "
+                   f"tangential {scene.tangential_maugis:.8g}", *_of_law(scene)]),
         ", ".join([*bodies.of(scene).about(scene, partial(_one, scene)),
                    f"ratio of works of adhesion {scene.work_ratio:.8g}"]),
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",

@@ -411,3 +411,11 @@ def test_a_file_that_ends_the_program_or_a_class_with_its_own_parameters(tmp_pat
         "        self.x = x\n", encoding="utf-8")
     with pytest.raises(InputError, match="no object of its class can be made .* leave __init__"):
         Scene(law=f"{tmp_path / 'made.py'}:Made")
+
+
+def test_info_tells_of_the_options_of_the_law_that_there_is(written, monkeypatch):
+    """Not of a residual friction that a law of one's own has not."""
+    from contactsnes.commands import summary
+
+    told = [summary._of_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]
+    assert told == [["drag strength 0.5"], ["residual friction 1, residual adhesion 0"], []]
