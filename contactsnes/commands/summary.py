@@ -11,7 +11,7 @@ from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.even_form import obstacles
-from ..interface import bodies, laws, shapes
+from ..interface import bodies, shapes
 from ..interface.own_shapes import jumps
 from ..options.database import database
 from ..options.fields import as_text
@@ -19,6 +19,7 @@ from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
 from ..scene.load import names, quantities
+from ..scene.parts import about_law
 from ..scene.units import DERIVED, Units, prefixed
 
 
@@ -124,13 +125,6 @@ def _by(shape):
     return " x ".join(map(str, shape))
 
 
-def _of_law(scene):
-    """What the law's options are, in words: of a law with options of its own, in one phrase."""
-    declared = laws.named(scene.law).declared()
-    return [", ".join(f"{name.replace('_', ' ')} {as_text(scene.as_typed(name))}"
-                      for name in declared)] if declared else []
-
-
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
@@ -141,7 +135,7 @@ def about_scene(settings):
     return [
         f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
         "; ".join([f"normal Maugis parameter {scene.normal_maugis:.8g}, "
-                   f"tangential {scene.tangential_maugis:.8g}", *_of_law(scene)]),
+                   f"tangential {scene.tangential_maugis:.8g}", *about_law(scene)]),
         ", ".join([*bodies.of(scene).about(scene, partial(_one, scene)),
                    f"ratio of works of adhesion {scene.work_ratio:.8g}"]),
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",

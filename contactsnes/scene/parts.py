@@ -4,7 +4,7 @@ them, and options of others."""
 import dataclasses
 
 from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
-from ..options.fields import InputError, extend
+from ..options.fields import InputError, as_text, extend
 
 REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
 
@@ -91,6 +91,13 @@ def sources(scene):
     made = {registry.field: registry.of(scene) for registry in REGISTRIES}
     return {f"{field}_sha256": part.source_sha256 for field, part in made.items()
             if hasattr(part, "source_sha256")}
+
+
+def about_law(scene):
+    """Phrases on the options of a scene's law: one, or none where it has none."""
+    declared = laws.named(scene.law).declared()
+    return [", ".join(f"{name.replace('_', ' ')} {as_text(scene.as_typed(name))}"
+                      for name in declared)] if declared else []
 
 
 def _declared(registry, scene):

@@ -15,6 +15,7 @@ from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
 from contactsnes.options.fields import Options, extend, option
 from contactsnes.scene import settings
+from contactsnes.scene.parts import about_law
 from contactsnes.scene.resolution import resolution
 
 SMALL = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
@@ -413,9 +414,7 @@ def test_a_file_that_ends_the_program_or_a_class_with_its_own_parameters(tmp_pat
         Scene(law=f"{tmp_path / 'made.py'}:Made")
 
 
-def test_info_tells_of_the_options_of_the_law_that_there_is(written, monkeypatch):
+def test_info_tells_of_the_options_of_the_law_that_there_is(written):
     """Not of a residual friction that a law of one's own has not."""
-    from contactsnes.commands import summary
-
-    told = [summary._of_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]
+    told = [about_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]
     assert told == [["drag strength 0.5"], ["residual friction 1, residual adhesion 0"], []]
