@@ -1,7 +1,6 @@
 """A law of one's own: attraction as the package's, and a friction that saturates without a peak.
 
-    python examples/own_law.py [FOLDER]      figure: own_law.png, in FOLDER or results/
-"""
+    python examples/own_law.py [FOLDER]      figure: own_law.png, in FOLDER or results/"""
 
 import sys
 from pathlib import Path
@@ -15,12 +14,13 @@ from contactsnes.interface.laws.coupled import Coupled
 class Saturating(Coupled):
     """t_n = a exp(-a) exp(-b^2), t_t = s b / sqrt(1 + b^2) exp(-a); in overlap neither fades."""
     strength = option(0.5, "friction at large slip (law Saturating)", "phi_t/delta_t", above=0)
-    decoupled_in_overlap = True
-    gap_corners = (0.0,)
-    slip_peak = 1.0
+    decoupled_in_overlap, gap_corners, slip_peak = True, (0.0,), 1.0
 
     def friction(self, slip):
         return self.strength / (1 + slip**2)**0.5, self.strength / (1 + slip**2)**1.5
+
+    def friction_energy(self, slip):
+        return self.strength * ((1 + slip**2)**0.5 - 1)
 
 
 def main(folder="results", strengths=(0.2, 0.4)):

@@ -21,3 +21,7 @@ class Saturating(Coupled):
         """T(b)/b and T'(b)."""
         root = np.sqrt(1 + slip ** 2)
         return self.saturating_strength / root, self.saturating_strength / root ** 3
+
+    def friction_energy(self, slip):
+        """Integral of T(b), of which energies are made where the surfaces overlap."""
+        return self.saturating_strength * (np.sqrt(1 + slip ** 2) - 1)

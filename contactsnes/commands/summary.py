@@ -19,6 +19,7 @@ from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
 from ..scene.load import names, quantities
+from ..scene.parts import about_law
 from ..scene.units import DERIVED, Units, prefixed
 
 
@@ -133,10 +134,8 @@ def about_scene(settings):
     finest = _by(f"{ratio:.3g}" for ratio in resolved)
     return [
         f"{scene.geometry}, interface of dimension {scene.dimension}, law {scene.law}",
-        f"normal Maugis parameter {scene.normal_maugis:.8g}, "
-        f"tangential {scene.tangential_maugis:.8g}; residual friction "
-        f"{as_text(scene.residual_friction)}, residual adhesion "
-        f"{as_text(scene.residual_adhesion)}",
+        "; ".join([f"normal Maugis parameter {scene.normal_maugis:.8g}, "
+                   f"tangential {scene.tangential_maugis:.8g}", *about_law(scene)]),
         ", ".join([*bodies.of(scene).about(scene, partial(_one, scene)),
                    f"ratio of works of adhesion {scene.work_ratio:.8g}"]),
         f"{grid}, spacing {_size(scene, scene.spacings, 'beta', 4)}",

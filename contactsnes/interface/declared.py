@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
-from ..options.fields import Options
+from ..options.fields import InputError, Options
 
 
 class Declared(Options):
@@ -119,7 +119,14 @@ class Registry:
         made = self.named(getattr(scene, self.field))
         if not isinstance(made, type):
             return made
-        return _made(made, tuple(getattr(scene, name) for name in made.declared()))
+        try:
+            return _made(made, tuple(getattr(scene, name) for name in made.declared()))
+        except (TypeError, AttributeError) as error:
+            if made in self.found.values():
+                raise
+            raise InputError(f"-scene_{self.field} is '{getattr(scene, self.field)}': no object of "
+                             f"its class can be made of its options ({error}); leave __init__ "
+                             "out, its parameters are made by option(...)") from error
 
     def described(self):
         """What the help says of the package's own, in words."""

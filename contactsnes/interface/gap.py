@@ -30,7 +30,7 @@ def evaluated(shape, coordinates, scene):
             gap = np.asarray(shape.gap(coordinates, scene))
     except (InputError, OSError, MemoryError):
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"{named}: the gap cannot be evaluated ({type(error).__name__}: {error}); "
                          f"it is asked on {as_text(nodes)} nodes, with one array a direction"
                          ) from error

@@ -24,7 +24,13 @@ def check_own(body, scene):
         with np.errstate(all="ignore"):
             c, m, rigid = body.surface(q), body.surface_stiffness(q), body.rigid_compliance
             determinant = c.normal * c.longitudinal - c.coupling ** 2
-            inverse = c.normal * m.normal - c.coupling * m.coupling
+            inverse = (("normal", c.normal * m.normal - c.coupling * m.coupling),
+                       ("longitudinal", c.longitudinal * m.longitudinal - c.coupling * m.coupling),
+                       ("transverse", c.transverse * m.transverse))
+            normal, tangential = (float(value) for value in rigid)
+            left = np.array([np.broadcast_to(part, q.shape)[-1]
+                             for part in (c.normal, c.longitudinal)], dtype=float)
+            local = np.array(body.local_compliance, dtype=float) + np.zeros(2)
     except Exception as error:
         raise InputError(f"{named}: it cannot be evaluated ({type(error).__name__}: "
                          f"{error}); mend it") from error
@@ -34,11 +40,16 @@ def check_own(body, scene):
                            determinant)):
         _refuse(f"{named}: {words}", q, values, ~(np.isfinite(values) & (values > 0)),
                 "positive and finite")
-    _refuse(f"{named}: its stiffness times its compliance", q, inverse,
-            ~(np.abs(inverse - 1) < ALIKE), "1")
-    if not all(np.isfinite(value) and value >= 0 for value in rigid):
+    for words, values in inverse:
+        _refuse(f"{named}: its {words} stiffness times its compliance", q, values,
+                ~(np.abs(values - 1) < ALIKE), "1")
+    if not (0 <= normal < np.inf and 0 <= tangential < np.inf):
         raise InputError(f"{named}: its rigid_compliance is {rigid}: both have to be finite and at "
                          "least 0")
+    if not np.all((local >= 0) & (local <= left * (1 + ALIKE))):
+        raise InputError(f"{named}: its local_compliance is {body.local_compliance}: both have to "
+                         f"be from 0 to what is left at short waves, at most {left[0]:.6g} "
+                         f"normally and {left[1]:.6g} along the surface")
 
 
 def _refuse(words, q, values, wrong, meant):

@@ -60,7 +60,7 @@ def _contents(registry, option, path, functions):
         spec.loader.exec_module(module)
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"{option}: the file '{path}' does not run "
                          f"({type(error).__name__}: {error}); mend it") from error
     # What a file imports is of the file that it comes from.

@@ -1,6 +1,7 @@
 """Laws of one's own: their tangent is compared with differences of their tractions."""
 
 import itertools
+from numbers import Real
 
 import numpy as np
 
@@ -12,13 +13,35 @@ ALIKE = 1e-4
 """Difference of tangents, over the largest entry at the place, up to which they are alike."""
 
 
-def check(law, name):
-    """InputError unless a law's tangent is that of its tractions, and these are what a law's are;
-    ``name`` for the sentence.
+def check(law, name, in_file=True):
+    """InputError unless a law's tangent is that of its tractions, and these are what a law's are,
+    and what it declares of them; ``name`` for the sentence. A law of a file has to end where it
+    says, too; objects made in Python may hold on beyond that.
+
+    Parameters
+    ----------
+    law : Law
+    name : what the sentence calls it
+    in_file : whether it is of a file
+    """
+    _check_tangent(law, name)
+    if in_file:
+        _check_signs(law, name)
+    _check_jumps(law, name)
+    _check_declared(law, name)
+    _check_potential(law, name)
+
+
+def _check_tangent(law, name):
+    """InputError unless a law's tangent is that of its tractions, and these are odd if they claim
+    to be; ``name`` for the sentence.
 
     Looked at are both sides of every corner that it declares, overlap, no and little slip, and the
     end of its range.
     """
+    for what in ("range", "deepest", "repulsion", "opening_range", "slip_range"):
+        if not isinstance(value := getattr(law, what), Real) or not np.isfinite(value):
+            raise InputError(f"the law {name} declares {what} = {value!r}: allowed is a number")
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:
@@ -44,7 +67,6 @@ def check(law, name):
             _refuse(name, gaps, "tractions are not odd in slip, as it declares (odd = True)",
                     ~np.isclose(law.traction(mirror * gaps), mirror * traction, rtol=1e-9,
                                 atol=1e-12), law.traction(mirror * gaps), mirror * traction)
-    _check_signs(law, name)
 
 
 def _check_signs(law, name):
@@ -68,6 +90,78 @@ def _check_signs(law, name):
                          f"at the normal gap {law.range:g} and the slip "
                          "0.9: it has to be next to none, since that "
                          "is declared to be the end of the range")
+
+
+def _check_jumps(law, name):
+    """InputError where a traction jumps as the gap or the slip grows: no equilibrium is sure to
+    exist there."""
+    a = np.linspace(-3.0, law.opening_range, 4001)
+    b = np.linspace(0.0, law.slip_range, 4001)
+    lines = [(a, np.full_like(a, slip)) for slip in (0.0, 0.4, 2.0)]
+    lines += [(np.full_like(b, gap), b) for gap in (-1.0, 0.0, 1.0)]
+    for line in lines:
+        low, high = np.array(line)[:, :-1], np.array(line)[:, 1:]
+        fall = np.abs(law.traction(high) - law.traction(low))
+        for i, worst in enumerate(np.argmax(fall / (1e-9 + _slopes(law, low, high)), axis=1)):
+            _refuse_jump(law, name, i, low[:, [worst]], high[:, [worst]])
+
+
+def _slopes(law, low, high):
+    """What tractions change by from one gap to another, by the tangents at both ends."""
+    sizes = np.maximum(np.abs(law.tangent(low)), np.abs(law.tangent(high)))
+    return np.einsum("ijn,jn->in", sizes, np.abs(high - low))
+
+
+def _refuse_jump(law, name, i, low, high):
+    """InputError if a traction t_i jumps between two gaps (components, 1), found by halving."""
+    start = law.traction(low)[i, 0], law.traction(high)[i, 0]
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        first, last = (abs(law.traction(middle)[i, 0] - law.traction(end)[i, 0])
+                       for end in (low, high))
+        low, high = (low, middle) if first > last else (middle, high)
+    jump = abs(law.traction(high)[i, 0] - law.traction(low)[i, 0])
+    if jump > 0.5 * abs(start[1] - start[0]) and jump > 1e-6:
+        raise InputError(f"the law {name} has a traction t_{i} that jumps by {jump:.6g} at "
+                         f"{_place(high[:, 0])}; tractions have to be continuous")
+
+
+def _check_declared(law, name):
+    """InputError where a law claims another size or less softening than its tractions have."""
+    sampled = {"normal_peak": law._opened[0], "softening": law._opened[1],
+               "tangential_peak": law._slipped[0], "slip_softening": law._slipped[2]}
+    for what in ("normal_peak", "softening"):
+        if not sampled[what] > 0.0:
+            raise InputError(f"the law {name} attracts nowhere: its normal traction has to rise "
+                             "above 0 as the gap grows, and to fall to 0 again")
+    for what, found in sampled.items():
+        claimed = getattr(law, what)
+        wrong = (not claimed >= 0.99 * found - 1e-9 if what.endswith("softening")
+                 else not abs(claimed - found) <= 1e-3 * found + 1e-9)
+        if wrong:
+            raise InputError(f"the law {name} declares {what} = {claimed:.6g}, or has it from its "
+                             f"base, but its tractions give {found:.6g}: mend it, or take the "
+                             f"sampled one, {what} = Law.{what}")
+
+
+def _check_potential(law, name):
+    """InputError where the gradient of a law's potential is not its traction; where it says that
+    there is none, nothing is."""
+    normal = places(law, 1)
+    pressed = np.array(list(itertools.product((-3.0, -0.4), (0.2, 0.9, 3.0)))).T
+    for gaps in (normal[:, normal[0] > law.deepest + 0.5], pressed):
+        for j in range(len(gaps)):
+            step = np.zeros((len(gaps), 1))
+            step[j] = STEP
+            ends = [law.potential(gaps + sign * step) for sign in (1, -1)]
+            if any(end is None for end in ends):
+                continue
+            found, meant = (ends[0] - ends[1]) / (2 * STEP), law.traction(gaps)[j]
+            rounding = np.maximum(*np.abs(ends)) * 1e-15 / STEP
+            _refuse(name, gaps, f"differences of its potential along g_{j} are not its traction "
+                    "(a law without one has potential() return None)",
+                    ~(np.abs(found - meant) <= ALIKE * np.abs(meant) + 1e-7 + 10 * rounding)[None],
+                    found[None], meant[None])
 
 
 def places(law, components):

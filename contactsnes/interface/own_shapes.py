@@ -94,6 +94,29 @@ def check(shape, gap, coordinates, scene):
     _check_curvature(shape, gap, coordinates, scene, named)
 
 
+def check_declared(shape, scene):
+    """InputError where what a shape of one's own declares is not of the kind that is asked for."""
+    if type(shape) in SHAPES.values():
+        return
+    named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
+    for name in ("even", "uniform"):
+        if not isinstance(axes := getattr(shape, name), (tuple, list)) or set(axes) - {0, 1}:
+            raise InputError(f"{named}, which declares {name} = {axes!r}: allowed is a tuple of "
+                             "directions, (), (0,), (1,) or (0, 1)")
+    if not isinstance(shape.parabola, dict):
+        raise InputError(f"{named}, which declares parabola = {shape.parabola!r}: allowed is a "
+                         "dictionary from the dimension to the curvature, as {1: 1.0}")
+    if type(shape).curvature is not Shape.curvature:
+        try:
+            claimed = shape.curvature(scene)
+        except Exception as error:
+            raise InputError(f"{named}: its curvature cannot be had ({type(error).__name__}: "
+                             f"{error}); mend it, or leave curvature out") from error
+        if not isinstance(claimed, (tuple, list)) or len(claimed) != scene.dimension:
+            raise InputError(f"{named}, whose curvature(scene) is {claimed!r}: allowed is a tuple "
+                             "of one number for each direction")
+
+
 def _check_parabola(shape, gap, coordinates, scene, named):
     """InputError where a gap lies below the parabola that it claims to lie above."""
     if scene.dimension in shape.parabola:

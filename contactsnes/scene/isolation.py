@@ -2,7 +2,7 @@
 
 import math
 
-from ..interface import bodies, shapes
+from ..interface import bodies, own_shapes, shapes
 from ..options.fields import InputError, as_text
 from .load import names
 
@@ -24,6 +24,7 @@ def check_scene(scene):
         raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': "
                          "allowed are finite numbers, or inf for every "
                          "direction; an isolated cylinder has -scene_dimension 1")
+    own_shapes.check_declared(shapes.of(scene), scene)
     if scene.dimension not in shapes.of(scene).parabola:
         raise InputError(f"-scene_geometry is '{scene.geometry}': with -scene_period "
                          "inf allowed are cylinder (-scene_dimension 1), "

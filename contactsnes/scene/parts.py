@@ -4,7 +4,7 @@ them, and options of others."""
 import dataclasses
 
 from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
-from ..options.fields import InputError, extend
+from ..options.fields import InputError, as_text, extend
 
 REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
 
@@ -35,6 +35,9 @@ def with_parts(scene, law=None, geometry=None, body=None):
     for registry, made in zip(REGISTRIES, (law, geometry, body)):
         if made is None:
             continue
+        if not isinstance(made, registry.base):
+            raise InputError(f"the {registry.kind} is {made!r}: give an object of a subclass of "
+                             f"contactsnes.{registry.base.__name__}")
         if type(made) is registry.found.get(made.name):
             values = {name: getattr(made, name) for name in made.declared()}
             scene = dataclasses.replace(scene, **{registry.field: made.name}, **values)
@@ -71,12 +74,13 @@ def admit(cls, values):
 
 
 def check(scene):
-    """InputError where a law of one's own has another tangent than its tractions, each is looked at
-    once, or where shape or body do not suit the scene."""
+    """InputError where a law of one's own is not what laws are, each is looked at once, or where
+    shape or body do not suit the scene."""
     law = laws.of(scene)
-    if scene.law in laws.REGISTRY.own and not vars(law).get("_looked_at"):
-        own_laws.check(law, scene.law)
+    if laws.REGISTRY.knows(scene.law) and not vars(law).get("_looked_at"):
+        own_laws.check(law, scene.law, in_file=scene.law in laws.REGISTRY.own)
         law._looked_at = True
+    own_shapes.check_declared(shapes.of(scene), scene)
     shapes.of(scene).check(scene)
     own_bodies.check_own(bodies.of(scene), scene)
     bodies.of(scene).check(scene)
@@ -87,6 +91,13 @@ def sources(scene):
     made = {registry.field: registry.of(scene) for registry in REGISTRIES}
     return {f"{field}_sha256": part.source_sha256 for field, part in made.items()
             if hasattr(part, "source_sha256")}
+
+
+def about_law(scene):
+    """Phrases on the options of a scene's law: one, or none where it has none."""
+    declared = laws.named(scene.law).declared()
+    return [", ".join(f"{name.replace('_', ' ')} {as_text(scene.as_typed(name))}"
+                      for name in declared)] if declared else []
 
 
 def _declared(registry, scene):

@@ -53,16 +53,20 @@ def _softening(scene, sheared):
     law, (normal, tangential) = laws.of(scene), bodies.of(scene).local_compliance
     found = [_in_series(law.softening * scene.normal_maugis ** 2, normal)]
     if sheared:
-        squared = sharpness(scene) ** 2
-        found += [_in_series(squared * law.slip_softening, tangential),
-                  _in_series(law.coupled_softening(scene.normal_maugis, math.sqrt(squared)),
-                             max(normal, tangential))]
+        sharp = sharpness(scene)
+        # How soft transverse waves are matters to the layer, not to the spring in front of it.
+        found += [_in_series(sharp ** 2 * law.slip_softening, tangential,
+                             scene.tangential_maugis ** 2 * law.slip_softening),
+                  _in_series(law.coupled_softening(scene.normal_maugis, sharp),
+                             max(normal, tangential),
+                             law.coupled_softening(scene.normal_maugis, scene.tangential_maugis))]
     return max(found)
 
 
-def _in_series(softening, compliance):
-    """Softening of a law behind a spring at each place; inf where these snap by themselves."""
-    left = 1.0 - compliance * softening
+def _in_series(softening, compliance, local=None):
+    """Softening of a law behind a spring at each place, whose own part in it may be another
+    (``local``), E*/beta; inf where these places snap by themselves."""
+    left = 1.0 - compliance * (softening if local is None else local)
     return softening / left if left > 0.0 else math.inf
 
 

@@ -108,6 +108,15 @@ def test_a_coating_that_snaps_by_itself_is_refused():
                          / (1 - 4 * math.exp(-2)), rel=1e-12)
 
 
+def test_a_coating_on_a_plane_is_resolved_where_it_does_not_snap():
+    """The layer is softer for waves across the slip, the coating is not."""
+    plane = {**LINE, "dimension": 2, "geometry": "sphere", "points": 32, "poisson": 0.3}
+    free, coated = (resolution(Scene(**plane, body="coated", coating_normal=normal,
+                                     coating_tangential=normal), True) for normal in (0.0, 3.0))
+    assert free[0] < coated[0] < math.inf
+    assert free == resolution(Scene(**plane), True)
+
+
 def test_what_is_told_of_a_body():
     names = ["scene_coating_normal"]
     assert settings.ineffective(Scene(), PRESSED, names) == [(names[0], "the body layer has none")]
@@ -159,8 +168,12 @@ def test_a_body_of_ones_own():
     ({"surface": lambda self, q: Surface(1 / q, 1 / q, 1 / q, 2 / q)}, "the determinant .* is -30"),
     ({"surface": lambda self, q: Surface(1 / q, 1 / q, q / 0, 0 * q)}, "transverse .* is inf"),
     ({"surface_stiffness": lambda self, q: Surface(q, q, q, 0 * q)},
-     "its stiffness times its compliance is 2 at the wave number 0.314159 1/beta: it has to be 1"),
+     "its normal stiffness times its compliance is 2 at the wave number 0.314159 1/beta: .* be 1"),
+    ({"surface_stiffness": lambda self, q: Body.surface_stiffness(self, q)._replace(transverse=q)},
+     "its transverse stiffness times its compliance is"),
     ({"rigid_compliance": (-1.0, 0.0)}, "rigid_compliance is"),
+    ({"rigid_compliance": 0.0}, "cannot be evaluated .TypeError"),
+    ({"local_compliance": (-1.0, 0.0)}, "local_compliance is .-1.0, 0.0.: both have to be from 0"),
     ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
 ))
 def test_what_is_wrong_with_a_body_is_told(changes, words):

@@ -144,3 +144,12 @@ def test_branches_with_balanced_energies(options):
     work = trapezoid(forces, displacements)
     assert abs(work) > 1e-3 and energies[-1] - energies[0] == pytest.approx(work, rel=5e-3)
     assert laws.of(branch.scene).name == options["law"] == branch.attributes()["law"]
+
+
+def test_a_narrow_end_of_the_attraction_is_pressed_through():
+    """In a window just as wide as the attraction Newton's steps end on other equilibria, and no
+    step is short enough."""
+    scene = Scene(law="dugdale", normal_maugis=4.0, tangential="off", height=50.0, period=30.0,
+                  points=8192)
+    points = list(Branch(scene, Load(path="normal_force=1")))
+    assert points[-1].forces[0] == pytest.approx(1.0) and len(points) < 30

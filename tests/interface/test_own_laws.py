@@ -15,6 +15,7 @@ from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
 from contactsnes.options.fields import Options, extend, option
 from contactsnes.scene import settings
+from contactsnes.scene.parts import about_law
 from contactsnes.scene.resolution import resolution
 
 SMALL = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
@@ -323,3 +324,97 @@ def test_help_tells_of_the_options_of_a_law_in_a_file(written, monkeypatch):
     monkeypatch.setattr(cli, "begin_petsc", lambda words: None)
     assert "-scene_drag_strength" in cli.info(["-scene_law", written(), "-help"])
     assert "-scene_law" in cli.info(["nowhere.opts", "-help"])
+
+
+class Lifting(Modified):
+    """A friction of its own, without the energy and the numbers that go with it."""
+
+    def friction(self, slip):
+        secant, slope = super().friction(slip)
+        return 2.0 * secant, 2.0 * slope
+
+
+class Stepping(Sampled):
+    """A friction that falls by half at a slip of 1.23."""
+
+    def friction(self, slip):
+        left = np.where(slip > 1.23, 0.5, 1.0)
+        return tuple(left * part for part in super().friction(slip))
+
+
+class Hoping(Modified):
+    """A softening that its tractions do not have."""
+
+    softening = 1e-3
+
+
+class Repelling(Law):
+    """No attraction."""
+
+    gap_corners = (0.0,)
+
+    def evaluate(self, gap, traction, tangent=None):
+        a = np.minimum(gap[0], 0.0)
+        if tangent is not None:
+            tangent[...] = 0.0
+            tangent[0, 0] = np.exp(-a) * (a < 0.0)
+        traction[1:] = 0.0
+        traction[0] = 1.0 - np.exp(-a)
+        return traction
+
+
+class Worded(Sticking):
+    """A range in letters."""
+
+    range = "37"
+
+
+class Sloping(Sticking):
+    """A tangent that is one hundredth too large."""
+
+    def evaluate(self, gap, traction, tangent=None):
+        super().evaluate(gap, traction, tangent)
+        if tangent is not None:
+            tangent *= 1.01
+        return traction
+
+
+@pytest.mark.parametrize("cls, words", (
+    (Lifting, "tangential_peak = 0.857.*, but its tractions give 1.71"),
+    (Stepping, "t_1 that jumps by 0.42.* at .* the slip 1.23"),
+    (Hoping, "softening = 0.001, .* give 0.135"), (Repelling, "attracts nowhere"),
+    (Worded, "range = '37': allowed is a number"), (Sloping, "differences of t_0 give")))
+def test_what_is_wrong_with_an_object_is_told(cls, words):
+    """What a base declares of other tractions, too: resolution and energies follow from it."""
+    with pytest.raises(InputError, match=words):
+        Branch(Scene(**SMALL), Load(path="normal_displacement=1"), law=cls())
+
+
+def test_a_potential_of_other_tractions_is_told():
+    law = type("Doubled", (Lifting,), {"tangential_peak": Law.tangential_peak,
+                                       "slip_softening": Law.slip_softening})()
+    with pytest.raises(InputError, match="differences of its potential along g_1 are not"):
+        own_laws.check(law, "Doubled")
+
+
+@pytest.mark.parametrize("law", (Sticking, "modified", np.exp))
+def test_what_is_no_object_is_told(law):
+    with pytest.raises(InputError, match="the law is .*: give an object of a subclass of"):
+        Branch(Scene(**SMALL), Load(path="normal_displacement=1"), law=law)
+
+
+def test_a_file_that_ends_the_program_or_a_class_with_its_own_parameters(tmp_path):
+    (tmp_path / "ends.py").write_text("import sys\nsys.exit(3)\n", encoding="utf-8")
+    with pytest.raises(InputError, match="does not run .SystemExit: 3"):
+        Scene(law=f"{tmp_path / 'ends.py'}:Drag")
+    (tmp_path / "made.py").write_text(
+        "from contactsnes import Law\n\nclass Made(Law):\n    def __init__(self, x):\n"
+        "        self.x = x\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no object of its class can be made .* leave __init__"):
+        Scene(law=f"{tmp_path / 'made.py'}:Made")
+
+
+def test_info_tells_of_the_options_of_the_law_that_there_is(written):
+    """Not of a residual friction that a law of one's own has not."""
+    told = [about_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]
+    assert told == [["drag strength 0.5"], ["residual friction 1, residual adhesion 0"], []]

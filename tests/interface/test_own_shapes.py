@@ -350,3 +350,17 @@ def test_a_new_shape_and_a_new_body_are_one_file_each(tmp_path):
     scene = read(tmp_path / "run.h5").scene
     assert (scene["geometry"], scene["wedge_slope"], scene["body"], scene["graded_rate"]) == (
         "wedge", 1.0, "graded", 0.5)
+
+
+@pytest.mark.parametrize("declared, words", (
+    ({"even": 0}, "declares even = 0: allowed is a tuple of directions"),
+    ({"uniform": (3,)}, "declares uniform = .3,."), ({"parabola": 1.0}, "declares parabola = 1.0"),
+    ({"curvature": lambda self, scene: 1.0}, "curvature.scene. is 1.0: allowed is a tuple"),
+    ({"curvature": lambda self, scene: 1 / 0}, "curvature cannot be had .ZeroDivisionError")))
+@pytest.mark.parametrize("period", (20.0, math.inf))
+def test_declarations_of_another_kind_are_told(declared, words, period):
+    shape = type("Odd", (Shape,), {"gap": lambda self, x, scene: x[0] ** 2, **declared})()
+    if math.isinf(period) and "parabola" not in declared:
+        shape.parabola = {1: 1.0}
+    with pytest.raises(InputError, match=words):
+        with_parts(Scene(normal_maugis=1.0, period=period), geometry=shape)

@@ -38,8 +38,10 @@ class Dugdale(Modified):
 
     @property
     def range(self):
-        """Normal gap beyond which the attraction is below rounding."""
-        return self.end + 37.0 * self.dugdale_width
+        """Normal gap beyond which there is no attraction: it is below rounding after 37 widths.
+        Where these are short it is told as more, so that the window is wider: in one just as wide
+        as the attraction Newton's steps end on other equilibria."""
+        return self.end + max(37.0 * self.dugdale_width, min(36.0, 100.0 * self.dugdale_width))
 
     @property
     def deepest(self):
