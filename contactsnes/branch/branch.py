@@ -24,7 +24,7 @@ from ..output import resuming
 from ..scene import settings as scenes
 from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
-from ..scene.parts import sources, with_parts
+from ..scene.parts import check_law, sources, with_parts
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
@@ -72,7 +72,9 @@ class Branch:
                  law=None, geometry=None, body=None):
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
-        scene = chosen(with_parts(scene, law, geometry, body), load)
+        scene = with_parts(scene, law, geometry, body)
+        check_law(scene)
+        scene = chosen(scene, load)
         self.scene, self.load = scene, load
         self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)

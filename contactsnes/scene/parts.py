@@ -73,13 +73,19 @@ def admit(cls, values):
                              "another name") from None
 
 
-def check(scene):
-    """InputError where a law of one's own is not what laws are, each is looked at once, or where
-    shape or body do not suit the scene."""
+def check_law(scene):
+    """InputError where a scene's law is one's own and not what laws are; each is looked at once."""
     law = laws.of(scene)
     if laws.REGISTRY.knows(scene.law) and not vars(law).get("_looked_at"):
         own_laws.check(law, scene.law, in_file=scene.law in laws.REGISTRY.own)
         law._looked_at = True
+
+
+def check(scene):
+    """InputError where a law in a file is not what laws are, or where shape or body do not suit the
+    scene."""
+    if scene.law in laws.REGISTRY.own:
+        check_law(scene)
     own_shapes.check_declared(shapes.of(scene), scene)
     shapes.of(scene).check(scene)
     own_bodies.check_own(bodies.of(scene), scene)
