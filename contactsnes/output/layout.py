@@ -10,7 +10,7 @@ import numpy as np
 
 from . import checksums
 from .files import ArchiveError
-from .stored import SLOTS, field_points, packed
+from .stored import SLOTS, field_points
 
 UNITS = {
     "coordinates": "beta",
@@ -176,7 +176,7 @@ class Layout:
         new["checksums"].resize(points, axis=0)
         new["checksums"][:] = sums
 
-    def put(self, file, first, points):
+    def put(self, file, first, points, states):
         """Write points; what makes it safe is the order, held by the flushes.
 
         Parameters
@@ -184,6 +184,7 @@ class Layout:
         file : h5py.File
         first : int, number of the first one, from 1
         points : list of `stored.Kept`
+        states : mapping of the numbers of the last of them to their packed states
         """
         last = first + len(points) - 1
         if self.fields == "last":
@@ -200,7 +201,7 @@ class Layout:
         file["checksums"].resize(last, axis=0)
         file["checksums"][first - 1:] = self._checksums(rows, points)
         _put_rows(file["branch"].id, first, rows)
-        for number, state in packed(first, points).items():
+        for number, state in states.items():
             file[f"states/{number % SLOTS}"][: state.size] = state
         file.flush()
         if self.fields == "last":

@@ -53,8 +53,8 @@ class Store:
         """Write points, a list of `stored.Kept`."""
         first = self.held + 1
         states = stored.packed(first, points)
-        self.commit(lambda file: self.layout.put(file, first, points), self.held + len(points),
-                    max(state.size for state in states.values()))
+        self.commit(lambda file: self.layout.put(file, first, points, states),
+                    self.held + len(points), max(state.size for state in states.values()))
         self.held += len(points)
 
     def commit(self, write, points=1, slot=0):

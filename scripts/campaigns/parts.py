@@ -3,6 +3,7 @@ lost."""
 
 import concurrent.futures
 import csv
+import functools
 import queue
 import shutil
 import threading
@@ -102,24 +103,14 @@ def run(asked, end, name, count, judged):
               flush=True)
 
 
-def scene_part(asked, end):
-    """Random scenes and their variants."""
+def scene_part(asked, end, name="scenes"):
+    """Random scenes and their variants; as 'laws' those with laws besides the paper's."""
     def judged(number, worker, folder):
-        scene = scenes.create(asked.seed, number)
+        scene = scenes.create(asked.seed, number, laws=name == "laws")
         verdict = judge.judged(scene, worker, folder, asked.seconds, asked.budget)
         return verdict, judge.command(["run", *scene.words(folder)])
 
-    run(asked, end, "scenes", asked.scenes, judged)
-
-
-def laws_part(asked, end):
-    """Random scenes with the laws besides the paper's, and their variants."""
-    def judged(number, worker, folder):
-        scene = scenes.create(asked.seed, number, laws=True)
-        verdict = judge.judged(scene, worker, folder, asked.seconds, asked.budget)
-        return verdict, judge.command(["run", *scene.words(folder)])
-
-    run(asked, end, "laws", asked.laws, judged)
+    run(asked, end, name, getattr(asked, name), judged)
 
 
 def planted_part(asked, end):
@@ -204,5 +195,6 @@ def faults_part(asked, end):
     run(asked, end, "faults", len(listed), judged)
 
 
-PARTS = {"scenes": scene_part, "laws": laws_part, "bad-input": bad_input_part, "kills": kills_part,
-         "roundings": roundings_part, "planted": planted_part, "faults": faults_part}
+PARTS = {"scenes": scene_part, "laws": functools.partial(scene_part, name="laws"),
+         "bad-input": bad_input_part, "kills": kills_part, "roundings": roundings_part,
+         "planted": planted_part, "faults": faults_part}

@@ -4,6 +4,8 @@ import csv
 from collections import Counter, defaultdict
 from pathlib import Path
 
+from contactsnes.output.tables import markdown, write_between
+
 from . import faults, judge
 
 BEGIN = "<!-- scripts/campaign writes from here -->\n"
@@ -35,12 +37,7 @@ def lines(results):
         counts = Counter(row["outcome"] for row in own)
         counted.append([part, str(len(own)), str(sum(int(row["runs"] or 0) for row in own)),
                         *(str(counts[name]) for name in SHORT)])
-    return [*_table([heading, *counted]), *fault_lines(sources)]
-
-
-def _table(lines):
-    """A table in Markdown, its heading the first of lines of words."""
-    return [f"| {' | '.join(line)} |" for line in (lines[0], ["---"] * len(lines[0]), *lines[1:])]
+    return [*markdown(heading, counted), *fault_lines(sources)]
 
 
 def fault_lines(rows):
@@ -52,19 +49,16 @@ def fault_lines(rows):
                     if own.get(number) == "agreed")
     counts = [[area, str(planted[area]), str(found[area])] for area in planted]
     total = [["all", str(sum(planted.values())), str(sum(found.values()))]]
-    return ["", *_table([["faults in the sources", "planted", "found by the tests"], *counts,
-                         *total])] if own else []
+    return ["", *markdown(["faults in the sources", "planted", "found by the tests"],
+                          [*counts, *total])] if own else []
 
 
 def write(results, path):
     """Put the table between its marks in a page."""
-    content = Path(path).read_text(encoding="utf-8")
-    if content.count(BEGIN) != 1 or content.count(END) != 1:
-        print(f"{Path(path).name} has lost its marks: the table is not written there")
-        return
-    before, rest = content.split(BEGIN)
-    Path(path).write_text(before + BEGIN + "\n".join(lines(results)) + "\n" + END
-                          + rest.split(END)[1], encoding="utf-8")
+    try:
+        write_between(path, BEGIN, END, "\n".join(lines(results)) + "\n")
+    except ValueError as error:
+        print(f"{error}: the table is not written there")
 
 
 def lost(results):

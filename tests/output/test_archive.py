@@ -396,8 +396,8 @@ def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
     append(archive, 3)
     put = Layout.put
 
-    def interrupted(self, file, first, points):
-        put(self, file, first, [point._replace(fields={}) for point in points])
+    def interrupted(self, file, first, points, states):
+        put(self, file, first, [point._replace(fields={}) for point in points], states)
         file.attrs.modify("points", first - 1)
         raise KeyboardInterrupt
 
