@@ -44,11 +44,12 @@ class Response:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
+    make : what makes a transform, as of `cell.Convolution`
     half : EvenConvolution with the same operator on half of the window, or None
     """
 
-    def __init__(self, window, operator, count, half):
-        self._given, self._whole = (window, operator, count), None
+    def __init__(self, window, operator, count, make, half):
+        self._given, self._whole = (window, operator, count, make), None
         self._half = half if all(i == j for i, j in operator.blocks) else None
 
     def apply(self, values, out):

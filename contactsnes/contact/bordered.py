@@ -1,6 +1,10 @@
 """A form whose load is one more unknown, fixed by the length of the step along the branch."""
 
+from functools import cached_property
+
 import numpy as np
+
+from ..kernels.forms import CompiledArc
 
 
 class ArcLength:
@@ -41,6 +45,11 @@ class ArcLength:
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
 
+    @cached_property
+    def kernel(self):
+        """The same rows on the same memory in the library, or None."""
+        return CompiledArc(self) if getattr(self.form, "kernel", None) else None
+
     @property
     def evaluations(self):
         """Number of residuals evaluated so far."""
@@ -61,6 +70,8 @@ class ArcLength:
 
     def residual(self, unknown, out):
         """F of the form and of the arc length."""
+        if self.kernel:
+            return self.kernel.residual(unknown, out)
         self.set_position(unknown[-1])
         self.form.residual(unknown[:-1], out[:-1])
         out[-1] = (self.grid.inner(self.tangent, unknown[:-1] - self.anchor)
@@ -80,6 +91,8 @@ class ArcLength:
 
     def apply_jacobian(self, vector, out):
         """out = J vector."""
+        if self.kernel:
+            return self.kernel.apply_jacobian(vector, out)
         self.form.apply_jacobian(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.load_column
         out[-1] = self.grid.inner(self.tangent, vector[:-1]) + self.rate * vector[-1]
@@ -87,6 +100,8 @@ class ArcLength:
 
     def apply_transpose(self, vector, out):
         """out = J^T vector."""
+        if self.kernel:
+            return self.kernel.apply_transpose(vector, out)
         self.form.apply_transpose(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.tangent
         out[-1] = self.grid.inner(self.load_column, vector[:-1]) + self.rate * vector[-1]

@@ -75,15 +75,16 @@ class IsolatedContact(Contact):
     cell : Scene of the periodic cell on its nodes (`lay_out`)
     counter : the grid that counts transforms, if not this contact's: one transform is that of the
         window's nodes. A contact on a coarser grid has it, whose states are guesses
-    gap, law : in place of the scene's, as of `Contact`
+    gap, law, kernels : in place of the scene's, as of `Contact`
     """
 
     isolated = True
 
-    def __init__(self, cell, counter=None, gap=None, law=None):
+    def __init__(self, cell, counter=None, gap=None, law=None, kernels=None):
         self._guesses, self._rigid = counter is not None, np.zeros(cell.components)
         own = Counter(math.prod(n // 2 for n in cell.shape))
-        super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law)
+        super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law,
+                         kernels=kernels)
 
     @property
     def datum(self):
@@ -95,7 +96,8 @@ class IsolatedContact(Contact):
     @cached_property
     def periodic(self):
         """The contact on the same nodes in a cell, with neighbours."""
-        return Contact(self.scene, gap=self.initial_gap, law=self.law, grid=self.grid)
+        return Contact(self.scene, gap=self.initial_gap, law=self.law, grid=self.grid,
+                       kernels=self.kernels)
 
     @cached_property
     def widest(self):
@@ -150,4 +152,4 @@ class IsolatedContact(Contact):
 
     def _coarser(self, scene, gap):
         """The contact of a scene on every other node, with its gap there."""
-        return IsolatedContact(scene, self.grid.counter, gap, self.law)
+        return IsolatedContact(scene, self.grid.counter, gap, self.law, self.kernels)

@@ -147,12 +147,13 @@ class SpotsConvolution:
     window : Spots
     operator : Operator on the cell
     count : number of components
+    make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count):
+    def __init__(self, window, operator, count, make=Transform):
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
-        self.transform = plan = Transform(window.grid, circle, count * boxes)
+        self.transform = plan = make(window.grid, circle, count * boxes)
         self._real = plan.real.reshape(count, boxes, *circle)
         self._spectrum = plan.spectrum.reshape(count, boxes, -1)
         self._product = np.empty_like(self._spectrum[0])
@@ -184,6 +185,7 @@ class SpotsConvolution:
         transposed : bool, whether the transpose is meant
         """
         self._real[self._inside] = self.window.box(values)
+        clear_padding(self.transform.real, self.window.shape)
         self.transform.forward()
         self._sums[...] = 0.0
         for (i, j), block in self.blocks.items():
@@ -196,11 +198,10 @@ class SpotsConvolution:
         self._spectrum[...] = self._sums
         self.transform.backward()
         self.window.box(out)[...] = self._real[self._inside]
-        clear_padding(self.transform.real, self.window.shape)
         return out
 
 
-def convolution(window, operator, count):
+def convolution(window, operator, count, make=Transform):
     """The product of an operator with fields on a window, of one box or several.
 
     Parameters
@@ -208,8 +209,10 @@ def convolution(window, operator, count):
     window : Window or Spots
     operator : Operator on the cell
     count : int, number of components
+    make : what makes its transform, as of `cell.Convolution`
     """
-    return (SpotsConvolution if len(window.parts) > 1 else Convolution)(window, operator, count)
+    kind = SpotsConvolution if len(window.parts) > 1 else Convolution
+    return kind(window, operator, count, make)
 
 
 def cost(window):

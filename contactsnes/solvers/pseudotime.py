@@ -118,7 +118,7 @@ class PseudoTransient:
         step = snes.getSolutionUpdate()
         matrices, shift = snes.getJacobian()[:2], 1.0 + 1.0 / self.time_step
         snes.computeJacobian(x, *matrices)
-        form.tangent /= shift
+        form.soften(shift)
         residual.copy(trial)
         trial.scale(1.0 / shift)
         # Force rows hold a tangent only, and mean displacements enter without one.

@@ -1,0 +1,160 @@
+"""The equations of a displacement form in the library: residual, products and arc length on the memory
+of the Python form that they are the twin of."""
+
+import ctypes
+
+import numpy as np
+
+from . import structures
+from .laws import kernel_of
+from .structures import MOST, TOO_MANY, address
+from .transforms import Compiled
+
+
+def twin(form, half, scale=None):
+    """A CompiledForm of a form, or None where something in it is Python's alone.
+
+    Parameters
+    ----------
+    form : DisplacementForm, HalfForm, or EvenForm with its ``half`` and ``scale``
+    half : the form that has window, convolution and tangent: itself, or an EvenForm's
+    scale : array (nodes), the unknown over the half form's; None: they are the same
+    """
+    law = kernel_of(half.contact.law)
+    transform = getattr(half.convolution, "transform", None)
+    if law is None or not isinstance(transform, Compiled):
+        return None
+    return CompiledForm(form, half, law, scale)
+
+
+def call(function, counter, *arguments):
+    """Call what transforms; RuntimeError where these are more than a limit."""
+    if function(*arguments) == TOO_MANY:
+        counter.check()
+
+
+def _response(convolution, count):
+    """The structure of a convolution's product, and what it keeps."""
+    transform, window = convolution.transform, convolution.window
+    boxes = len(window.parts)
+    own = structures.Response(components=count, boxes=boxes)
+    own.transform = ctypes.pointer(transform.structure)
+    own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
+    blocks, product = convolution.blocks, None
+    symbols = {key: np.ascontiguousarray(block) for key, block in blocks.items()}
+    for (i, j), symbol in symbols.items():
+        own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
+    # one real block of one box is multiplied where it stands
+    if not window.even and (count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0])):
+        product = np.empty(2 * transform.spectrum.size)
+        own.product = address(product)
+    return own, (transform, symbols, product)
+
+
+class CompiledForm:
+    """Residual, tangent and products of a form, on its memory.
+
+    Parameters
+    ----------
+    form, half, scale : as of `twin`
+    law : LawKernel
+
+    Attributes
+    ----------
+    structure : of the library
+    form : the Python form; loads, tangent, work and counts are the same memory
+    """
+
+    def __init__(self, form, half, law, scale):
+        self.library, self.half, self.grid = half.convolution.transform.library, half, half.grid
+        self.size, self.law = form.size, law
+        own = self.structure = structures.Form(
+            components=half.components, nodes=half.nodes, forced_count=len(half.forced),
+            root=half.root, size=half.grid.size)
+        own.forced[:len(half.forced)] = half.forced
+        self._response, kept = _response(half.convolution, half.components)
+        weights = getattr(half.grid, "weights", None)
+        self._last = np.empty(half.count)
+        self._unscale = None if scale is None else 1.0 / scale
+        self._kept = kept, weights, scale
+        for name, array in {"scale": scale, "unscale": self._unscale, "weight": weights,
+                            "initial_gap": half.initial_gap, "tangent": half.tangent,
+                            "work": half.work, "last": self._last, "rigid": half.rigid_compliance,
+                            "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
+                            "drag": half.drag}.items():
+            setattr(own, name, address(array))
+        own.law = ctypes.pointer(law.structure)
+        own.response = ctypes.pointer(self._response)
+        self.reference = ctypes.addressof(own)
+
+    def forget(self):
+        """The tangent is another one than that of the last unknown, from now on."""
+        self.structure.known = 0
+
+    def residual(self, unknown, out):
+        """F."""
+        call(self.library.residual, self.grid.counter, self.reference, address(unknown),
+             address(out))
+        return out
+
+    def linearise(self, unknown):
+        """Take the law's tangent at the unknown, whatever it is now."""
+        self.forget()
+        self.library.linearise(self.reference, address(unknown))
+        self.forget()
+
+    def apply_jacobian(self, vector, out):
+        """out = J vector."""
+        call(self.library.product, self.grid.counter, self.reference, address(vector),
+             address(out))
+        return out
+
+    def apply_transpose(self, vector, out):
+        """out = J^T vector."""
+        call(self.library.transposed_product, self.grid.counter, self.reference,
+             address(vector), address(out))
+        return out
+
+
+class CompiledArc:
+    """The row and column of arc length around a compiled form.
+
+    Parameters
+    ----------
+    arc : ArcLength whose form has a kernel
+    """
+
+    def __init__(self, arc):
+        half = arc.form.kernel.half
+        contact, count = half.contact, half.components
+        self._factor = np.zeros(2 * MOST)
+        self._factor[:count] = half.factor
+        self._factor[MOST:MOST + count] = contact.far_displacement(count, np.ones(count))
+        self.kernel, self.arc = arc.form.kernel, arc
+        own = self.structure = structures.Arc(length=arc.length, rate=arc.rate)
+        given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
+                 for name in ("start", "direction", "anchor", "tangent")}
+        shared_ones = {"load": half.load, "target": half.row_target, "far": half.far,
+                       "row_scale": half.row_scale, "load_column": arc.load_column}
+        self._kept = {"factor": self._factor, **given, **shared_ones}
+        for name, array in self._kept.items():
+            setattr(own, name, address(array))
+        self.reference = ctypes.addressof(own)
+
+    def residual(self, unknown, out):
+        """F of the form and of the arc length."""
+        call(self.kernel.library.arc_residual, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(unknown), address(out))
+        return out
+
+    def apply_jacobian(self, vector, out):
+        """out = J vector."""
+        call(self.kernel.library.arc_product, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(vector), address(out))
+        return out
+
+    def apply_transpose(self, vector, out):
+        """out = J^T vector."""
+        call(self.kernel.library.arc_transposed, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(vector), address(out))
+        return out
