@@ -14,6 +14,7 @@ from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
+from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.snes import WARM, create_snes
 
@@ -153,7 +154,7 @@ class Corrector:
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
         before, products = form.evaluations, form.products
-        snes.solve(None, solution)
+        callbacks.solve(snes, solution)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None

@@ -10,6 +10,7 @@ from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
+from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.snes import WARM, create_snes, kept
 from .corrector import KSP_REASONS, Corrector, finite
@@ -189,7 +190,7 @@ class Tracer(Corrector, Neighbours, Ends):
             ksp.setType("fgmres")
         source = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
         change = PETSc.Vec().createSeq(form.size)
-        ksp.solve(source, change)
+        callbacks.solve(ksp, (source, change))
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         snes.setUseEW(forcing)

@@ -19,6 +19,7 @@ from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
 from ..grid.even import EvenWindow
 from ..options.database import read
+from ..solvers import callbacks
 from ..solvers.motion import LEVELLED, slides
 from ..solvers.snes import NewtonOptions, RegularisedStep, create_snes, kept
 
@@ -162,7 +163,7 @@ class Equations:
         ksp = kept(self.snes.getKSP())
         self.matrix.assemble()
         ksp.setTolerances(rtol=self._exactness, atol=tolerance / scale)
-        ksp.solve(self._right, self._step)
+        callbacks.solve(ksp, (self._right, self._step))
         self._iterations += ksp.getIterationNumber()
         step = self._step.getArray()
         response = self.response(form.stiffen(form.displacement(step), form.work))

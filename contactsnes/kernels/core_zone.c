@@ -336,9 +336,10 @@ static double answer(const Form *f, long i, long j, const double *field)
 {
     const long n = f->nodes;
     const double *restrict d = f->tangent + (i * f->components + j) * n;
+    const double *restrict w = f->scale ? f->scale : f->weight; /* weight / scale is scale */
     double sum = 0.0;
-    if (f->scale) /* weight / scale is scale */
-        for (long k = 0; k < n; k++) sum += f->scale[k] * d[k] * field[k];
+    if (w)
+        for (long k = 0; k < n; k++) sum += w[k] * d[k] * field[k];
     else
         for (long k = 0; k < n; k++) sum += d[k] * field[k];
     return sum;

@@ -2,6 +2,7 @@
 of the Python form that they are the twin of."""
 
 import ctypes
+import weakref
 
 import numpy as np
 
@@ -66,7 +67,8 @@ class CompiledForm:
     """
 
     def __init__(self, form, half, law, scale):
-        self.library, self.half, self.grid = half.convolution.transform.library, half, half.grid
+        self.library, self.grid = half.convolution.transform.library, half.grid
+        self._half = weakref.ref(half)  # which holds this object
         self.size, self.law = form.size, law
         own = self.structure = structures.Form(
             components=half.components, nodes=half.nodes, forced_count=len(half.forced),
@@ -86,6 +88,11 @@ class CompiledForm:
         own.law = ctypes.pointer(law.structure)
         own.response = ctypes.pointer(self._response)
         self.reference = ctypes.addressof(own)
+
+    @property
+    def half(self):
+        """The Python form that has window, convolution and tangent."""
+        return self._half()
 
     def forget(self):
         """The tangent is another one than that of the last unknown, from now on."""
@@ -130,7 +137,7 @@ class CompiledArc:
         self._factor = np.zeros(2 * MOST)
         self._factor[:count] = half.factor
         self._factor[MOST:MOST + count] = contact.far_displacement(count, np.ones(count))
-        self.kernel, self.arc = arc.form.kernel, arc
+        self.kernel = arc.form.kernel
         own = self.structure = structures.Arc(length=arc.length, rate=arc.rate)
         given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
                  for name in ("start", "direction", "anchor", "tangent")}

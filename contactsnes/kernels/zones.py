@@ -2,7 +2,7 @@
 each tangent in the memory it has."""
 
 import ctypes
-from functools import partial
+import weakref
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -21,15 +21,11 @@ class CompiledZone:
     options : CoreOptions
     floor : float, least response to means over that of a stiff contact, dimensionless
     arc : CompiledArc around the form, or None
-
-    Attributes
-    ----------
-    error : what Python raised while the library asked it for a circle, or None
     """
 
     def __init__(self, kernel, options, floor=0.0, arc=None):
         self.kernel, self.form, self.options = kernel, kernel.half, options
-        self.library, self.error, self._arc = kernel.library, None, arc
+        self.library, self._arc = kernel.library, arc
         window, count = self.form.window, self.form.components
         own = self.structure = structures.Zone(
             threshold=options.threshold, pad=options.pad, floor=floor)
@@ -39,9 +35,8 @@ class CompiledZone:
         self._kept = []
         self._lay_out(window, options)
         self._circles = [[] for _ in range(count)]
-        # the library holds what calls back, and that holds no reference to this object's owner
-        self._missing = structures.Missing(partial(_missing, self._circle_of()))
-        own.missing = self._missing
+        self._errors = []
+        own.missing = structures.Missing(self._circle_maker(window, count))
         self._blocks(window, count)
         self._means(count)
         self.reference = ctypes.addressof(own)
@@ -90,37 +85,38 @@ class CompiledZone:
         own.means[:len(means)] = means
         own.columns = self._array(max(len(means), 1), form.nodes)
 
-    def _circle_of(self):
-        """What makes a circle for a component's core of a rounded extent, and enters it."""
-        form, own, circles = self.form, self.structure, self._circles
-        window, plane = form.window, len(form.window.shape) == 2
-        boxes, errors = len(window.parts), vars(self)
+    def _circle_maker(self, window, count):
+        """What makes a circle for a component's core of a rounded extent, and enters it.
+
+        It holds neither the form nor this object, which hold it.
+        """
+        contact, circles, errors = self.form.contact, self._circles, self._errors
+        structure, plane, boxes = weakref.ref(self.structure), len(window.shape) == 2, len(
+            window.parts)
 
         def make(component, first, second):
             raw = (first, second) if plane else (second,)
             try:
                 shape = tuple(min(total, next_fast_len(extent, real=True))
                               for extent, total in zip(raw, window.limits))
-                made = Circle(form.contact.circle(component, form.components, shape, window.even,
-                                                  boxes), boxes, (first, second))
+                made = Circle(contact.circle(component, count, shape, window.even, boxes), boxes,
+                              (first, second))
             except BaseException as error:  # the library cannot pass it on; its caller does
-                errors["error"] = error
+                errors.append(error)
                 return 1
             circles[component].append(made)
-            table = (structures.Circle * len(circles[component]))(
+            made.table = (structures.Circle * len(circles[component]))(
                 *(circle.structure for circle in circles[component]))
-            own.circles[component] = table
-            own.circle_count[component] = len(table)
-            circles[component][-1].table = table
+            structure().circles[component] = made.table
+            structure().circle_count[component] = len(made.table)
             return 0
 
         return make
 
     def raise_error(self):
         """Raise what was raised while the library worked."""
-        if self.error is not None:
-            error, self.error = self.error, None
-            raise error
+        if self._errors:
+            raise self._errors.pop()
 
     def set_up(self):
         """Make the zones from the form's tangent."""
@@ -132,10 +128,6 @@ class CompiledZone:
         call(self.library.precondition, self.form.grid.counter, self.reference, address(vector),
              address(out))
         return out
-
-
-def _missing(make, component, first, second):
-    return make(component, first, second)
 
 
 class Circle:

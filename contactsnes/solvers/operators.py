@@ -1,5 +1,15 @@
 """PETSc's Mat contexts: the Jacobian of a form, and what is given as a function of arrays."""
 
+from . import callbacks
+
+
+def form_of(matrix):
+    """The form whose Jacobian a matrix is, or None."""
+    if matrix.getType() == "python":
+        return getattr(matrix.getPythonContext(), "form", None)
+    own = callbacks.of(matrix)
+    return own.form if own else None
+
 
 class Jacobian:
     """The exact Jacobian of a form, matrix-free."""
