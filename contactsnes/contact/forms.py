@@ -160,12 +160,6 @@ class DisplacementForm:
             return
         self.contact.law.evaluate(self.gap(unknown), self.work, self.tangent)
 
-    def soften(self, factor):
-        """Divide the tangent by a factor, for what is solved in place of J."""
-        self.tangent /= factor
-        if self.kernel:
-            self.kernel.forget()
-
     def stiffen(self, field, out):
         """out_i = sum_j D_ij field_j: the law's tangent times a field."""
         if self.components == 1:

@@ -151,7 +151,7 @@ class Equations:
         scale = 1.0 + shift
         field, pull = self.imbalance(guess)
         form.linearise(guess)
-        form.soften(scale)
+        form.tangent /= scale
         # A mean that moves with the body's response to it: x stands for m less that response.
         share = 1.0 + shift * self.inner * self.mass / scale
         drag = self.contact.grid.size * self.mass / scale / share

@@ -78,12 +78,14 @@ static void gap_of(const Form *f, const double *unknown)
     }
 }
 
-static void law_at(Form *f, const double *unknown)
+/* Tractions into `work`; the tangent is kept for a linearisation at the same unknown, where there is
+   room for it. */
+static void tractions_at(Form *f, const double *unknown)
 {
     gap_of(f, unknown);
-    evaluate(f->law, f->components, f->nodes, f->work, f->work, f->tangent);
-    memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
-    f->known = 1;
+    evaluate(f->law, f->components, f->nodes, f->work, f->work, f->ahead);
+    if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
+    f->known = f->ahead != 0;
 }
 
 /* fields in `work` into the boxes of the transform, the operator times them */
@@ -121,7 +123,7 @@ int residual(Form *f, const double *unknown, double *out)
     const long n = f->nodes, m = f->components;
     double sum[MOST], mean[MOST];
     f->evaluations++;
-    law_at(f, unknown);
+    tractions_at(f, unknown);
     for (long i = 0; i < m; i++) {
         sum[i] = total(f->work + i * n, f->weight, n);
         mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
@@ -137,11 +139,16 @@ int residual(Form *f, const double *unknown, double *out)
     return 0;
 }
 
-/* Takes the tangent; nothing to do where the last residual was at the same unknown. */
+/* Takes the tangent, that of the last residual if it was at the same unknown. */
 void linearise(Form *f, const double *unknown)
 {
-    if (!f->known || memcmp(f->last, unknown, f->components * f->nodes * sizeof *unknown))
-        law_at(f, unknown);
+    const long m = f->components, n = f->nodes;
+    if (f->known && !memcmp(f->last, unknown, m * n * sizeof *unknown)) {
+        memcpy(f->tangent, f->ahead, m * m * n * sizeof *unknown);
+        return;
+    }
+    gap_of(f, unknown);
+    evaluate(f->law, m, n, f->work, f->work, f->tangent);
 }
 
 /* work = D vector / scale; their sums over the cell */

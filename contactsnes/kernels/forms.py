@@ -12,6 +12,10 @@ from .structures import MOST, TOO_MANY, address
 from .transforms import Compiled
 
 
+KEPT = 2 ** 16
+"""Nodes up to which the tangent of a residual is kept for a linearisation at the same unknown."""
+
+
 def twin(form, half, scale=None):
     """A CompiledForm of a form, or None where something in it is Python's alone.
 
@@ -76,12 +80,15 @@ class CompiledForm:
         own.forced[:len(half.forced)] = half.forced
         self._response, kept = _response(half.convolution, half.components)
         weights = getattr(half.grid, "weights", None)
-        self._last = np.empty(half.count)
+        # of more nodes the law costs less than the memory would
+        roomy = half.nodes <= KEPT
+        self._last = np.empty(half.count) if roomy else None
+        self._ahead = np.empty_like(half.tangent) if roomy else None
         self._unscale = None if scale is None else 1.0 / scale
         self._kept = kept, weights, scale
         for name, array in {"scale": scale, "unscale": self._unscale, "weight": weights,
                             "initial_gap": half.initial_gap, "tangent": half.tangent,
-                            "work": half.work, "last": self._last, "rigid": half.rigid_compliance,
+                            "work": half.work, "last": self._last, "ahead": self._ahead, "rigid": half.rigid_compliance,
                             "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
                             "drag": half.drag}.items():
             setattr(own, name, address(array))
@@ -94,10 +101,6 @@ class CompiledForm:
         """The Python form that has window, convolution and tangent."""
         return self._half()
 
-    def forget(self):
-        """The tangent is another one than that of the last unknown, from now on."""
-        self.structure.known = 0
-
     def residual(self, unknown, out):
         """F."""
         call(self.library.residual, self.grid.counter, self.reference, address(unknown),
@@ -105,10 +108,8 @@ class CompiledForm:
         return out
 
     def linearise(self, unknown):
-        """Take the law's tangent at the unknown, whatever it is now."""
-        self.forget()
+        """Take the law's tangent at the unknown."""
         self.library.linearise(self.reference, address(unknown))
-        self.forget()
 
     def apply_jacobian(self, vector, out):
         """out = J vector."""

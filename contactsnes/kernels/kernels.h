@@ -49,7 +49,8 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     double root, size;
     const double *scale, *unscale, *weight; /* null where all are one */
     const double *initial_gap;
-    double *tangent, *work, *last;          /* last: unknown of the tangent, if `known` */
+    double *tangent, *work;
+    double *ahead, *last; /* tangent at the last residual's unknown, which is `last`, if `known` */
     const double *rigid, *far, *row_scale, *target, *drag; /* by component */
     Law *law;
     Response *response;

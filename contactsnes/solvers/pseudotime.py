@@ -120,7 +120,7 @@ class PseudoTransient:
         step = snes.getSolutionUpdate()
         matrices, shift = snes.getJacobian()[:2], 1.0 + 1.0 / self.time_step
         snes.computeJacobian(x, *matrices)
-        form.soften(shift)
+        form.tangent /= shift
         residual.copy(trial)
         trial.scale(1.0 / shift)
         # Force rows hold a tangent only, and mean displacements enter without one.
