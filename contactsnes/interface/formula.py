@@ -157,12 +157,25 @@ class Tractions:
             part = np.s_[..., start:start + self.block] if nodes > self.block else ...
             fill(gap[part], traction[part], None if tangent is None else tangent[part])
 
+    def normal(self, gap):
+        """N(a) and N'(a) without slip, two arrays (nodes)."""
+        if len(gap) <= self.block:
+            return [part.copy() for part in self._alone(gap, True)]
+        both = np.empty((2, len(gap)))
+        for start in range(0, len(gap), self.block):
+            part = np.s_[start:start + self.block]
+            both[0, part], both[1, part] = self._alone(gap[part], True)
+        return both
+
+    def _alone(self, gap, tangent):
+        return self.program(False, self._continued(gap), tangent).run(gap)
+
     def _continued(self, normal_gap):
         return bool(np.minimum.reduce(normal_gap, initial=0.0) < self._deepest)
 
     def _normal(self, gap, traction, tangent):
         """One component."""
-        values = self.program(False, self._continued(gap[0]), tangent is not None).run(gap[0])
+        values = self._alone(gap[0], tangent is not None)
         traction[0] = values[0]
         if tangent is not None:
             tangent[0, 0] = values[1]

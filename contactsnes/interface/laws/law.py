@@ -144,6 +144,8 @@ class Law(Declared):
 
     def normal(self, a):
         """N(a) and N'(a) without slip, two arrays like the normal gap a (nodes)."""
+        if self.formula is not None:
+            return self._evaluated.normal(np.ravel(a))
         traction, tangent = np.empty((1, np.size(a))), np.empty((1, 1, np.size(a)))
         self.evaluate(np.array(a, dtype=float).reshape(1, -1), traction, tangent)
         return traction[0], tangent[0, 0]
