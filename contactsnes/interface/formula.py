@@ -12,11 +12,11 @@ from .program import Program
 LEAST = 1e-150
 """Slip, in ranges, below which db/d(b^2) = 1/(2 b) grows no more: times the slip it vanishes."""
 
-SHEARED = ("N", "S", "N_a", "N_b/b", "S_a", "S_b/b")
+SHEARED = ("N", "S = T/b", "dN/da", "(dN/db)/b", "dS/da", "(dS/db)/b")
 """Results of a sheared formula: normal traction N, secant of the friction S = T/b, and derivatives
 to the normal gap a and the slip b."""
 
-NORMAL = ("N", "N_a")
+NORMAL = ("N", "dN/da")
 """Results of a formula without slip."""
 
 
@@ -63,6 +63,7 @@ class Formula:
         self.gap, self.squared = graph.input("a"), graph.input("q")
         self.symbols = tuple(graph.input(name) for name in self.parameters)
         self.slip = graph.apply("sqrt", self.squared)
+        self.slip.value = "b"
         twin = _twin(law, dict(zip(self.parameters, self.symbols)))
         made = twin.tractions(self.gap, self.slip)
         if not isinstance(made, (tuple, list)) or len(made) != 2:

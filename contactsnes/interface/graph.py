@@ -1,4 +1,4 @@
-"""Formulas as graphs: a function of NumPy's expressions is called with nodes in place of arrays, and
+"""Formulas as graphs: a function of NumPy's expressions is called with nodes in place of arrays;
 what it does with them is written down, once each, and differentiated exactly."""
 
 from numbers import Real
@@ -21,7 +21,7 @@ class Node:
     graph : the graph that it is of
     index : its place there, behind those of its arguments
     operation, arguments : what it comes from; 'input' and 'number' come from nothing
-    value : the number, or the name of the input
+    value : the number, or the name of the input, or how another one is told of
     boolean : whether it is true or false
     """
 
@@ -70,8 +70,8 @@ class Node:
         return self.arguments[0] if self.arguments[1] is factor else self.arguments[1]
 
     def __repr__(self, depth=3):
-        if self.operation in ("input", "number"):
-            return str(self.value) if self.operation == "input" else f"{self.value:g}"
+        if self.value is not None:
+            return self.value if isinstance(self.value, str) else f"{self.value:g}"
         inner = ", ".join(node.__repr__(depth - 1) if depth else "..." for node in self.arguments)
         return f"{self.operation}({inner})"
 
@@ -81,8 +81,9 @@ _USE = ("every operation has to be one on all nodes at once, as np.where(a > 0, 
 
 
 def _unknown(name):
-    return (f"it uses np.{name}, of which no derivative is known here: allowed are arithmetic, "
-            f"comparisons, &, | and ~, and np. {', '.join(KNOWN)}; {_USE}")
+    return (f"it uses the function {name}, of which no derivative is known here: allowed are "
+            f"arithmetic, comparisons, &, | and ~, NumPy's {', '.join(KNOWN)}, and SciPy's erf and "
+            f"erfc; {_USE}")
 
 
 def _operator(name, swapped=False):

@@ -103,8 +103,10 @@ REWRITTEN = {
 }
 """Functions of NumPy that are made of others."""
 
-KNOWN = sorted({*OPERATIONS, *REWRITTEN} - {"abs", "copy", "true_divide", "fmin", "fmax",
-                                           "invert", "bitwise_and", "bitwise_or", "positive"})
+KNOWN = ("where", "minimum", "maximum", "clip", "select", "heaviside", "sign", "abs", "sqrt",
+         "square", "hypot", "exp", "expm1", "log", "log1p", "sin", "cos", "arctan", "sinh", "cosh",
+         "tanh", "zeros_like", "ones_like", "full_like")
+"""Functions of NumPy that messages name."""
 
 
 def _on(*arguments):
@@ -156,7 +158,7 @@ def _multiply(graph, x, y):
 
 
 def _divide(graph, x, y):
-    if x.is_number(0.0) or y.is_number(1.0):
+    if y.is_number(1.0):
         return x
     if x.operation == "negative":
         return -(x.arguments[0] / y)

@@ -30,9 +30,9 @@ class Law(Declared):
 
     A subclass is made a dataclass when it is defined. Its options are class attributes made by
     `options.fields.option`, ``-scene_`` + their names, and its parameters from Python. It has to
-    have ``tractions``, or ``evaluate`` in place of it; tractions vanish at no gap and no slip, attract
-    where a > 0 without slip, and repel where a < 0. All else has defaults: what follows from the
-    tractions is found from them by sampling.
+    have ``tractions``, or ``evaluate`` in place of it; tractions vanish at no gap and no slip,
+    attract where a > 0 without slip, and repel where a < 0. All else has defaults: what follows
+    from the tractions is found from them by sampling.
 
     Attributes
     ----------

@@ -1,0 +1,1 @@
+"""What is computed in C: its text, made of formulas."""
