@@ -1,4 +1,4 @@
-"""Graphs of formulas: values against NumPy's, derivatives against complex steps and analytic ones."""
+"""Graphs of formulas: values against NumPy's, derivatives against complex steps and differences."""
 
 import numpy as np
 import pytest
@@ -112,9 +112,11 @@ def test_numbers_are_put_in_later():
     (lambda x: min(x, 1.0), "min, max"), (lambda x: 0 < x < 1, "a < b < c"),
     (lambda x: np.sum(x), "the function sum"), (lambda x: x.sum(), "asks for .sum"),
     (lambda x: np.maximum.reduce(x), "maximum.reduce"), (lambda x: x[0], "apart"),
-    (lambda x: np.interp(x, [0, 1], [1, 2]), "interp"), (lambda x: np.exp(x, where=x > 0), "where="),
+    (lambda x: np.interp(x, [0, 1], [1, 2]), "interp"),
+    (lambda x: np.exp(x, where=x > 0), "where="),
     (lambda x: x * np.arange(3.0), "the array array"), (lambda x: float(x), "one number"),
-    (lambda x: np.add(x, 1.0, out=np.empty(3)), "in place"), (lambda x: x * "2", "neither a number"),
+    (lambda x: np.add(x, 1.0, out=np.empty(3)), "in place"),
+    (lambda x: x * "2", "neither a number"),
     (lambda x: np.array(x) + 1, "one number"), (lambda x: x + Graph().input("y"), "another call"),
     (lambda x: np.gcd(x, 2), "the function gcd")])
 def test_what_cannot_be_traced_is_named(function, words):
