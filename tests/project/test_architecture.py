@@ -34,6 +34,7 @@ STEPS = tuple(f"continuation.{path.stem}" for path in (PACKAGE / "continuation")
 
 ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
          Room("reference", ("options", "system", "grid")), Room("interface", ("reference",)),
+         Room("kernels", ("options", "system", "grid", "reference")),
          Room("continuation", ("system", "grid", "reference", "interface")),
          Room("scene", ("system", "grid", "reference",
                         *(set(STEPS) - {"continuation.predictors"}))),
@@ -55,8 +56,8 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
          "pyfftw": {"grid.cell", "grid.even"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 
-WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "continuation", "scene",
-                 "contact", "output")
+WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "kernels",
+                 "continuation", "scene", "contact", "output")
 """Rooms that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [room.name for room in ROOMS]
