@@ -1,1 +1,2 @@
-"""What is computed in C: its text, made of formulas."""
+"""Compiled kernels: law, transforms, residual, products, preconditioner and PETSc's callbacks in plain
+C, which do what the NumPy forms do where the library was built."""

@@ -23,10 +23,11 @@ class Interpreted:
     Attributes
     ----------
     reason : why the library is left out, in words
+    law_reason : None; of `Compiled`, why its last law is not compiled
     """
 
     compiled = False
-    real, even = Transform, Cosines
+    real, even, law_reason = Transform, Cosines, None
 
     def __init__(self, reason):
         self.reason = reason
@@ -56,7 +57,7 @@ class Compiled:
     def __init__(self, cache):
         from . import fftw, transforms
 
-        self._cache = cache
+        self._cache, self.law_reason = cache, None
         fftw.remember(cache)
         self._kinds = transforms.Real, transforms.Cosines
         self._kept = lru_cache(maxsize=24)(self._make)
@@ -78,10 +79,14 @@ class Compiled:
         return made
 
     def law(self, law):
-        """The law with kernels, where it has a formula; as it is where it has none."""
+        """The law evaluated in C; as it is where it cannot be."""
         from .laws import with_kernel
 
-        return with_kernel(law, self._cache)
+        try:
+            law, self.law_reason = with_kernel(law, self._cache), None
+        except library.Unavailable as error:
+            self.law_reason = str(error)
+        return law
 
 
 def chosen(wanted=True, cache=None):

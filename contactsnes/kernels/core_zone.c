@@ -15,41 +15,69 @@ static long nodes_of_box(const Form *f)
     return f->response->shape[0] * f->response->shape[1];
 }
 
-/* Running mean of 2 reach + 1 numbers along a line of n with a stride, continued at both ends: around
-   (wraps), by mirror images (even fields) or by the last number. */
-static void running_mean(const double *from, double *to, long n, long stride, long reach, int wraps,
-                         int mirrors)
+/* The node of a line of n that continues it at k: around, by mirror images (even fields) or by its
+   ends. */
+static long continued(long k, long n, int wraps, int mirrors)
 {
-    const long width = 2 * reach + 1;
-    double sum = 0.0;
-#define PLACE(k) \
-    ((k) < 0 ? (wraps ? (k) + n : mirrors ? -(k) : 0) \
-             : (k) >= n ? (wraps ? (k) - n : mirrors ? 2 * n - 2 - (k) : n - 1) : (k))
-    for (long k = -reach; k <= reach; k++) sum += from[PLACE(k) * stride];
-    to[0] = sum / width;
-    for (long k = 1; k < n; k++) {
-        sum += from[PLACE(k + reach) * stride] - from[PLACE(k - reach - 1) * stride];
-        to[k * stride] = sum / width;
-    }
-#undef PLACE
+    if (k >= 0 && k < n) return k;
+    if (wraps) return k < 0 ? k + n : k - n;
+    if (mirrors) return k < 0 ? -k : 2 * n - 2 - k;
+    return k < 0 ? 0 : n - 1;
 }
 
-static int smooth_axis(const Zone *z, double **mask, double **blur, int axis, int even)
+/* Running mean of 2 reach + 1 numbers along a row. */
+static void mean_along(const double *from, double *to, long n, long reach, int wraps, int mirrors)
 {
-    const long *shape = z->form->response->shape, reach = z->reach[axis];
-    const long lines = shape[1 - axis], stride = axis ? 1 : shape[1], step = axis ? shape[1] : 1;
+    const double width = 2 * reach + 1;
+    double sum = 0.0;
+    for (long k = -reach; k <= reach; k++) sum += from[continued(k, n, wraps, mirrors)];
+    to[0] = sum / width;
+    for (long k = 1; k < n; k++) {
+        sum += from[continued(k + reach, n, wraps, mirrors)]
+            - from[continued(k - reach - 1, n, wraps, mirrors)];
+        to[k] = sum / width;
+    }
+}
+
+/* The same across n rows of some columns, whose sums are kept. */
+CLONES static void mean_across(const double *from, double *to, double *restrict sums, const long *shape,
+                               long reach, int wraps, int mirrors)
+{
+    const long n = shape[0], c = shape[1];
+    const double width = 2 * reach + 1;
+    memset(sums, 0, c * sizeof *sums);
+    for (long j = -reach; j < reach; j++) {
+        const double *restrict row = from + continued(j, n, wraps, mirrors) * c;
+        for (long k = 0; k < c; k++) sums[k] += row[k];
+    }
+    for (long j = 0; j < n; j++) {
+        const double *restrict next = from + continued(j + reach, n, wraps, mirrors) * c;
+        const double *restrict old = from + continued(j - reach, n, wraps, mirrors) * c;
+        double *restrict out = to + j * c;
+        for (long k = 0; k < c; k++) {
+            sums[k] += next[k];
+            out[k] = sums[k] / width;
+            sums[k] -= old[k];
+        }
+    }
+}
+
+static void smooth_axis(const Zone *z, double **mask, double **blur, int axis, int even)
+{
+    const long *shape = z->form->response->shape, reach = z->reach[axis], c = shape[1];
+    const int wraps = (int)z->wraps[axis];
     for (int turn = 0; turn < 3 && reach; turn++) {
-        for (long l = 0; l < lines; l++)
-            running_mean(*mask + l * step, *blur + l * step, shape[axis], stride, reach,
-                         (int)z->wraps[axis], even);
+        if (axis == 0) mean_across(*mask, *blur, z->sums, shape, reach, wraps, even);
+        else
+            for (long j = 0; j < shape[0]; j++)
+                mean_along(*mask + j * c, *blur + j * c, c, reach, wraps, even);
         double *swap = *mask;
         *mask = *blur;
         *blur = swap;
     }
-    return 0;
 }
 
-/* Weights of the core, 0 to 1, of one box, in z->mask; the largest mask where nothing is: 0. */
+/* Weights of the core, 0 to 1, of one box into z->mask, which is zero before. */
 static void smooth(Zone *z, const double *tangent, double level, int even)
 {
     const long n = nodes_of_box(z->form);
@@ -89,7 +117,7 @@ static double largest(const double *x, long n)
 }
 
 /* Weight of each node of the window, in z->column until the block has taken it; mean tangents; extent. */
-static int find_core(Zone *z, long i)
+CLONES static int find_core(Zone *z, long i)
 {
     const Form *f = z->form;
     const long n = nodes_of_box(f), *shape = f->response->shape, m = f->components;
@@ -119,7 +147,7 @@ static int find_core(Zone *z, long i)
     return 1;
 }
 
-static void keep_weights(Zone *z, Block *b)
+CLONES static void keep_weights(Zone *z, Block *b)
 {
     const Form *f = z->form;
     const long *shape = f->response->shape, n = nodes_of_box(f);
@@ -156,7 +184,7 @@ static int find_circle(Zone *z, long i)
     return 1;
 }
 
-static void make_symbol(const Zone *z, const Block *b)
+CLONES static void make_symbol(const Zone *z, const Block *b)
 {
     const Transform *t = b->circle->transform;
     const double *restrict c = b->circle->compliance;
@@ -172,7 +200,7 @@ static void make_symbol(const Zone *z, const Block *b)
     }
 }
 
-static int apply_block(const Zone *z, const Block *b, double *field)
+CLONES static int apply_block(const Zone *z, const Block *b, double *field)
 {
     const long *shape = z->form->response->shape, n = nodes_of_box(z->form);
     const long boxes = z->form->response->boxes, *e = b->extent;
@@ -211,7 +239,7 @@ static int apply_block(const Zone *z, const Block *b, double *field)
 }
 
 /* sums of D field over each box */
-static void by_box(const Zone *z, long i, const double *field, double *sums)
+CLONES static void by_box(const Zone *z, long i, const double *field, double *sums)
 {
     const Form *f = z->form;
     const long n = nodes_of_box(f);
@@ -332,7 +360,7 @@ static int is_forced(const Form *f, long i)
 }
 
 /* sum over the cell of what component i of the law answers to component j of a field of this form */
-static double answer(const Form *f, long i, long j, const double *field)
+CLONES static double answer(const Form *f, long i, long j, const double *field)
 {
     const long n = f->nodes;
     const double *restrict d = f->tangent + (i * f->components + j) * n;
@@ -385,7 +413,7 @@ static int eliminate_means(Zone *z)
     return 0;
 }
 
-static int apply_zone(const Zone *z, const double *vector, double *out)
+CLONES static int apply_zone(const Zone *z, const double *vector, double *out)
 {
     const Form *f = z->form;
     const long n = f->nodes, m = f->components, q = z->mean_count;
@@ -414,7 +442,7 @@ static int apply_zone(const Zone *z, const double *vector, double *out)
     return 0;
 }
 
-static double inner(const double *restrict x, const double *restrict y, long n)
+CLONES static double inner(const double *restrict x, const double *restrict y, long n)
 {
     double sum = 0.0;
     for (long k = 0; k < n; k++) sum += x[k] * y[k];

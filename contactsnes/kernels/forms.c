@@ -6,7 +6,7 @@
 
 enum { PART = 256 }; /* nodes of which the law's numbers stay in the processor's nearest memory */
 
-static void sheared_part(const Law *law, long components, long nodes, long at, long n,
+CLONES static void sheared_part(const Law *law, long components, long nodes, long at, long n,
                          const double *gap, double *traction, double *tangent)
 {
     double slip[PART], normal[PART], secant[PART], na[PART], nb[PART], sa[PART], sb[PART];
@@ -54,7 +54,7 @@ void evaluate(const Law *law, long components, long nodes, const double *gap, do
     }
 }
 
-static double total(const double *restrict x, const double *restrict w, long n)
+CLONES static double total(const double *restrict x, const double *restrict w, long n)
 {
     double sum = 0.0;
     if (w)
@@ -64,7 +64,7 @@ static double total(const double *restrict x, const double *restrict w, long n)
     return sum;
 }
 
-static void gap_of(const Form *f, const double *unknown)
+CLONES static void gap_of(const Form *f, const double *unknown)
 {
     const long n = f->nodes;
     for (long i = 0; i < f->components; i++) {
@@ -99,7 +99,7 @@ static int respond(Form *f, int transposed)
 }
 
 /* out = (response - mean) factor scale + own, by component */
-static void assemble(const Form *f, const double *mean, double factor, const double *own, double *out)
+CLONES static void assemble(const Form *f, const double *mean, double factor, const double *own, double *out)
 {
     const Response *r = f->response;
     const long c = r->shape[1];
@@ -152,7 +152,7 @@ void linearise(Form *f, const double *unknown)
 }
 
 /* work = D vector / scale; their sums over the cell */
-static void stiffen(const Form *f, const double *vector, double *sum)
+CLONES static void stiffen(const Form *f, const double *vector, double *sum)
 {
     const long n = f->nodes, m = f->components;
     for (long i = 0; i < m; i++) {
@@ -187,7 +187,7 @@ int product(Form *f, const double *vector, double *out)
     return 0;
 }
 
-int transposed_product(Form *f, const double *vector, double *out)
+CLONES int transposed_product(Form *f, const double *vector, double *out)
 {
     const long n = f->nodes, m = f->components;
     double sum[MOST], constant[MOST], none[MOST] = {0};
@@ -224,7 +224,7 @@ static long size_of(const Form *f)
     return f->components * f->nodes + f->forced_count;
 }
 
-static double inner(const double *restrict x, const double *restrict y, long n)
+CLONES static double inner(const double *restrict x, const double *restrict y, long n)
 {
     double sum = 0.0;
     for (long k = 0; k < n; k++) sum += x[k] * y[k];

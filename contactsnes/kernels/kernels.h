@@ -8,6 +8,13 @@
 #ifndef CONTACTSNES_KERNELS_H
 #define CONTACTSNES_KERNELS_H
 
+/* one version of a function for each width of a processor's vectors */
+#if defined __GNUC__ && !defined __clang__ && defined __linux__ && defined __x86_64__
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define CLONES
+#endif
+
 enum { MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
@@ -88,7 +95,7 @@ struct Zone { /* CoreZone, of a form or of a form under arc length */
     double kernel_at_zero[MOST];
     Block block[MOST];
     long mean_count, means[MOST];
-    double *columns, *mask, *blur, *column, slope, inverse[MOST * MOST];
+    double *columns, *mask, *blur, *sums, *column, slope, inverse[MOST * MOST];
 };
 
 typedef struct {

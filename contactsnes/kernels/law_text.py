@@ -32,6 +32,15 @@ HEAD = """\
 #include <math.h>
 """
 
+CLONES = """\
+/* one version of each function for each width of a processor's vectors */
+#if defined __GNUC__ && !defined __clang__ && defined __linux__ && defined __x86_64__
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define CLONES
+#endif
+"""
+
 VECTORS = """\
 #if defined __GNUC__ && !defined __clang__ && defined __GLIBC__ && defined __x86_64__ \\
     && !defined SCALAR_LAWS
@@ -130,7 +139,7 @@ def _function(formula, name, sheared):
     start += ["const double s = b[k], q = s * s;", "(void)s;"] if sheared else []
     body = [*start, *inside, *(f"{out}[k] = {value};" for out, value in zip(outputs, values))]
     title = name if sheared else f"{name}_normal"
-    return "\n".join([f"void {title}(long n,", f"    {_wrapped(arrays)})", "{",
+    return "\n".join([f"CLONES void {title}(long n,", f"    {_wrapped(arrays)})", "{",
                       *(f"    {line}" for line in ("(void)p;", *before)),
                       "    for (long k = 0; k < n; k++) {",
                       *(f"        {line}" for line in body), "    }", "}", ""])
@@ -155,7 +164,7 @@ def head(text):
             for old in (True, False)}
     newer = ["#if __GLIBC_PREREQ(2, 35)", *told[False], "#endif"] if told[False] else []
     lines = "\n".join([*told[True], *newer])
-    return HEAD + (VECTORS.format(lines) if lines else "")
+    return HEAD + CLONES + (VECTORS.format(lines) if lines else "")
 
 
 def package():

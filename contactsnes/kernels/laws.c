@@ -16,6 +16,12 @@
    void NAME_normal(n, p, a, N, Na) is the same at b = 0 alone.
    Below the law's deepest gap both continue linearly in a. No array may overlap another one. */
 #include <math.h>
+/* one version of each function for each width of a processor's vectors */
+#if defined __GNUC__ && !defined __clang__ && defined __linux__ && defined __x86_64__
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define CLONES
+#endif
 #if defined __GNUC__ && !defined __clang__ && defined __GLIBC__ && defined __x86_64__ \
     && !defined SCALAR_LAWS
 /* those of libmvec, within 4 units of the last place */
@@ -27,7 +33,7 @@ extern double tanh(double) VECTOR;
 #undef VECTOR
 #endif
 
-void law_dugdale(long n,
+CLONES void law_dugdale(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
     double *restrict N, double *restrict S, double *restrict Na,
     double *restrict Nb, double *restrict Ta, double *restrict Tb)
@@ -132,7 +138,7 @@ void law_dugdale(long n,
     }
 }
 
-void law_dugdale_normal(long n,
+CLONES void law_dugdale_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
 {
@@ -175,7 +181,7 @@ void law_dugdale_normal(long n,
     }
 }
 
-void law_mcgarry(long n,
+CLONES void law_mcgarry(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
     double *restrict N, double *restrict S, double *restrict Na,
     double *restrict Nb, double *restrict Ta, double *restrict Tb)
@@ -218,7 +224,7 @@ void law_mcgarry(long n,
     }
 }
 
-void law_mcgarry_normal(long n,
+CLONES void law_mcgarry_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
 {
@@ -238,7 +244,7 @@ void law_mcgarry_normal(long n,
     }
 }
 
-void law_modified(long n,
+CLONES void law_modified(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
     double *restrict N, double *restrict S, double *restrict Na,
     double *restrict Nb, double *restrict Ta, double *restrict Tb)
@@ -320,7 +326,7 @@ void law_modified(long n,
     }
 }
 
-void law_modified_normal(long n,
+CLONES void law_modified_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
 {
@@ -346,7 +352,7 @@ void law_modified_normal(long n,
     }
 }
 
-void law_pressure_friction(long n,
+CLONES void law_pressure_friction(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
     double *restrict N, double *restrict S, double *restrict Na,
     double *restrict Nb, double *restrict Ta, double *restrict Tb)
@@ -432,7 +438,7 @@ void law_pressure_friction(long n,
     }
 }
 
-void law_pressure_friction_normal(long n,
+CLONES void law_pressure_friction_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
 {
@@ -458,7 +464,7 @@ void law_pressure_friction_normal(long n,
     }
 }
 
-void law_xu_needleman(long n,
+CLONES void law_xu_needleman(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
     double *restrict N, double *restrict S, double *restrict Na,
     double *restrict Nb, double *restrict Ta, double *restrict Tb)
@@ -529,7 +535,7 @@ void law_xu_needleman(long n,
     }
 }
 
-void law_xu_needleman_normal(long n,
+CLONES void law_xu_needleman_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
 {

@@ -88,7 +88,8 @@ class Zone(ctypes.Structure):
                 ("missing", Missing), ("between", c_void_p * MOST),
                 ("kernel_at_zero", c_double * MOST), ("block", Block * MOST),
                 ("mean_count", c_long), ("means", c_long * MOST), ("columns", c_void_p),
-                ("mask", c_void_p), ("blur", c_void_p), ("column", c_void_p), ("slope", c_double),
+                ("mask", c_void_p), ("blur", c_void_p), ("sums", c_void_p),
+                ("column", c_void_p), ("slope", c_double),
                 ("inverse", c_double * (MOST * MOST))]
 
 

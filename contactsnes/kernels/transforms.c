@@ -10,7 +10,7 @@
 
 struct Libraries libraries;
 
-static void open_forward(const Line *l, double *x)
+CLONES static void open_forward(const Line *l, double *x)
 {
     const long n = l->points;
     double *restrict z = l->half;
@@ -26,7 +26,7 @@ static void open_forward(const Line *l, double *x)
     memcpy(x, l->row, n * sizeof *x);
 }
 
-static void open_backward(const Line *l, double *x)
+CLONES static void open_backward(const Line *l, double *x)
 {
     const long n = l->points;
     const double *restrict z = l->half, *restrict w = l->turn;
@@ -49,7 +49,7 @@ static void closed_odd(const Line *l, double *x)
     for (long k = 0; k <= m; k++) x[k] = l->half[2 * k];
 }
 
-static void closed_row(const Line *l, double *x)
+CLONES static void closed_row(const Line *l, double *x)
 {
     const long m = l->points - 1, h = m / 2;
     double *restrict y = l->row;
@@ -173,13 +173,13 @@ void load_box(const Transform *t, long field, const long *shape, const double *v
         memcpy(row_of(t, field, j), values + j * shape[1], shape[1] * sizeof(double));
 }
 
-static void times(double *restrict x, const double *restrict s, long n)
+CLONES static void times(double *restrict x, const double *restrict s, long n)
 {
     for (long k = 0; k < n; k++) x[k] *= s[k];
 }
 
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
-static void add_times(double *restrict x, const double *restrict s, const double *restrict y, long n,
+CLONES static void add_times(double *restrict x, const double *restrict s, const double *restrict y, long n,
                       int is_complex, double sign)
 {
     if (!is_complex)

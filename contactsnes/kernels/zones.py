@@ -56,7 +56,7 @@ class CompiledZone:
                                   (points - 1) // 2)
             own.wraps[axis] = points == total
         nodes = self.form.nodes
-        own.mask, own.blur = self._array(nodes), self._array(nodes)
+        own.mask, own.blur, own.sums = (self._array(n) for n in (nodes, nodes, window.shape[-1]))
         own.column = self._array(max(nodes, self.kernel.size))
 
     def _blocks(self, window, count):

@@ -15,6 +15,11 @@ from ..declared import Declared
 from ..formula import Formula, Tractions
 
 
+MADE = ("formula", "_evaluated", "evaluate", "normal")
+"""Attributes that are made of all others: a formula, its programs, and compiled ones in their
+place."""
+
+
 def softening(tangent):
     """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it
     is positive or none is real."""
@@ -111,14 +116,13 @@ class Law(Declared):
 
     def __setattr__(self, name, value):
         """Set an attribute; a formula with its old value is forgotten."""
-        for made in ("formula", "_evaluated"):
+        for made in MADE:
             vars(self).pop(made, None)
         super().__setattr__(name, value)
 
     def __getstate__(self):
         """What is copied and kept: not the formula, which is made again."""
-        return {name: value for name, value in vars(self).items()
-                if name not in ("formula", "_evaluated")}
+        return {name: value for name, value in vars(self).items() if name not in MADE}
 
     def traction(self, gap, out=None):
         """Tractions t(g) at every node.
