@@ -10,8 +10,8 @@ KERNELS = Path(__file__).parent / "contactsnes" / "kernels"
 SOURCES = ("kernels.h", "transforms.c", "forms.c", "core_zone.c", "petsc.c", "laws.c", "library.c")
 """As kernels/library.py has them."""
 
-# No fast-math: it would change how the whole process treats small numbers. What the loops need of it
-# alone: no errno, no traps, sums in any order.
+# No fast-math: it would change how the whole process treats small numbers. What the loops need of
+# it alone: no errno, no traps, sums in any order.
 FLAGS = ["-std=gnu99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros",
          "-fassociative-math", "-ffp-contract=off", "-w"]
 

@@ -207,12 +207,10 @@ def convolution(window, operator, count, make=Transform):
     Parameters
     ----------
     window : Window or Spots
-    operator : Operator on the cell
-    count : int, number of components
-    make : what makes its transform, as of `cell.Convolution`
+    operator, count, make : as of `cell.Convolution`
     """
-    kind = SpotsConvolution if len(window.parts) > 1 else Convolution
-    return kind(window, operator, count, make)
+    several = len(window.parts) > 1
+    return (SpotsConvolution if several else Convolution)(window, operator, count, make)
 
 
 def cost(window):
@@ -242,8 +240,7 @@ def fitting(grid, mask, margin):
     if np.count_nonzero(mask) > 0.5 * one.size:
         return one
     boxes = _clusters(mask)
-    best = one
-    least = WORTH * cost(one)
+    best, least = one, WORTH * cost(one)
     while len(boxes[0]) > 1:
         first, extent = _widened(*boxes, margin, grid.shape)
         touching = np.triu(_overlap(first, extent, grid.shape), 1)

@@ -24,6 +24,7 @@ class Counter:
 
     @limit.setter
     def limit(self, limit):
+        """Set the count that is allowed."""
         self.numbers[1] = limit
 
     @property

@@ -1,5 +1,5 @@
-"""C that is compiled when it is first met, and kept in a folder by a checksum of all that it depends
-on."""
+"""C that is compiled when it is first met, and kept in a folder by a checksum of all that it
+depends on."""
 
 import ctypes
 import hashlib
@@ -78,7 +78,7 @@ def _loaded(file, checksum):
 
 
 def _build(command, text, file):
-    """Compile a source into a file, which appears whole or not at all, whoever builds it besides."""
+    """Compile a source into a file, which appears whole or not at all, whoever builds it, too."""
     part = file.with_name(f"{file.name}.{os.getpid()}.part")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
-"""The equations of a displacement form in the library: residual, products and arc length on the memory
-of the Python form that they are the twin of."""
+"""The equations of a displacement form in the library: residual, products and arc length on the
+memory of the Python form that they are the twin of."""
 
 import ctypes
 import weakref
@@ -11,9 +11,9 @@ from .laws import kernel_of
 from .structures import MOST, TOO_MANY, address
 from .transforms import Compiled
 
-
-KEPT = 2 ** 16
-"""Nodes up to which the tangent of a residual is kept for a linearisation at the same unknown."""
+KEPT = 2 ** 14
+"""Numbers of a tangent up to which that of a residual is kept for a linearisation at the same
+unknown."""
 
 
 def twin(form, half, scale=None):
@@ -81,14 +81,15 @@ class CompiledForm:
         self._response, kept = _response(half.convolution, half.components)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
-        roomy = half.nodes <= KEPT
+        roomy = half.tangent.size <= KEPT
         self._last = np.empty(half.count) if roomy else None
         self._ahead = np.empty_like(half.tangent) if roomy else None
         self._unscale = None if scale is None else 1.0 / scale
         self._kept = kept, weights, scale
         for name, array in {"scale": scale, "unscale": self._unscale, "weight": weights,
                             "initial_gap": half.initial_gap, "tangent": half.tangent,
-                            "work": half.work, "last": self._last, "ahead": self._ahead, "rigid": half.rigid_compliance,
+                            "work": half.work, "last": self._last, "ahead": self._ahead,
+                            "rigid": half.rigid_compliance,
                             "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
                             "drag": half.drag}.items():
             setattr(own, name, address(array))

@@ -27,16 +27,22 @@ def address(array):
 
 
 class Law(ctypes.Structure):
+    """A traction law."""
+
     _fields_ = [("sheared", c_void_p), ("normal", c_void_p), ("parameters", c_void_p),
                 ("peak", c_double), ("repulsion", c_double)]
 
 
 class Line(ctypes.Structure):
+    """Cosine transforms of rows."""
+
     _fields_ = [("points", c_long), ("closed", c_long), ("row", c_void_p), ("half", c_void_p),
                 ("turn", c_void_p), ("to_row", c_void_p), ("to_half", c_void_p)]
 
 
 class Transform(ctypes.Structure):
+    """Transforms of fields."""
+
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
                 ("real", c_void_p), ("spectrum", c_void_p), ("line", Line * 2),
                 ("forward", c_void_p), ("backward", c_void_p), ("cost", c_double),
@@ -44,12 +50,16 @@ class Transform(ctypes.Structure):
 
 
 class Response(ctypes.Structure):
+    """A convolution."""
+
     _fields_ = [("transform", POINTER(Transform)), ("components", c_long), ("boxes", c_long),
                 ("shape", c_long * 2), ("symbol", c_void_p * MOST * MOST),
                 ("is_complex", c_long * MOST * MOST), ("product", c_void_p)]
 
 
 class Form(ctypes.Structure):
+    """The equations of a form."""
+
     _fields_ = [("components", c_long), ("nodes", c_long), ("forced_count", c_long),
                 ("forced", c_long * MOST), ("evaluations", c_long), ("products", c_long),
                 ("known", c_long), ("root", c_double), ("size", c_double),
@@ -60,17 +70,23 @@ class Form(ctypes.Structure):
 
 
 class Arc(ctypes.Structure):
+    """Arc length around a form."""
+
     _fields_ = [*((name, c_void_p) for name in ("start", "direction", "load", "target", "far",
                                                 "row_scale", "factor", "anchor", "tangent")),
                 ("length", c_double), ("rate", c_double), ("load_column", c_void_p)]
 
 
 class Circle(ctypes.Structure):
+    """A circle that a core fits on."""
+
     _fields_ = [("raw", c_long * 2), ("transform", POINTER(Transform)), ("compliance", c_void_p),
                 ("symbol", c_void_p), ("no_lag", c_double)]
 
 
 class Block(ctypes.Structure):
+    """A core block."""
+
     _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2),
                 ("circle", POINTER(Circle)),
                 *((name, c_void_p) for name in ("into", "back", "outside", "mean", "column",
@@ -81,6 +97,8 @@ Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long)
 
 
 class Zone(ctypes.Structure):
+    """A preconditioner."""
+
     _fields_ = [("form", POINTER(Form)), ("arc", POINTER(Arc)), ("threshold", c_double),
                 ("pad", c_double), ("floor", c_double), ("reach", c_long * 2),
                 ("wraps", c_long * 2), ("applications", c_long), ("set_ups", c_long),
@@ -94,12 +112,16 @@ class Zone(ctypes.Structure):
 
 
 class System(ctypes.Structure):
+    """What PETSc calls back with."""
+
     _fields_ = [("form", POINTER(Form)), ("arc", POINTER(Arc)), ("zone", POINTER(Zone)),
                 ("newton_stiffness", c_double), ("smallest", c_double * 2), ("told", c_long),
                 ("operator_text", c_char_p), ("zone_text", c_char_p)]
 
 
 class Libraries(ctypes.Structure):
+    """Functions of others that the library calls."""
+
     _fields_ = [(name, c_void_p) for name in
                 ("execute", "get_read", "put_read", "get", "put", "mat_context", "pc_context",
                  "assembly_begin", "assembly_end", "get_ksp", "iterations", "eigenvalues",

@@ -1,5 +1,5 @@
-"""The core-zone preconditioner in the library: what `solvers.core_zone.CoreZone` does, set up again at
-each tangent in the memory it has."""
+"""The core-zone preconditioner in the library: what `solvers.core_zone.CoreZone` does, set up again
+at each tangent in the memory it has."""
 
 import ctypes
 import weakref

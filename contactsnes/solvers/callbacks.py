@@ -13,6 +13,7 @@ from ..kernels.zones import CompiledZone
 from ..options.database import read
 from ..options.fields import InputError
 from .core_zone import CoreOptions
+from .operators import about
 
 MULTIPLY, MULTIPLY_TRANSPOSED, VIEW = 3, 5, 61
 """PETSc's MATOP_MULT, MATOP_MULT_TRANSPOSE and MATOP_VIEW."""
@@ -25,8 +26,8 @@ CALLED = {"get_read": "VecGetArrayRead", "put_read": "VecRestoreArrayRead", "get
           "print": "PetscViewerASCIIPrintf"}
 """Member of the library's structure -> PETSc's function."""
 
-NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or -pc_type "
-               "none with it")
+NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or "
+               "-pc_type none with it")
 
 
 @lru_cache(maxsize=1)
@@ -104,14 +105,13 @@ class CompiledRitz:
 
 def _about_operator(form):
     """What -snes_view prints of the operator."""
-    return (f"  contact Jacobian, {form.name} form, compiled: {form.components} component(s) on "
-            f"{form.nodes} nodes, {form.size - form.count} scalar unknown(s)\n")
+    return f"{about(form)}, compiled\n"
 
 
 def _about_zone(options):
     """What -snes_view prints of the preconditioner."""
-    return (f"    CoreZone, compiled: threshold {options.threshold:g}, width {options.width:g} / "
-            f"lambda_n, pad {options.pad:g}\n")
+    return (f"    CoreZone: threshold {options.threshold:g}, width {options.width:g} / "
+            f"lambda_n, pad {options.pad:g}, compiled\n")
 
 
 def equip(snes, form):
@@ -145,12 +145,15 @@ def of(thing):
     return thing.getAttr("callbacks") if thing else None
 
 
-def check_options(snes):
-    """InputError where a SNES, after its options, leaves the library's preconditioner no Jacobian; a
-    Python preconditioner without a type of its own is the form's.
+def set_from_options(snes):
+    """Have a SNES read its options; InputError where these leave the library's preconditioner no
+    Jacobian.
 
-    ``-pc_type python`` alone was given before there was a library.
+    ``-pc_type python`` without a type is the form's own preconditioner in Python.
     """
+    snes.setFromOptions()
+    if not of(snes):
+        return
     pc = snes.getKSP().getPC()
     database = PETSc.Options(snes.getOptionsPrefix() or "")
     if pc.getType() == "python" and pc.getPythonContext() is None:

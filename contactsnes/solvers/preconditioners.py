@@ -151,4 +151,4 @@ class ZonePC:
         viewer.printfASCII(
             f"    {type(self.zone).__name__ if self.zone else 'zones, not set up yet'}: "
             f"threshold {options.threshold:g}, width {options.width:g} / lambda_n, "
-            f"pad {options.pad:g}\n")
+            f"pad {options.pad:g}, NumPy\n")

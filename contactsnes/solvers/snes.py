@@ -178,9 +178,7 @@ def create_snes(form, prefix="", tolerance=None):
         if method.forcing and not database.hasName("ksp_rtol"):
             snes.setUseEW(True)
             snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
-        snes.setFromOptions()
-    if callbacks.of(snes):
-        callbacks.check_options(snes)
+        callbacks.set_from_options(snes)
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and snes.getKSP().getPCSide() == PETSc.PC.Side.RIGHT:

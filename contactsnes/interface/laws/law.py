@@ -14,7 +14,6 @@ import numpy as np
 from ..declared import Declared
 from ..formula import Formula, Tractions
 
-
 MADE = ("formula", "_evaluated", "evaluate", "normal")
 """Attributes that are made of all others: a formula, its programs, and compiled ones in their
 place."""
