@@ -181,7 +181,7 @@ def info(arguments):
                 "Load path": summary.about_path(settings, legs),
                 "Unknowns": summary.about_unknowns(settings, branch),
                 "Left out": summary.skipped(settings, branch),
-                "Method": summary.about_method(settings),
+                "Method": [*summary.about_method(settings), summary.about_kernels(branch.contact)],
                 "Without effect": [f"-{name}: {why}"
                                    for name, why in scenes.ineffective(scene, load, database(),
                                                                        settings.form,

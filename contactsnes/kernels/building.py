@@ -8,6 +8,7 @@ import platform
 import shlex
 import shutil
 import subprocess
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -92,4 +93,5 @@ def _build(command, text, file):
         raise Unavailable(f"{file} cannot be made ({error}); another folder: -contact_cache"
                           ) from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink()
