@@ -2,7 +2,8 @@
 largest."""
 
 import numpy as np
-from scipy.optimize import brentq
+
+from .roots import bracketed_root
 
 
 def first_largest(values):
@@ -30,8 +31,9 @@ def crossings(values, level):
         # sign.
         rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
         twist = (fall - rise) / 3
-        places[k] = i + brentq(lambda t: (1 - t) * left + t * right
-                               + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0, xtol=1e-14)
+        places[k] = i + bracketed_root(lambda t: (1 - t) * left + t * right
+                                       + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
+                                       xtol=1e-14)
     return places, np.where(above[first + 1], 1, -1)
 
 

@@ -5,8 +5,8 @@ Quick points wait in the journal beside the file (`journal`) until many are writ
 read with the file, and goes when the file has what is in it.
 """
 
+import os
 import time
-import uuid
 
 import numpy as np
 
@@ -79,7 +79,7 @@ class Archive:
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
-        self._journal = Journal(beside(self.path), uuid.uuid4().hex)
+        self._journal = Journal(beside(self.path), os.urandom(16).hex())
         self._store = Store(self.path, self._layout, self._write_frame)
         self._waiting = []  # points that are in the journal, but not in the file
         self._settled = time.monotonic()
