@@ -9,7 +9,6 @@ from contactsnes.grid.roots import bracketed_root
 
 FUNCTIONS = {"line": (lambda x: 3.0 * x - 1.0, 0.0, 1.0), "cubic": (lambda x: x ** 3 - 2.0, 0, 2),
              "cosine": (lambda x: math.cos(x) - x, 0.0, 1.5),
-             "flat": (lambda x: (x - 0.3) ** 3, -1.0, 1.0),
              "exponential": (lambda x: math.exp(20.0 * x) - 5.0, -1.0, 1.0),
              "jump": (lambda x: -1.0 if x < 0.7 else 2.0, 0.0, 1.0),
              "root at an end": (lambda x: x, 0.0, 1.0), "backwards": (lambda x: x - 0.2, 1.0, -1.0)}
