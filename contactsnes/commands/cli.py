@@ -35,6 +35,7 @@ from .run import Run
 from .session import (
     begin_petsc,
     create_branch,
+    settled,
     solver_options,
     start_comparison,
     start_petsc,
@@ -110,7 +111,10 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
-    return run(arguments, interrupts) if command == "run" else COMMANDS[command](arguments)
+    if command == "run":
+        return run(arguments, interrupts)
+    settled()
+    return COMMANDS[command](arguments)
 
 
 def _no_command(command):
@@ -135,6 +139,7 @@ def run(arguments, interrupts):
     if _asks_for_help(arguments):
         return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
+    settled()
     status = task.follow()
     return status if task.archive else status or told()
 

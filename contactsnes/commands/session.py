@@ -1,6 +1,7 @@
 """PETSc started with the arguments of a command, and what its database asks for: settings, branch,
 versions."""
 
+import gc
 import importlib
 import os
 import platform
@@ -95,6 +96,14 @@ def _refuse_several(size, rank):
         raise InputError(f"started as {size} processes, but a scene is solved "
                          "by one: start contactsnes without mpirun or srun, "
                          "or with -n 1")
+
+
+def settled():
+    """Collect garbage from now on, where that has been left out since the program began, without a
+    look at what is there."""
+    if not gc.isenabled():
+        gc.freeze()
+        gc.enable()
 
 
 def start_petsc(arguments):

@@ -152,9 +152,10 @@ class Leg:
 
 
 def lagrange_weights(nodes, target):
-    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``."""
+    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``; nan
+    where two nodes are one."""
     nodes = [float(node) for node in nodes]
-    return np.array([math.prod((target - other) / (node - other)
+    return np.array([math.prod((target - other) / (node - other or math.nan)
                                for place, other in enumerate(nodes) if place != k)
                      for k, node in enumerate(nodes)])
 
