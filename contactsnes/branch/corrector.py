@@ -55,6 +55,7 @@ class Corrector:
         self.tolerance = tolerance
         self.form = None
         self.snes = None
+        self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                      "function_evaluations", "jacobian_products"), 0)
@@ -130,6 +131,7 @@ class Corrector:
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            self.arc = None
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):

@@ -22,12 +22,7 @@ class ArcLength:
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form
-        self.start = start
-        self.direction = direction
-        self.anchor = anchor
-        self.tangent = tangent
-        self.length = length
-        self.rate = rate
+        self.aim(start, direction, anchor, tangent, length, rate)
         self.name = form.name
         self.in_displacements = form.in_displacements
         self.contact = form.contact
@@ -40,6 +35,20 @@ class ArcLength:
         self.size = form.size + 1
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
+
+    def aim(self, start, direction, anchor, tangent, length, rate=0.0):
+        """Take another length, or another direction to go; parameters as of the class.
+
+        Parameters
+        ----------
+        start, direction, anchor, tangent, length, rate : as of `ArcLength`
+        """
+        self.start = start
+        self.direction = direction
+        self.anchor = anchor
+        self.tangent = tangent
+        self.length = length
+        self.rate = rate
 
     @property
     def evaluations(self):
