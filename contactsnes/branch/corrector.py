@@ -226,8 +226,7 @@ class Corrector:
         contact = self.contact
         grid = self.contact.grid
         components = form.components
-        gap = state.displacement.copy()
-        gap[0] = states.normal_gap(contact, state)
+        gap, traction = contact.evaluated(state)
         tolerance = self.snes.getTolerances()[1]
         deepest = grid.minimum(gap[0])
         if not imbalance.norm <= tolerance:
@@ -237,7 +236,6 @@ class Corrector:
             raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
-        traction = contact.law.traction(gap)
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
         forces = factor * grid.sum(traction)
         far = state.means + contact.rigid_compliance(components) * grid.mean(traction)

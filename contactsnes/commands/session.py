@@ -147,7 +147,6 @@ def start_comparison(arguments, log):
     """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the
     stem of its files."""
     from ..compare import methods
-    from ..compare.comparison import Comparison
 
     scene, paths, words = methods.split(arguments)
     settings = start_petsc([scene, *words])
@@ -167,6 +166,8 @@ def start_comparison(arguments, log):
             read(scenes.Form)
         except InputError as error:
             raise InputError(f"method {method.name}: {error}") from None
+    from ..compare.comparison import Comparison  # PETSc has its options now
+
     return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
 
 

@@ -82,31 +82,33 @@ def detached(contact, guess, last, found, back):
     back : State, predicted by the tangent at ``found`` for where ``last`` is
     """
     compared = _compared(contact, guess, last, found)
-    nodes = _suspects(contact, *compared)
+    nodes, released = _suspects(contact, *compared)
     window = max(guess.window, found.window, key=lambda window: window.size)
     inner = contact.grid.inner
-    gap, change, returned = (field[:, nodes] for field in (*compared[:2],
-                                                           onto(found, window)
-                                                           - onto(back, window)))
-    return _released(contact, gap, change) > ABRUPT or inner(returned,
-                                                             change) < LEFT * inner(change, change)
+    change, returned = (field[:, nodes] for field in (compared[1], onto(found, window)
+                                                      - onto(back, window)))
+    return released > ABRUPT or inner(returned, change) < LEFT * inner(change, change)
 
 
 def _suspects(contact, gap, change, aside, allowed):
-    """Nodes that release more energy than smooth steps do: of those aside of their prediction, or
-    of all; None where none do.
+    """Nodes that release more energy than smooth steps do, and that over what linear springs do: of
+    those aside of their prediction, or of all; None where none do.
 
     A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies
     beyond the jump.
     """
-    near = np.minimum(gap[0], gap[0] + change[0]) < REACH
-    moved = np.abs(change).max(axis=0) * near
+    near = np.flatnonzero(np.minimum(gap[0], gap[0] + change[0]) < REACH)
+    if not len(near):
+        return None
+    gap, change, aside, allowed = (field[:, near] for field in (gap, change, aside, allowed))
+    moved, works = np.abs(change).max(axis=0), _works(contact, gap, change)
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
     most = moved > 0.5 * contact.grid.maximum(moved, initial=0.0)
-    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near, most):
-        if contact.grid.count(nodes) and _released(contact, gap[:, nodes],
-                                                   change[:, nodes]) > RELEASED:
-            return nodes
+    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), np.ones_like(most), most):
+        if nodes.any():
+            released = _released(contact, gap[:, nodes], change[:, nodes], works[:, nodes])
+            if released > RELEASED:
+                return near[nodes], released
     return None
 
 
@@ -148,27 +150,41 @@ def _through_sticking(begin, end, peak):
     return (begins > peak) & (ends > peak) & (least < peak)
 
 
-def _released(contact, gap, change):
-    """Energy that nodes release on the straight way from one equilibrium to the next, over what
-    linear springs do there.
+def _works(contact, gap, change):
+    """What each node releases on the straight way from one equilibrium to the next, and what linear
+    springs do there, array (2, nodes).
 
     The body balances the law's tractions at both ends and linearly in between; what the law does
     beyond that is of third order in the step on a smooth branch, but the energy that a jump
-    dissipates where its barrier, a softening law, is crossed. -inf where that is little, or nothing
-    softens.
+    dissipates where its barrier, a softening law, is crossed.
     """
-    first, last = contact.law.traction(gap), contact.law.traction(gap + change)
-    inner, weighted = contact.grid.inner, weights(contact, len(change))[:, None] * change
+    places = np.array([0.0, 1.0, *(place for place, _ in RULE)])
+    way = gap[:, None] + places[:, None] * change[:, None]
+    tractions = contact.law.traction(way.reshape(len(gap), -1)).reshape(way.shape)
+    weighted = weights(contact, len(change))[:, None] * change
+    first, turned = tractions[:, 0], tractions[:, 1] - tractions[:, 0]
+    beyond = sum(share * (tractions[:, k] - first - place * turned)
+                 for k, (place, share) in enumerate(RULE, start=2))
     # Where a body slides freely tractions change by rounding.
-    springs = inner(np.maximum(np.abs(last - first), TRIFLE), np.abs(weighted))
-    work = 0.0
-    softest = np.inf
-    for place, share in RULE:
-        work += share * inner(contact.law.traction(gap + place * change) - first
-                              - place * (last - first), weighted)
-    if -work <= RELEASED * springs:
+    springs = np.maximum(np.abs(turned), TRIFLE) * np.abs(weighted)
+    return np.array([-np.sum(beyond * weighted, axis=0), np.sum(springs, axis=0)])
+
+
+def _released(contact, gap, change, works):
+    """Energy that nodes release (`_works`) over what linear springs do there; -inf where that is
+    little, or nothing softens.
+
+    Parameters
+    ----------
+    contact : Contact
+    gap, change : arrays (components, nodes), ranges of the law
+    works : array (2, nodes)
+    """
+    released, springs = contact.grid.sum(works)
+    if released <= RELEASED * springs:
         return -np.inf
+    weighted, softest = weights(contact, len(change))[:, None] * change, np.inf
     for place, _ in RULE:
         softening = np.einsum("ijn,jn->in", contact.law.tangent(gap + place * change), change)
-        softest = min(softest, inner(softening, weighted))
-    return -work / springs if softest < 0.0 else -np.inf
+        softest = min(softest, contact.grid.inner(softening, weighted))
+    return released / springs if softest < 0.0 else -np.inf

@@ -158,6 +158,7 @@ class Symmetry:
         self.contact = contact
         self.log = log
         self.asked = settings.symmetry == "even"
+        self._half = None  # the last window of states made even
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
 
     def holds(self, components):
@@ -208,8 +209,9 @@ class Symmetry:
         if state is None or not self.holds(len(state.displacement)):
             return state
         window = centred(state.window)
-        half = EvenWindow(window)
-        return State(window, half.unfold(half.fold(onto(state, window))), state.means)
+        if self._half is None or self._half.full != window:
+            self._half = EvenWindow(window)
+        return State(window, self._half.unfold(self._half.fold(onto(state, window))), state.means)
 
     def form(self, components):
         """The class of displacement forms for states with so many components."""

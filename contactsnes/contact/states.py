@@ -19,10 +19,11 @@ NEAR = 15.0
 below 1e-5 of its peak."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class State:
     """Displacements on a window, array (components, nodes), and their means over the cell
-    (components)."""
+    (components). A state is equal to itself only, so that what is made of it can be kept with
+    it."""
 
     window: object
     displacement: np.ndarray

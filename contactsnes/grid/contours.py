@@ -5,6 +5,9 @@ import numpy as np
 
 from .roots import bracketed_root
 
+FEW = 16
+"""Roots up to which one after the other is faster than all at once."""
+
 
 def first_largest(values):
     """Index of the first of the values of about the largest size: of equals, rounding would
@@ -81,6 +84,10 @@ def _at_places(place):
 def _roots(*nodes):
     """Places where the cubics through four values vanish between the middle two, of unequal
     signs."""
+    if nodes[0].size <= FEW:
+        return np.array([bracketed_root(lambda place, values=values: sum(
+            weight * value for weight, value in zip(_at_places(place), values)), 0.0, 1.0,
+            xtol=1e-15) for values in zip(*(node.tolist() for node in nodes))])
     low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
     for _ in range(48):
         middle = 0.5 * (low + high)
