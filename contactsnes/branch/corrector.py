@@ -56,6 +56,7 @@ class Corrector:
         self.tolerance = tolerance
         self.form = None
         self.snes = None
+        self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                      "function_evaluations", "jacobian_products"), 0)
@@ -131,6 +132,7 @@ class Corrector:
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            self.arc = None
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
@@ -225,8 +227,7 @@ class Corrector:
         contact = self.contact
         grid = self.contact.grid
         components = form.components
-        gap = state.displacement.copy()
-        gap[0] = states.normal_gap(contact, state)
+        gap, traction = contact.evaluated(state)
         tolerance = self.snes.getTolerances()[1]
         deepest = grid.minimum(gap[0])
         if not imbalance.norm <= tolerance:
@@ -236,7 +237,6 @@ class Corrector:
             raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
-        traction = contact.law.traction(gap)
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
         forces = factor * grid.sum(traction)
         far = state.means + contact.rigid_compliance(components) * grid.mean(traction)

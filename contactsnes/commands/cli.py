@@ -6,19 +6,16 @@ exists, or what was computed or told cannot be written, 2 bad input, 128 + the s
 an interrupted command.
 """
 
-import argparse
 import dataclasses
 import errno
 import gc
 import os
 import signal
 import sys
-import traceback
 from functools import partial
 
 from .. import __version__
 from ..branch.failures import uncomputable
-from ..compare.methods import CompareOptions
 from ..contact.balance import CONVERGENCE
 from ..options.database import (
     database,
@@ -38,6 +35,7 @@ from .run import Run
 from .session import (
     begin_petsc,
     create_branch,
+    settled,
     solver_options,
     start_comparison,
     start_petsc,
@@ -95,6 +93,8 @@ def _ended(words, interrupts):
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
     except Exception:
+        import traceback
+
         traceback.print_exc()
         return 1
     finally:
@@ -111,7 +111,10 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
-    return run(arguments, interrupts) if command == "run" else COMMANDS[command](arguments)
+    if command == "run":
+        return run(arguments, interrupts)
+    settled()
+    return COMMANDS[command](arguments)
 
 
 def _no_command(command):
@@ -136,6 +139,7 @@ def run(arguments, interrupts):
     if _asks_for_help(arguments):
         return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
+    settled()
     status = task.follow()
     return status if task.archive else status or told()
 
@@ -201,6 +205,8 @@ def info(arguments):
 
 def compare(arguments):
     """``contactsnes compare``: methods on one scene, measured on equal terms."""
+    from ..compare.methods import CompareOptions
+
     if _asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
@@ -228,6 +234,8 @@ def compare(arguments):
 
 def plot(arguments):
     """``contactsnes plot``: figures of archives."""
+    import argparse
+
     parser = argparse.ArgumentParser(prog="contactsnes plot",
                                      description="Figures of archives, beside them.")
     parser.add_argument("archives", nargs="+", metavar="RUN.h5")
@@ -263,7 +271,9 @@ def _numbers(text):
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:
-        raise argparse.ArgumentTypeError(
+        from argparse import ArgumentTypeError
+
+        raise ArgumentTypeError(
             f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
 
 

@@ -26,12 +26,7 @@ class ArcLength:
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form
-        self.start = start
-        self.direction = direction
-        self.anchor = anchor
-        self.tangent = tangent
-        self.length = length
-        self.rate = rate
+        self.aim(start, direction, anchor, tangent, length, rate)
         self.name = form.name
         self.in_displacements = form.in_displacements
         self.contact = form.contact
@@ -49,6 +44,22 @@ class ArcLength:
     def kernel(self):
         """The same rows on the same memory in the library, or None."""
         return CompiledArc(self) if getattr(self.form, "kernel", None) else None
+
+    def aim(self, start, direction, anchor, tangent, length, rate=0.0):
+        """Take another length, or another direction to go; parameters as of the class.
+
+        Parameters
+        ----------
+        start, direction, anchor, tangent, length, rate : as of `ArcLength`
+        """
+        self.start = start
+        self.direction = direction
+        self.anchor = anchor
+        self.tangent = tangent
+        self.length = length
+        self.rate = rate
+        if vars(self).get("kernel"):
+            self.kernel.aim(self)
 
     @property
     def evaluations(self):

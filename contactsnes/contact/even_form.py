@@ -181,6 +181,7 @@ class Symmetry:
         self.contact = contact
         self.log = log
         self.asked = settings.symmetry == "even"
+        self._half = None  # the last window of states made even
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
 
     def holds(self, components):
@@ -231,8 +232,20 @@ class Symmetry:
         if state is None or not self.holds(len(state.displacement)):
             return state
         window = centred(state.window)
-        half = EvenWindow(window)
+        half = self._folded(window)
         return State(window, half.unfold(half.fold(onto(state, window))), state.means)
+
+    def half_of(self, window, components):
+        """The EvenWindow of a window on which states with so many components are taken for even;
+        None of another."""
+        return (self._folded(window) if self.holds(components) and centred(window) == window
+                else None)
+
+    def _folded(self, window):
+        """The EvenWindow of a centred window; the last one is kept."""
+        if self._half is None or self._half.full != window:
+            self._half = EvenWindow(window)
+        return self._half
 
     def form(self, components):
         """The class of displacement forms for states with so many components."""

@@ -94,6 +94,10 @@ class DisplacementForm:
         """Number of products with the Jacobian so far."""
         return self._products + (self.kernel.structure.products if self.kernel else 0)
 
+    def count_evaluation(self):
+        """Count a residual that is made of the form's parts."""
+        self._evaluations += 1
+
     def count_product(self):
         """Count a product that is made of the form's parts."""
         self._products += 1

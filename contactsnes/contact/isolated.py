@@ -12,16 +12,14 @@ from functools import cached_property
 
 import numpy as np
 from scipy.fft import next_fast_len
-from scipy.optimize import brentq
 
 from ..continuation.points import NotConverged
 from ..grid.cell import Operator
 from ..grid.counter import Counter
+from ..grid.roots import bracketed_root
 from ..grid.windows import Window
 from ..interface import laws, shapes
-from ..interface.unbounded import free_space
 from ..options.fields import InputError
-from ..reference import jkr_line_half_width, jkr_sphere_radius
 from .problem import Contact
 
 ROOM = {1: 10.0, 2: 5.2}
@@ -41,6 +39,9 @@ def half_width(scene, force):
     r/a, is (a^2/2) (s sqrt(s^2 - 1) - arcosh s) on a line and (a^2/pi) (sqrt(s^2 - 1) + (s^2 - 2)
     arccos(1/s)) in the plane. Of curvature c: lengths are beta c^(-2/3), gaps u_n,r c^(-1/3).
     """
+    # most runs are of cells, and do without
+    from ..reference import jkr_line_half_width, jkr_sphere_radius
+
     curvature = shapes.of(scene).parabola[scene.dimension]
     force = force * curvature ** (1 / 3 if scene.dimension == 1 else 1)
     if scene.dimension == 1:
@@ -52,7 +53,7 @@ def half_width(scene, force):
                                                  + (s * s - 2) * math.acos(1 / s))
     wanted = laws.of(scene).range / scene.normal_maugis * curvature ** (1 / 3)
     farthest = 10.0 + 10.0 * math.sqrt(wanted) / radius
-    reach = radius * brentq(lambda s: gap(s) - wanted, 1.0, farthest)
+    reach = radius * bracketed_root(lambda s: gap(s) - wanted, 1.0, farthest)
     return curvature ** (-2 / 3) * reach
 
 
@@ -115,6 +116,8 @@ class IsolatedContact(Contact):
                              "a cell, which an isolated contact (-scene_period "
                              "inf) has not; allowed are displacement and none")
         if (components, kind) not in self._operators:
+            from ..interface.unbounded import free_space  # needed here only, and slow to import
+
             symbols = free_space(self.body, self.grid, components)
             for i in range(components):
                 self._rigid[i], symbols[i, i].flat[0] = symbols[i, i].flat[0], 0.0

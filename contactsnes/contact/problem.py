@@ -74,6 +74,7 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
+        self.evaluated = lru_cache(maxsize=2)(self._evaluated)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
@@ -200,6 +201,16 @@ class Contact:
         """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t
         U."""
         return self.signs(components) * self.ranges[:components] * values
+
+    def _evaluated(self, state):
+        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
+        changed: the last states are asked for by whatever tells of a point."""
+        gap = state.displacement.copy()
+        gap[0] += state.window.take(self.initial_gap)
+        traction = self.law.traction(gap)
+        for array in (gap, traction):
+            array.flags.writeable = False
+        return gap, traction
 
     def extended(self, state):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one

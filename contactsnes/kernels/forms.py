@@ -139,16 +139,23 @@ class CompiledArc:
         self._factor = np.zeros(2 * MOST)
         self._factor[:count] = half.factor
         self._factor[MOST:MOST + count] = contact.far_displacement(count, np.ones(count))
-        self.kernel = arc.form.kernel
-        own = self.structure = structures.Arc(length=arc.length, rate=arc.rate)
-        given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
-                 for name in ("start", "direction", "anchor", "tangent")}
-        shared_ones = {"load": half.load, "target": half.row_target, "far": half.far,
-                       "row_scale": half.row_scale, "load_column": arc.load_column}
-        self._kept = {"factor": self._factor, **given, **shared_ones}
-        for name, array in self._kept.items():
+        self.kernel, self.structure = arc.form.kernel, structures.Arc()
+        self._shared = {"factor": self._factor, "load": half.load, "target": half.row_target,
+                        "far": half.far, "row_scale": half.row_scale,
+                        "load_column": arc.load_column}
+        for name, array in self._shared.items():
+            setattr(self.structure, name, address(array))
+        self.aim(arc)
+        self.reference = ctypes.addressof(self.structure)
+
+    def aim(self, arc):
+        """Take where an arc leads, and how far."""
+        own = self.structure
+        own.length, own.rate = arc.length, arc.rate
+        self._given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
+                       for name in ("start", "direction", "anchor", "tangent")}
+        for name, array in self._given.items():
             setattr(own, name, address(array))
-        self.reference = ctypes.addressof(own)
 
     def residual(self, unknown, out):
         """F of the form and of the arc length."""

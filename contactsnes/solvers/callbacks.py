@@ -114,9 +114,9 @@ def _about_zone(options):
             f"lambda_n, pad {options.pad:g}, compiled\n")
 
 
-def equip(snes, form):
-    """Give a SNES a form's function, Jacobian and preconditioner in the library."""
-    pc = snes.getKSP().getPC()
+def operator(ksp, form):
+    """The matrix of a form's Jacobian in the library, whose preconditioner a KSP is given."""
+    pc = ksp.getPC()
     own = Callbacks(form, read(CoreOptions, pc.getOptionsPrefix() or ""))
     matrix = PETSc.Mat().create(PETSc.COMM_SELF)
     matrix.setSizes([form.size, form.size])
@@ -126,18 +126,25 @@ def equip(snes, form):
                             (VIEW, "mat_view")):
         _call("MatShellSetOperation", matrix.handle, ctypes.c_int(operation), _function(name))
     matrix.setUp()
-    residual = PETSc.Vec().createSeq(form.size)
-    _call("SNESSetFunction", snes.handle, residual.handle, _function("snes_function"), own.address)
-    _call("SNESSetJacobian", snes.handle, matrix.handle, matrix.handle,
-          _function("snes_jacobian"), own.address)
     pc.setType("shell")
     _call("PCShellSetContext", pc.handle, own.address)
     for name, function in (("SetUp", "pc_set_up"), ("Apply", "pc_apply"), ("View", "pc_view")):
         _call(f"PCShellSet{name}", pc.handle, _function(function))
-    # it has to live as long as either of them
-    for thing in (snes, matrix, pc):
+    # it has to live as long as any of them
+    for thing in (ksp, matrix, pc):
         thing.setAttr("callbacks", own)
-    return own
+    return matrix
+
+
+def equip(snes, form):
+    """Give a SNES a form's function, Jacobian and preconditioner in the library."""
+    matrix = operator(snes.getKSP(), form)
+    own = of(matrix)
+    snes.setAttr("callbacks", own)
+    residual = PETSc.Vec().createSeq(form.size)
+    _call("SNESSetFunction", snes.handle, residual.handle, _function("snes_function"), own.address)
+    _call("SNESSetJacobian", snes.handle, matrix.handle, matrix.handle,
+          _function("snes_jacobian"), own.address)
 
 
 def of(thing):
@@ -146,15 +153,15 @@ def of(thing):
 
 
 def set_from_options(snes):
-    """Have a SNES read its options; InputError where these leave the library's preconditioner no
-    Jacobian.
+    """Have a SNES or a KSP read its options; InputError where these leave the library's
+    preconditioner no Jacobian.
 
     ``-pc_type python`` without a type is the form's own preconditioner in Python.
     """
     snes.setFromOptions()
     if not of(snes):
         return
-    pc = snes.getKSP().getPC()
+    pc = (snes.getKSP() if isinstance(snes, PETSc.SNES) else snes).getPC()
     database = PETSc.Options(snes.getOptionsPrefix() or "")
     if pc.getType() == "python" and pc.getPythonContext() is None:
         pc.setPythonType("contactsnes.solvers.preconditioners.ZonePC")

@@ -4,7 +4,6 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ...options.fields import option
 from .law import Law
@@ -32,6 +31,8 @@ class Dugdale(Modified):
     def end(self):
         """c: the gap at which half of the attraction is left, of which the work of adhesion is
         1."""
+        from scipy.optimize import brentq  # needed for this law only, and slow to import
+
         width = self.dugdale_width
         return brentq(lambda c: width * ((1.0 + math.exp(-c / width))
                                          * math.log1p(math.exp(c / width)) - 1.0) - 1.0, 0.0, 5.0,
