@@ -1,5 +1,6 @@
 """Programs: graphs of formulas as lists of NumPy's operations on memory that is kept."""
 
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -24,9 +25,32 @@ class Fault(NamedTuple):
     values: tuple
 
 
+class _Memory(threading.local):
+    """Memory that all programs of a thread compute in: one runs at a time."""
+
+    def __init__(self):
+        self.bytes = np.zeros(0, dtype=np.uint8)
+
+    def of(self, count):
+        """So many bytes at least."""
+        if len(self.bytes) < count:
+            self.bytes = np.zeros(count, dtype=np.uint8)
+        return self.bytes
+
+
+class _Sizes(threading.local):
+    """What a program has prepared in a thread: size -> (memory, steps, inputs, results)."""
+
+    def __init__(self):
+        self.known = {}
+
+
+_MEMORY = _Memory()
+
+
 class Program:
-    """Values of some nodes of a graph, for arrays of inputs. Once a size has been met, or a larger
-    one, it takes no memory; what it returns holds until it runs again.
+    """Values of some nodes of a graph, for arrays of inputs. Where a size has been met it takes no
+    memory; what it returns holds until a program runs again in the thread.
 
     Parameters
     ----------
@@ -41,15 +65,15 @@ class Program:
                       if node.operation not in ("input", "number")]
         self._quiet = all(node.operation in QUIET or _is_safe(node) for node in self.nodes)
         self._plan()
-        self._sizes, self._memory = {}, []
+        self._sizes = _Sizes()
 
     def run(self, *inputs):
         """Values of the roots, arrays like the inputs (nodes); they are overwritten by the next
-        run."""
+        run of a program."""
         count = len(inputs[0])
-        steps, taken, results = self._bound(count)
+        _, steps, taken, results = self._bound(count)
         for own, given in zip(taken, inputs):
-            own[:count] = given
+            own[:count], own[count:] = given, 0.0
         if self._quiet:
             for function, arguments in steps:
                 function(*arguments)
@@ -63,8 +87,7 @@ class Program:
         """Which of the buffers each node is in: that of an argument, where this is not needed any
         more."""
         last = {argument.index: node.index for node in self.nodes for argument in node.arguments}
-        # Inputs stay: behind the last node stands what once was one, of which nothing overflows.
-        last.update({node.index: np.inf for node in (*self.inputs, *self.roots)})
+        last.update({node.index: np.inf for node in self.roots})
         self._kinds = [float] * len(self.inputs)
         self._place = {node.index: place for place, node in enumerate(self.inputs)}
         free = {float: [], bool: []}
@@ -100,15 +123,23 @@ class Program:
         there are few sizes."""
         step = 1 << max(4, count.bit_length() - 4)
         size = -(-count // step) * step
-        if size not in self._sizes:
-            if not self._memory or len(self._memory[0]) < size:
-                self._sizes.clear()
-                self._memory = [np.zeros(size, kind) for kind in self._kinds]
-            self._sizes[size] = self._steps([memory[:size] for memory in self._memory])
-        return self._sizes[size]
+        known = self._sizes.known
+        if size not in known or known[size][0] is not _MEMORY.bytes:
+            known[size] = self._prepared(size)
+        return known[size]
+
+    def _prepared(self, size):
+        """(memory, steps as functions and arguments, inputs, results) for so many nodes."""
+        # Buffers follow each other, a line of the cache apart.
+        lengths = [size * np.dtype(kind).itemsize + 64 & ~63 for kind in self._kinds]
+        memory = _MEMORY.of(sum(lengths))
+        ends = np.cumsum([0, *lengths])
+        buffers = [memory[start:start + size * np.dtype(kind).itemsize].view(kind)
+                   for start, kind in zip(ends, self._kinds)]
+        return memory, *self._steps(buffers)
 
     def _steps(self, memory):
-        """(steps as functions and arguments, inputs, results) on memory."""
+        """Steps as functions and arguments, inputs and results in buffers."""
         def held(node):
             return (np.array(node.value) if node.operation == "number"
                     else memory[self._place[node.index]])

@@ -597,7 +597,8 @@ def held_arrays(root, depth=8):
 @pytest.mark.parametrize("count, most", [(1, 8.0), (3, 13.0)])
 def test_memory_of_form_and_preconditioner(count, most):
     """Vectors of components x nodes held beside the SNES: unknown, gap, traction, tangent, spectra,
-    symbols, core zones."""
+    symbols, core zones; not what laws compute in, which is of a few thousand nodes on every
+    grid."""
     contact = Contact(Scene(**PLANAR))
     form = DisplacementForm(contact, contact.grid.whole, (DISPLACEMENT,) * count)
     form.set_load(np.full(count, 0.5))
@@ -606,7 +607,7 @@ def test_memory_of_form_and_preconditioner(count, most):
     form.linearise(unknown)
     zone = CoreZone(form)
     held = {name: array.nbytes / unknown.nbytes
-            for name, array in held_arrays([form, zone]).items()}
+            for name, array in held_arrays([form, zone]).items() if "._programs." not in name}
     assert sum(held.values()) < most, held
 
 

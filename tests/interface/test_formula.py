@@ -192,3 +192,14 @@ def test_what_is_wrong_with_tractions_is_told(tractions, words):
     with pytest.raises(InputError, match=words) as error:
         own_laws.check(law_of(tractions), "Mine")
     assert "Mine" in str(error.value)
+
+
+def test_laws_may_be_used_in_threads():
+    from concurrent.futures import ThreadPoolExecutor
+
+    law, fields = Modified(0.3, 0.2), [gaps(2, count=3000) * (1.0 - 0.1 * i) for i in range(4)]
+    expected = [law.tangent(gap) for gap in fields]
+    with ThreadPoolExecutor(4) as pool:
+        for gap, meant in zip(fields * 20, pool.map(law.tangent, fields * 20)):
+            np.testing.assert_array_equal(meant, next(
+                value for value, one in zip(expected, fields) if one is gap))
