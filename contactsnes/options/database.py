@@ -186,18 +186,25 @@ def read(cls, prefix=""):
     cls.prepare(database)
     given = [options.hasName(field.name) for field in dataclasses.fields(cls)]
     # Solvers ask often, and for little: the whole database takes milliseconds.
-    return _instance(cls, database(), prefix) if any(given) else cls()
+    return instance(cls, database(), prefix) if any(given) else cls()
 
 
-def _instance(cls, entries, prefix=""):
-    """An instance of a dataclass of options from entries of the database; nothing counts as
-    used."""
+def instance(cls, entries, prefix=""):
+    """An instance of a dataclass of options from entries, name (without dash) -> text, as of the
+    database; nothing counts as used.
+
+    Parameters
+    ----------
+    cls : a subclass of `fields.Options`
+    entries : mapping
+    prefix : str, put before the class's own prefix
+    """
     values = {}
     for field in dataclasses.fields(cls):
-        text = entries.get((prefix + cls.prefix + field.name).lower())
+        name = prefix + cls.option_name(field.name)[1:]
+        text = entries.get(name.lower())
         if text == "" and field.metadata["kind"] != "flag":
-            raise InputError(f"-{prefix}{cls.prefix}{field.name} has no value: allowed "
-                             f"is {allowed(field.metadata)}")
+            raise InputError(f"-{name} has no value: allowed is {allowed(field.metadata)}")
         if text is not None:
             values[field.name] = _parsed(text, field.metadata)
     try:
@@ -272,7 +279,7 @@ def check_values(classes):
     entries, own = database(), tuple(cls.prefix for cls in classes)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
-            _instance(cls, entries, head)
+            instance(cls, entries, head)
 
 
 def unused_options(classes=()):

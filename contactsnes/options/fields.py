@@ -227,5 +227,6 @@ class Options:
 
     @classmethod
     def option_name(cls, field):
-        """The option of a field as it is typed, for instance -scene_poisson."""
-        return f"-{cls.prefix}{field}"
+        """The option of a field as it is typed, for instance -scene_poisson; what Python keeps for
+        itself (with) has an underscore there."""
+        return f"-{cls.prefix}{field.rstrip('_')}"
