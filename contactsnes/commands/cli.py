@@ -6,9 +6,7 @@ exists, or what was computed or told cannot be written, 2 bad input, 128 + the s
 an interrupted command.
 """
 
-import argparse
 import dataclasses
-import errno
 import gc
 import os
 import signal
@@ -29,6 +27,7 @@ from ..options.database import (
 )
 from ..options.fields import InputError, nearest
 from ..options.help import help_text
+from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS
@@ -43,6 +42,7 @@ from .session import (
     start_petsc,
     versions,
 )
+from .showing import plot
 from .speech import complain, told
 
 HELP = """\
@@ -133,7 +133,7 @@ def _no_command(command):
 
 def run(arguments, interrupts):
     """``contactsnes run``: follow the load path, show and keep its points."""
-    if _asks_for_help(arguments):
+    if asks_for_help(arguments):
         return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
     status = task.follow()
@@ -149,13 +149,9 @@ def _words(arguments):
         return []
 
 
-def _asks_for_help(arguments):
-    return any(argument in ("-h", "-help", "--help") for argument in arguments)
-
-
 def _help_on_options(arguments, more=()):
     begin_petsc([])
-    words = _words([argument for argument in arguments if not _asks_for_help([argument])])
+    words = _words([argument for argument in arguments if not asks_for_help([argument])])
     named = {name[1:].lower(): value for name, value in zip(words, words[1:])}
     scenes.Scene.prepare(lambda: named)
     return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
@@ -167,7 +163,7 @@ def _help_on_options(arguments, more=()):
 
 def info(arguments):
     """``contactsnes info``: what would be solved."""
-    if _asks_for_help(arguments):
+    if asks_for_help(arguments):
         return _help_on_options(arguments)
     settings = start_petsc(arguments)
     scene, load = settings.scene, settings.load
@@ -201,7 +197,7 @@ def info(arguments):
 
 def compare(arguments):
     """``contactsnes compare``: methods on one scene, measured on equal terms."""
-    if _asks_for_help(arguments):
+    if asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
     # files are written: no backend has a say, and an unknown one would end the import
@@ -221,50 +217,6 @@ def compare(arguments):
                                                  f"{stem}.png")] if comparison.watched else []
     print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
-
-
-# plot
-
-
-def plot(arguments):
-    """``contactsnes plot``: figures of archives."""
-    parser = argparse.ArgumentParser(prog="contactsnes plot",
-                                     description="Figures of archives, beside them.")
-    parser.add_argument("archives", nargs="+", metavar="RUN.h5")
-    parser.add_argument("--pdf", action="store_true", help="each figure as PDF, too")
-    parser.add_argument("--output", metavar="FOLDER", help="folder of the figures")
-    parser.add_argument("--points", metavar="0,5,-1", type=_numbers,
-                        help="points of profiles and maps, from 0 or from the end")
-    if "--points" in arguments[:-1]:
-        # A list that begins with a negative number would be taken for an option.
-        place = arguments.index("--points")
-        arguments = [*arguments[:place], f"--points={arguments[place + 1]}", *arguments[place + 2:]]
-    try:
-        asked = parser.parse_args(arguments)
-    except SystemExit as stop:
-        return stop.code
-    os.environ.pop("MPLBACKEND", None)  # as in a comparison
-    from ..output.figures import plot as figures
-
-    for path in asked.archives:
-        try:
-            drawn = figures.plot(path, asked.output, asked.pdf, asked.points)
-        except OSError as error:
-            kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG,
-                                                 errno.EIO) else InputError
-            raise kind(f"the figures of {path} cannot be written: {error}") from None
-        print(*drawn.files, *(f"no figure {name} of {path}: {why}"
-                              for name, why in drawn.skipped.items()), sep="\n")
-    return 0
-
-
-def _numbers(text):
-    """Whole numbers with commas."""
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
 
 
 COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare}

@@ -22,8 +22,8 @@ prediction."""
 FIRST = 1.0
 """Way of a first step, ranges of the law, from which on the tangent at its end has to lead back."""
 FURTHEST = 1.5
-"""Way of a first step by its tangent, ranges of the law, beyond which it is shortened at once: solves
-that begin farther off mostly end on another branch."""
+"""Way of a first step by its tangent, ranges of the law, beyond which it is shortened at once:
+solves that begin farther off mostly end on another branch."""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that
 they stay in place."""
