@@ -150,8 +150,8 @@ class Units(Options):
             name = names(self.dimension).get((component, control), "approach")
             size, unit = self.scale(quantities(self.dimension)[name].unit if name != "approach"
                                     else "u_n,r")
-            told.append(f"{name} {value * size:.6g}" + ("" if self.units == "dimensionless"
-                                                        else f" {unit}"))
+            told.append(f"{name} " + (f"{value:.6g}" if self.units == "dimensionless"
+                                      else prefixed(value * size, unit, 6)))
         return ", ".join(told)
 
 
@@ -223,7 +223,7 @@ def prefix(largest, unit):
     return size, sign + name
 
 
-def prefixed(value, unit):
-    """A value in SI as text, with four digits and a prefix."""
+def prefixed(value, unit, digits=4):
+    """A value in SI as text, with its digits and a prefix."""
     size, name = prefix(abs(value), unit)
-    return f"{value / size:.4g} {name}"
+    return f"{value / size:.{digits}g} {name}"

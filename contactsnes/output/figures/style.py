@@ -40,7 +40,9 @@ def settings(style=""):
     if not style:
         return STYLE
     if style in matplotlib.style.library:
-        return {**STYLE, **matplotlib.style.library[style]}
+        # made for large figures: their sizes of letters do not fit into a column
+        sizes = {name: value for name, value in STYLE.items() if name.endswith("size")}
+        return {**STYLE, **matplotlib.style.library[style], **sizes}
     try:
         return {**STYLE, **matplotlib.rc_params_from_file(style, use_default_template=False)}
     except (OSError, UnicodeError):
