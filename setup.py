@@ -6,5 +6,5 @@ from setuptools import find_packages, setup
 setup(
     packages=[*find_packages(include=["contactsnes*"]), "contactsnes.scenes"],
     package_dir={"contactsnes.scenes": "options"},
-    package_data={"contactsnes.scenes": ["*.opts", "*.py"]},
+    package_data={"contactsnes.scenes": ["*.opts", "*.py", "*.txt"]},
 )

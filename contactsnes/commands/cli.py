@@ -183,7 +183,7 @@ def info(arguments):
                                                                        settings.form,
                                                                        settings.output,
                                                                        settings.estimates)],
-                "All options": summary.all_options([*settings, *map(read, solver_options())])}
+                "Options": summary.options_in_use([*settings, *map(read, solver_options())])}
     for title, lines in sections.items():
         if lines:
             print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")

@@ -209,7 +209,7 @@ def test_options_without_effect_and_without_use(tmp_path):
     done = call("run", *STILL, "-scene_amplitude", "3", "-ksp_gmres_rstart", "9", folder=tmp_path)
     assert done.returncode == 0
     assert done.stdout.count("-scene_amplitude has no effect: the geometry is cylinder") == 1
-    assert ("warning: -ksp_gmres_rstart was never used" in done.stderr
+    assert ("warning: -ksp_gmres_rstart is not used" in done.stderr and "never" not in done.stderr
             and "-scene_amplitude" not in done.stderr)
 
 
@@ -371,9 +371,9 @@ def test_help_shows_every_option(tmp_path):
 
 def test_info_shows_what_would_be_solved(tmp_path):
     done = call("info", *SHEARED, "-scene_points", "128", "-scene_amplitude", "2", folder=tmp_path)
-    words = [word.strip(":") for word in done.stdout.split()]
-    assert done.returncode == 0 and not [name for name in option_names() if name not in words]
-    for text in ("leg 1: normal_force goes to 2 w_n,r",
+    assert done.returncode == 0 and len(done.stdout.splitlines()) < 50
+    for text in ("-scene_amplitude 2\n", "-scene_points 128\n", "others have their defaults",
+                 "leg 1: normal_force goes to 2 w_n,r",
                  "leg 2: tangential_displacement goes to 90 u_t,r", "MB", "leg 2: 2 x",
                  "before leg 2", "-scene_amplitude: the geometry is cylinder", "SNES newtonls"):
         assert text in done.stdout

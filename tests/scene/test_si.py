@@ -350,7 +350,7 @@ def test_info_tells_groups_and_scales(tmp_path):
                  f"p_n,r {PHI_N / DELTA_N / 1e3:.4g} kPa", "normal_force goes to 6 N/m",
                  "tangential_displacement goes to 2e-06 m", "-scene_period 0.003\n"):
         assert text in done.stdout, text
-    options = done.stdout[done.stdout.index("All options"):].splitlines()[1:]
+    options = done.stdout[done.stdout.index("\nOptions\n"):].splitlines()[2:]
     assert not [line for line in options if "maugis" in line or "work_ratio" in line]
     (tmp_path / "all.opts").write_text("\n".join(options))
     again = call("info", "all.opts", folder=tmp_path)
