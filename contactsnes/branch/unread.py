@@ -2,11 +2,8 @@
 
 import re
 
-from petsc4py import PETSc
-
 from ..contact import states
 from ..options.database import database, unused_options
-from ..options.fields import InputError
 
 PLAIN = re.compile(r"(snes|ksp)_(?!.*(view|reason|test|linesearch|compute|error|diagonal|final))")
 """Options of the outer solver that it asks for when it is made; others are asked for in a solve, or
@@ -29,8 +26,8 @@ def unread_options(branch, classes=()):
     try:
         state = states.undeformed(branch.contact, (initial.control,), [initial.value])
         corrector.form_on(corrector.fitted(state), (initial.control,))
-    except (PETSc.Error, InputError, ArithmeticError, RuntimeError, ValueError):
-        return []  # the solve will say what is wrong
+    except Exception:
+        return []  # whatever it is, perhaps of a user's own class: the solve will say it
     own = tuple(cls.prefix for cls in classes)
     return [name for name in unused_options(classes)
             if PLAIN.match(name[1:]) and not name[1:].startswith(own)]

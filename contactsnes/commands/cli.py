@@ -42,7 +42,7 @@ from .session import (
     start_petsc,
     versions,
 )
-from .showing import plot
+from .showing import export, plot, table
 from .speech import complain, told
 
 HELP = """\
@@ -219,4 +219,5 @@ def compare(arguments):
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
 
-COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare}
+COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare, "table": table,
+            "export": export}

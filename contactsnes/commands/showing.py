@@ -6,9 +6,10 @@ import os
 from ..options.fields import InputError
 from ..options.help import entries_of
 from ..options.words import asks_for_help, read_words
-from ..output.asked import PlotOptions
+from ..output import tabular
+from ..output.asked import ExportOptions, PlotOptions, TableOptions
 from ..output.files import WriteError
-from .speech import told
+from .speech import complain, told
 
 PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
         "points": ("plot_points", None)}
@@ -69,3 +70,40 @@ def plot(arguments):
 
     writing(", ".join(paths), make)
     return told()
+
+
+def table(arguments):
+    """``contactsnes table``: numbers of archives."""
+    text = usage("table RUN.h5 ... [-option value] ...",
+                 "Numbers of archives as one table, a row a point or a run.", TableOptions)
+    paths, asked = asked_for(arguments, TableOptions, text)
+    if paths is None:
+        return asked
+    found = tabular.tabulate(paths, asked)
+    for note in found.notes:
+        complain("warning", note)
+    written = writing(", ".join(paths), lambda: tabular.write_table(paths, found, asked))
+    return told(written or tabular.as_csv(found, asked.units).rstrip("\n"))
+
+
+def export(arguments):
+    """``contactsnes export``: fields of an archive for ParaView."""
+    text = usage("export RUN.h5 ... [-option value] ...",
+                 "Fields of archives in files of VTK (VTKHDF), which ParaView opens.",
+                 ExportOptions)
+    paths, asked = asked_for(arguments, ExportOptions, text)
+    if paths is None:
+        return asked
+    _one_output(paths, asked)
+    from ..output.vtk import write_vtk
+
+    for path in paths:
+        told(writing(path, lambda: write_vtk(path, asked)))
+    return told()
+
+
+def _one_output(paths, asked):
+    """InputError where several archives would be shown in one file."""
+    if len(paths) > 1 and asked.output:
+        raise InputError(f"-output is '{asked.output}', but {len(paths)} archives are named: leave "
+                         "it out, or show them one by one")

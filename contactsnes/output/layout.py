@@ -139,6 +139,20 @@ class Layout:
             group.create_dataset(name, data=np.full((rows, *self.shape), np.nan), fillvalue=np.nan,
                                  **layout)
             group[name].attrs["unit"] = self.units[name]
+            self._name_axes(group[name], name)
+
+    def _name_axes(self, dataset, name):
+        """Names of the components of a field, their units and the axes, as attributes; the axes as
+        HDF5's labels, too."""
+        ends = {1: [""], 2: ["_x", "_y"]}[len(self.coordinates)]
+        names = ["normal", *(f"tangential{end}" for end in ends)][:self.shape[0]]
+        normal, _, tangential = self.units[name].partition("; ")
+        axes = ["point", "component", *self.coordinates]
+        dataset.attrs["components"] = names
+        dataset.attrs["component_units"] = [normal, *[tangential or normal] * (len(names) - 1)]
+        dataset.attrs["axes"] = axes
+        for dimension, axis in zip(dataset.dims, axes):
+            dimension.label = axis
 
     def copy(self, old, new, states):
         """Copy the points that count.

@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from . import checksums, resuming, stored
+from .extras import extra
 from .files import ArchiveError, safely
+
+SHOWN = ("normal_force", "tangential_force", "contact_area")
+"""Beginnings of the names of columns whose extent the ``repr`` tells."""
 
 
 class Record(Mapping):
@@ -84,6 +88,28 @@ class Record(Mapping):
 
     def __len__(self):
         return len(self._columns)
+
+    def __repr__(self):
+        """Path, points, loads reached and events."""
+        events = [name for name in self.get("event", ()) if name != "none"]
+        told = [f"{name} {np.nanmin(self[name]):.4g} to {np.nanmax(self[name]):.4g} "
+                f"{self.units[name]}" for name in self
+                if self.points and name.startswith(SHOWN) and np.isfinite(self[name]).any()]
+        return (f"<Record {self.path}: {self.points} points"
+                + ("" if self.complete else ", not complete")
+                + "".join(f", {text.strip()}" for text in told)
+                + (f"; {', '.join(events)}" if events else "")
+                + (f"; fields of {len(self.field_points)} points" if self.field_points else "")
+                + ">")
+
+    def to_dataframe(self):
+        """The columns as a DataFrame of pandas (of the extra ``table``), one row a point; its
+        ``attrs`` hold units, path and scene."""
+        frame = extra("pandas", "table", "Record.to_dataframe").DataFrame(dict(self))
+        frame.index.name = "point"
+        frame.attrs |= {"units": {name: self.units[name] for name in self},
+                        "archive": str(self.path), "scene": self.scene}
+        return frame
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of

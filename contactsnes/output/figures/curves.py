@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...options.fields import InputError, nearest
-from .data import NothingToShow, shear, unsheared
+from .data import NothingToShow, shear, unsheared, varies
 from .measured import draw_measured
 from .parts import draw_branch, event_handles, place_legend
 from .style import GREY, WIDTH
@@ -89,8 +89,13 @@ def together(records, measured):
                                       for name in columns], measured,
                             lambda record: shear(record)[1])
 
+    def approached():
+        if not any(varies(record[name][unsheared(record)]) for record in records
+                   for name in ("approach", "normal_force")):
+            raise NothingToShow("the normal load does not move")
+        return draw_columns(records, ["approach", "normal_force"], measured, unsheared)
+
     return {"shear": lambda: sheared(["tangential_displacement", "tangential_force",
                                       "contact_area"]),
             "area": lambda: sheared(["tangential_force", "contact_area"]),
-            "approach": lambda: draw_columns(records, ["approach", "normal_force"], measured,
-                                             unsheared)}
+            "approach": approached}
