@@ -50,10 +50,15 @@ contactsnes: adhesive frictional contact of elastic bodies
 
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
-  contactsnes plot RUN.h5 ...                         figures of archives (contactsnes plot --help)
+  contactsnes plot RUN.h5 ...                         figures of archives
+  contactsnes report RUN.h5 ...                       a page of an archive: curves, fields, certificates
+  contactsnes movie RUN.h5 ...                        profiles or maps along the load path
+  contactsnes table RUN.h5 ...                        numbers of archives: CSV, Parquet
+  contactsnes export RUN.h5 ...                       fields for ParaView
   contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
                                                       methods on one scene: cost, accuracy, failures
   contactsnes run -help                               every option: meaning, unit, default, range
+  contactsnes plot -help                              options of plot; so of report, movie, table, export
   contactsnes --version
 
 Files are read from left to right, then the options of the command line; the later value

@@ -90,8 +90,7 @@ def petsc_arguments(arguments):
     """The argument vector for `petsc4py.init`: the files' options from left to right, then those of
     the command line.
 
-    PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
-    cannot hold.
+    PETSc lets the later of two values win. InputError for what its database of lines cannot hold.
     """
     found = _joined(*split_arguments(arguments))
     depth = 0
@@ -190,13 +189,12 @@ def read(cls, prefix=""):
 
 
 def instance(cls, entries, prefix=""):
-    """An instance of a dataclass of options from entries, name (without dash) -> text, as of the
-    database; nothing counts as used.
+    """An instance of a dataclass of options from entries; nothing counts as used.
 
     Parameters
     ----------
     cls : a subclass of `fields.Options`
-    entries : mapping
+    entries : mapping, name (without dash) -> text, as of the database
     prefix : str, put before the class's own prefix
     """
     values = {}

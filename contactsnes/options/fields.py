@@ -175,7 +175,7 @@ def extend(cls, added):
     added = [(name, type(field.default), _fresh(field)) for name, field in added.items()
              if name not in known]
     wider = dataclasses.make_dataclass(cls.__name__, added, bases=(cls,), frozen=True)
-    for name in ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__",
+    for name in ("__init__", "__eq__", "__hash__", "__match_args__",
                  "__dataclass_fields__"):
         setattr(cls, name, getattr(wider, name))
     for name, _, field in added:
@@ -209,6 +209,12 @@ class Options:
             if value is not None or field.default is not None:
                 object.__setattr__(self, field.name, checked(self.option_name(field.name), value,
                                                              field.metadata))
+
+    def __repr__(self):
+        """What makes the instance: the values that are no defaults."""
+        given = [f"{field.name}={getattr(self, field.name)!r}" for field in dataclasses.fields(self)
+                 if getattr(self, field.name) != field.default]
+        return f"{type(self).__name__}({', '.join(given)})"
 
     @classmethod
     def typed(cls, **values):

@@ -111,6 +111,15 @@ class Record(Mapping):
                         "archive": str(self.path), "scene": self.scene}
         return frame
 
+    def states(self):
+        """Point (from 0) -> what is kept for going on from it, a mapping: of the last points, up to
+        four."""
+        held = self.points - len(self._waiting)
+        found = safely(self.path, lambda file: {
+            number - 1: stored.unpack(state)
+            for number, state in stored.states(file, held).items()})
+        return found | {held + place: point.state for place, point in enumerate(self._waiting)}
+
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
         `field_points`, from the file."""

@@ -11,7 +11,7 @@ from ..continuation.predictors import PREDICTORS, in_words
 from ..options.fields import InputError, Options, as_text, option
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Form(Options):
     """Form of the equations: the ``-contact_*`` options."""
 
@@ -39,7 +39,7 @@ class Form(Options):
                            choices=("auto", "even", "off"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Steps(Options):
     """Steps along the load path: the ``-continuation_*`` options; step sizes in the unit of the
     quantity that moves."""
@@ -126,7 +126,7 @@ class Steps(Options):
         return initial, largest, min(1e-6 * length, initial) if smallest is None else smallest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Output(Options):
     """The archive: the ``-archive_*`` options."""
 

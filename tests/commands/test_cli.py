@@ -324,7 +324,7 @@ def test_fold_without_its_jump_is_found_again(events, unfinished):
     history = [SimpleNamespace(event=event) for event in events]
     assert unfinished_fold(history) == unfinished
     kept, tail = history[:len(history) - unfinished], history[len(history) - unfinished:]
-    again = [*([SimpleNamespace(event="none")] if tail else []), *tail,
+    again = [*([SimpleNamespace(event=None)] if tail else []), *tail,
              SimpleNamespace(event="jump"), SimpleNamespace(event="fold")]
     assert [point.event for point in new_points(again, unfinished)] == ["jump", "fold"]
     if unfinished:

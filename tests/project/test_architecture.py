@@ -41,8 +41,7 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
          Room("output", ("grid", "reference", "interface", "continuation", "contact")),
          Room("solvers", ("system", "reference", "continuation", "output", *LOAD_PATH)),
          Room("dynamics", ("system", "reference", "output", *LOAD_PATH)),
-         Room("branch", ("output.archive", "output.files", "output.layout", "output.reading",
-                         "output.figures")),
+         Room("branch", ("output.archive", "output.files", "output.layout", "output.figures")),
          Room("compare", ("interface", "system", "reference")),
          Room("commands", ("interface.laws", "interface.elasticity", "grid", "reference", "solvers",
                            "dynamics")),)
@@ -51,7 +50,7 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
                       "branch"}, "matplotlib": {"output.figures", "compare.figure"},
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
-                  "output.tables", "interface.heights"},
+                  "output.tables", "output.vtk", "interface.heights"},
          "pyfftw": {"grid.cell", "grid.even"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 
