@@ -3,9 +3,9 @@ same dataclasses as all others."""
 
 import dataclasses
 
-from .database import BOOLEANS, instance
 from .fields import InputError, nearest
 from .files import is_option
+from .values import BOOLEANS, instance
 
 
 def asks_for_help(words):
