@@ -42,7 +42,7 @@ from .session import (
     start_petsc,
     versions,
 )
-from .showing import export, plot, table
+from .showing import export, movie, plot, report, table
 from .speech import complain, told
 
 HELP = """\
@@ -51,14 +51,14 @@ contactsnes: adhesive frictional contact of elastic bodies
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
   contactsnes plot RUN.h5 ...                         figures of archives
-  contactsnes report RUN.h5 ...                       a page of an archive: curves, fields, certificates
+  contactsnes report RUN.h5 ...                       curves, fields and certificates as a page
   contactsnes movie RUN.h5 ...                        profiles or maps along the load path
   contactsnes table RUN.h5 ...                        numbers of archives: CSV, Parquet
   contactsnes export RUN.h5 ...                       fields for ParaView
   contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
                                                       methods on one scene: cost, accuracy, failures
   contactsnes run -help                               every option: meaning, unit, default, range
-  contactsnes plot -help                              options of plot; so of report, movie, table, export
+  contactsnes plot -help                              options of plot; as of the four below it
   contactsnes --version
 
 Files are read from left to right, then the options of the command line; the later value
@@ -225,4 +225,4 @@ def compare(arguments):
 
 
 COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare, "table": table,
-            "export": export}
+            "export": export, "report": report, "movie": movie}

@@ -7,7 +7,13 @@ from ..options.fields import InputError
 from ..options.help import entries_of
 from ..options.words import asks_for_help, read_words
 from ..output import tabular
-from ..output.asked import ExportOptions, PlotOptions, TableOptions
+from ..output.asked import (
+    ExportOptions,
+    MovieOptions,
+    PlotOptions,
+    ReportOptions,
+    TableOptions,
+)
 from ..output.files import WriteError
 from .speech import complain, told
 
@@ -87,18 +93,56 @@ def table(arguments):
 
 
 def export(arguments):
-    """``contactsnes export``: fields of an archive for ParaView."""
-    text = usage("export RUN.h5 ... [-option value] ...",
-                 "Fields of archives in files of VTK (VTKHDF), which ParaView opens.",
-                 ExportOptions)
-    paths, asked = asked_for(arguments, ExportOptions, text)
+    """``contactsnes export``: fields of archives for ParaView."""
+    def write(path, asked):
+        from ..output.vtk import write_vtk
+
+        return write_vtk(path, asked)
+
+    return _each(arguments, "export", "Fields of archives in files of VTK (VTKHDF), which ParaView "
+                 "opens.", ExportOptions, write)
+
+
+def report(arguments):
+    """``contactsnes report``: a page on an archive."""
+    def write(path, asked):
+        from ..output.report.page import write_report
+
+        return write_report(path, asked)
+
+    return _each(arguments, "report", "Curves, fields, events and certificates of archives as "
+                 "pages of HTML, which need nothing else; made by plotly, of the extra [report].",
+                 ReportOptions, write)
+
+
+def movie(arguments):
+    """``contactsnes movie``: an archive in motion."""
+    def write(path, asked):
+        from ..output.figures.movie import write_movie
+
+        return write_movie(path, asked)
+
+    return _each(arguments, "movie", "Profiles or maps of archives along their load paths.",
+                 MovieOptions, write)
+
+
+def _each(arguments, command, what, cls, write):
+    """A command that makes one file of each archive.
+
+    Parameters
+    ----------
+    arguments : list of str
+    command, what : str, its name, and what it is for
+    cls : dataclass of its options
+    write : function (path, options) -> path of the file
+    """
+    text = usage(f"{command} RUN.h5 ... [-option value] ...", what, cls)
+    paths, asked = asked_for(arguments, cls, text)
     if paths is None:
         return asked
     _one_output(paths, asked)
-    from ..output.vtk import write_vtk
-
     for path in paths:
-        told(writing(path, lambda: write_vtk(path, asked)))
+        told(writing(path, lambda: write(path, asked)))
     return told()
 
 

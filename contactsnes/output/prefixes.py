@@ -74,7 +74,15 @@ class Readable(Mapping):
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement' or 'traction' at a point."""
-        values = self._record.field(name, point)
+        return self._handy(name, self._record.field(name, point))
+
+    def each(self, points, names=("displacement", "traction")):
+        """Iterate over the fields of points, as ``Record.each``."""
+        for found in self._record.each(points, names):
+            yield [self._handy(name, values) for name, values in zip(names, found)]
+
+    def _handy(self, name, values):
+        """A field in units with prefixes."""
         factors = [self.factor(f"{name} {component}") for component in range(len(values))]
         return values * np.reshape(factors, (-1, *[1] * (values.ndim - 1)))
 

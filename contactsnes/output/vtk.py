@@ -78,8 +78,8 @@ def _write(group, record, points, kind):
     steps.attrs["NSteps"] = len(points)
     steps["Values"] = np.array(points, dtype="f8")
     data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
-    for place, point in enumerate(points):
-        for name, field in fields(record, point).items():
+    for place, (displacement, traction) in enumerate(record.each(points)):
+        for name, field in fields(record, displacement, traction).items():
             # VTK counts y, x; it leaves out directions of one node
             field = np.swapaxes(field, 0, 1) if len(record.coordinates) == 2 else field
             if name not in data:
@@ -90,16 +90,14 @@ def _write(group, record, points, kind):
             data[name][place] = field
 
 
-def fields(record, point):
-    """Name with its unit -> array over the nodes, of vectors with their components last, of what an
-    archive has at a point.
+def fields(record, displacement, traction):
+    """Name with its unit -> array over the nodes, of vectors with their components last.
 
     Parameters
     ----------
     record : Record
-    point : int, of ``record.field_points``
+    displacement, traction : arrays (components, *grid), its fields at a point
     """
-    displacement, traction = record.field("displacement", point), record.field("traction", point)
     shifts, stresses = (_both(record.units[name]) for name in ("displacement", "traction"))
     found = {f"gap ({record.units['initial_gap']})": record.initial_gap + displacement[0],
              f"normal displacement ({shifts[0]})": displacement[0],
