@@ -55,6 +55,20 @@ class Sweep(Mapping):
         failed = f", {len(self.failures)} ended early" * bool(self.failures)
         return f"<Sweep over {names}: {len(self)} runs in {self.folder}{failed}>"
 
+    def take_in(self, values, path, reason):
+        """Add the run of some values: the path of its archive, and why it ended early, if it did.
+
+        Parameters
+        ----------
+        values : a value or a tuple of several
+        path : pathlib.Path
+        reason : str, empty where the run came to its end
+        """
+        if reason:
+            self.failures[values] = reason
+        if path.is_file() and (record := read(path)).points:
+            self._records[values] = record
+
     def take(self, name, pick=lambda column: column[-1]):
         """One number a run, an array: by default the last one of a column; nan where a run has no
         points.
@@ -94,31 +108,28 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     ------
     InputError : before any run, for a name or a value that is not allowed
     """
-    if not isinstance(jobs, int) or jobs < 1:
-        raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
-    joblib = extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
+    joblib = _joblib(jobs)
     parameters = {name: list(values) for name, values in parameters.items()}
     common = _words(load, steps or Steps(), form or Form()) | _petsc() | {
         "archive_fields": fields}
-    found = Sweep(parameters, Path(folder))
-    cases = {values: _scene_words(scene, case) | common | _others(case)
-             for values, case in _cases(parameters).items()}
+    found, cases = Sweep(parameters, Path(folder)), _cases(parameters)
+    tasks = [(values, _scene_words(scene, case) | common | _others(case),
+              found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
     found.folder.mkdir(parents=True, exist_ok=True)
-    paths = {values: found.folder / f"{_stem(case)}.h5"
-             for values, case in _cases(parameters).items()}
     # The processes are the runs' own: here threads wait for them.
-    tasks = ((joblib.delayed(_run) if joblib else lambda *given: (_run, given))(values, words,
-                                                                               paths[values], jobs)
-             for values, words in cases.items())
-    ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(tasks)
-             if joblib else (run(*given) for run, given in tasks))
-    for values, reason in tqdm(ended, total=len(cases), disable=not progress, unit="run"):
-        if reason:
-            found.failures[values] = reason
-        record = read(paths[values]) if paths[values].is_file() else None
-        if record is not None and record.points:
-            found._records[values] = record
+    ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
+        joblib.delayed(_run)(*task) for task in tasks) if joblib else (_run(*task)
+                                                                       for task in tasks))
+    for values, path, reason in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
+        found.take_in(values, path, reason)
     return found
+
+
+def _joblib(jobs):
+    """The library that runs several jobs, None for one; InputError for another number."""
+    if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
+        raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
+    return extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
 
 
 def _cases(parameters):
@@ -130,9 +141,10 @@ def _cases(parameters):
 
 
 def _run(values, words, path, jobs):
-    """Run a case in a process unless it is done; (values, why it ended early or an empty text)."""
+    """Run a case in a process unless it is done; (values, path of its archive, why it ended early
+    or an empty text)."""
     if _is_done(path, words):
-        return values, ""
+        return values, path, ""
     arguments = [part for name, value in words.items()
                  for part in ([f"-{name}", value] if value else [f"-{name}"])]
     one = {"OMP_NUM_THREADS": "1"} if jobs > 1 else {}
@@ -141,7 +153,7 @@ def _run(values, words, path, jobs):
                           check=False, env={**os.environ, **one, "PYTHONPATH": os.pathsep.join(
                               filter(None, sys.path))})
     said = [line for line in done.stderr.splitlines() if "error: " in line]
-    return values, "" if done.returncode == 0 else (
+    return values, path, "" if done.returncode == 0 else (
         said[-1].partition("error: ")[2] if said else f"exit status {done.returncode}")
 
 

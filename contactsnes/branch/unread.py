@@ -27,6 +27,7 @@ def unread_options(branch, classes=()):
         state = states.undeformed(branch.contact, (initial.control,), [initial.value])
         corrector.form_on(corrector.fitted(state), (initial.control,))
     except Exception:
+        corrector.form = corrector.snes = None  # half made
         return []  # whatever it is, perhaps of a user's own class: the solve will say it
     own = tuple(cls.prefix for cls in classes)
     return [name for name in unused_options(classes)

@@ -31,6 +31,10 @@ class PlotOptions(Options):
                                  default_text="8.5: a column of a journal")
     style: str = option("", STYLES, default_text="a journal's column")
 
+    def __post_init__(self):
+        super().__post_init__()
+        whole_numbers(self.option_name("points"), self.points)
+
     @property
     def formats(self):
         """Endings of the files."""
@@ -77,6 +81,10 @@ class ExportOptions(Options):
                          default_text="all that have fields")
     precision: str = option("single", "of the fields in the file", choices=("single", "double"))
     output: str = option("", "the file", default_text="RUN.vtkhdf beside the archive")
+
+    def __post_init__(self):
+        super().__post_init__()
+        whole_numbers(self.option_name("points"), self.points)
 
     @property
     def chosen(self):

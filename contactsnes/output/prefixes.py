@@ -11,7 +11,9 @@ from .files import ArchiveError
 
 SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
                                                 "mean_tangential_displacement"),
-          ("tangential_force",))
+          ("tangential_force",),
+          ("elastic_energy", "interfacial_energy", "external_work", "interface_work",
+           "dissipated_work", "energy_imbalance", "jump_work", "viscous_work"))
 """Columns that share a prefix, since they share an axis; without _x and _y."""
 
 RANGES_SHOWN = 10.0

@@ -272,7 +272,8 @@ def test_every_unit_of_a_column_is_one_of_si(dimension):
 def test_loads_are_told_with_units():
     scene = Scene.typed(**TYPED)
     assert scene.loads(("force", "displacement"), (2.0, 3.0)) == (
-        f"normal_force {2 * EXPECTED['w_n,r'][0]:.6g} N/m, tangential_displacement {3 * U_T:.6g} m")
+        f"normal_force {2 * EXPECTED['w_n,r'][0]:.6g} N/m, tangential_displacement "
+        f"{3e6 * U_T:.6g} µm")
     assert (Scene().loads(("approach",), (2.0,)) == "approach 2"
             and Scene(dimension=2).loads(("force",), (2.0,)) == "normal_force 2")
 

@@ -45,7 +45,7 @@ def fields_figure(record, points, nodes):
     gaps = [gap[np.ix_(*cut)] for gap in gaps]
     tractions = [traction[(slice(None), *np.ix_(*cut))] for traction in tractions]
     figure, frames = make(record, axes, gaps, tractions, ceiling)
-    below = 30 if len(record.coordinates) == 1 else 100
+    below = 55 if len(record.coordinates) == 1 else 100
     return _sliding(figure, frames, [title_of(record, point) for point in points], points, below)
 
 
@@ -107,7 +107,7 @@ def _profiles(record, axes, gaps, tractions, ceiling):
         figure.update_yaxes(title_text=f"{panel.text} ({symbol(panel.unit)})", row=row, col=1,
                             range=[low - margin, high + margin])
     figure.update_xaxes(title_text=f"x ({symbol(record.units['x'])})", row=len(shown), col=1)
-    figure.update_layout(height=180 * len(shown) + 160)
+    figure.update_layout(height=180 * len(shown) + 200)
     return figure, frames
 
 
