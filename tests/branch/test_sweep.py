@@ -13,7 +13,7 @@ from contactsnes.output.layout import Column
 SMALL = dict(points=128, period=20.0, normal_maugis=1.0)
 SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
           contact_modulus=2e6, radius=0.01, range_normal=1.3e-6, range_tangential=1.3e-6,
-          period=0.0023, points=128)
+          period=0.0023, height=0.2, points=128)
 
 
 def kept(branch, path, fields="all"):

@@ -107,9 +107,8 @@ def report():
 
 def frames(page):
     """Names and data of the frames of the figure of fields."""
-    text = next(script for script in page.scripts if "addFrames" in script)
-    found = json.JSONDecoder().raw_decode(text[text.index("addFrames") + len("addFrames"):].split(
-        ",", 1)[1].strip())[0]
+    text = next(script for script in page.scripts if "addFrames('fields'" in script)
+    found = json.JSONDecoder().raw_decode(text.split("addFrames('fields'", 1)[1].lstrip(", "))[0]
     return {frame["name"]: frame["data"] for frame in found}
 
 
@@ -181,15 +180,15 @@ def test_a_browser_draws_the_page_and_moves_the_slider(tmp_path, report):
     probe = """<script>
 window.addEventListener("load", () => setTimeout(() => {
   const fields = document.getElementById("fields");
-  Plotly.animate(fields, ["3"], {mode: "immediate", frame: {duration: 0, redraw: true}})
-    .then(() => { fields.emit("plotly_sliderchange", {slider: {active: 3}});
+  Plotly.animate(fields, ["3"], {mode: "immediate", frame: {duration: 0, redraw: true}});
+  setTimeout(() => { fields.emit("plotly_sliderchange", {slider: {active: 3}});
       const curves = document.getElementById("curves");
       const told = document.createElement("p"); told.id = "told";
       told.textContent = JSON.stringify({title: fields.layout.title.text,
         drawn: document.querySelectorAll("#curves .trace").length,
         maps: document.querySelectorAll("#fields .heatmaplayer image").length,
         mark: curves.data[curves.data.length - 3].y[0]});
-      document.body.appendChild(told); }); }, 300));</script></body>"""
+      document.body.appendChild(told); }, 3000); }, 300));</script></body>"""
     shown = tmp_path / "probed.html"
     shown.write_text(path.read_text(encoding="utf-8").replace("</body>", probe), encoding="utf-8")
     done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu",

@@ -137,10 +137,10 @@ def _maps(record, axes, gaps, tractions, ceiling):
         figure.add_trace(trace, row=1, col=1 + number // 2)
     for column in range(1, len(shown) + 1):
         figure.update_xaxes(title_text=f"x ({symbol(record.units['x'])})", row=1, col=column,
-                            constrain="domain")
-        figure.update_yaxes(scaleanchor=f"x{column}" if column > 1 else "x", row=1, col=column)
+                            constrain="domain", matches="x")
         _place_bar(figure, column, len(shown), shown[column - 1])
-    figure.update_yaxes(title_text=f"y ({symbol(record.units['y'])})", row=1, col=1)
+    figure.update_yaxes(title_text=f"y ({symbol(record.units['y'])})", row=1, col=1,
+                        scaleanchor="x")
     figure.update_layout(height=620)
     return figure, frames
 
