@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,7 +10,10 @@ import matplotlib
 import matplotlib.ticker
 import numpy as np
 from matplotlib import animation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
+from PIL import Image
 
 from ...options.fields import InputError
 from ..files import ArchiveError
@@ -28,12 +32,29 @@ RATES = (2, 30)
 
 
 class Scenes(NamedTuple):
-    """A figure, what draws one of its points (function of a place in the list of points), and the
-    points."""
+    """A figure, what sets it to one of its points (function of a place in the list of points: the
+    artists that move), and the points."""
 
     figure: Figure
     draw: object
     points: list
+
+    def pictures(self):
+        """Iterate over the pictures, arrays (height, width, 4): what stands still is drawn once."""
+        self.figure.set_size_inches(*(2 * np.ceil(self.figure.get_size_inches() * DOTS / 2) / DOTS))
+        self.figure.set_dpi(DOTS)
+        canvas = FigureCanvasAgg(self.figure)
+        self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # what was laid out stays where it is
+        for artist in self.draw(0):
+            artist.set_animated(True)
+        canvas.draw()
+        still = canvas.copy_from_bbox(self.figure.bbox)
+        for place in range(len(self.points)):
+            canvas.restore_region(still)
+            for artist in self.draw(place):
+                artist.draw(canvas.get_renderer())
+            yield np.array(canvas.buffer_rgba())
 
 
 def write_movie(path, asked):
@@ -59,17 +80,39 @@ def write_movie(path, asked):
         raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
                          "another")
     rate = _rate(record, asked)
-    maker = animation.FFMpegWriter(rate, codec="libx264", extra_args=["-pix_fmt", "yuv420p"]) \
-        if ending == "mp4" else animation.PillowWriter(rate)
     # Formulas take most of the time: numbers at axes are none.
     with matplotlib.rc_context({**settings(asked.style), "axes.formatter.use_mathtext": False}):
-        scenes = _scenes(record, asked)
-        _even(scenes.figure)
-        with maker.saving(scenes.figure, str(target), DOTS):
-            for place in range(len(scenes.points)):
-                scenes.draw(place)
-                maker.grab_frame()
+        pictures = _scenes(record, asked).pictures()
+        (_write_mp4 if ending == "mp4" else _write_gif)(target, rate, pictures)
     return target
+
+
+def _write_gif(path, rate, pictures):
+    """Write pictures, arrays, as a GIF."""
+    first, *others = [Image.fromarray(picture).convert("RGB").quantize(256, dither=0)
+                      for picture in pictures]
+    first.save(path, save_all=True, append_images=others, duration=1000.0 / rate, loop=0)
+
+
+def _write_mp4(path, rate, pictures):
+    """Write pictures, arrays, as an MP4 by ffmpeg; InputError where that fails."""
+    process = None
+    for picture in pictures:
+        if process is None:
+            size = f"{picture.shape[1]}x{picture.shape[0]}"
+            process = subprocess.Popen(
+                [matplotlib.rcParams["animation.ffmpeg_path"], "-v", "error", "-y", "-f",
+                 "rawvideo", "-pix_fmt", "rgba", "-s", size, "-r", str(rate), "-i", "-", "-c:v",
+                 "libx264", "-preset", "fast", "-pix_fmt", "yuv420p", str(path)],
+                stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            process.stdin.write(picture.tobytes())
+        except BrokenPipeError:
+            break
+    _, told = process.communicate()
+    if process.returncode:
+        raise InputError(f"ffmpeg cannot write {path} ({told.decode(errors='replace').strip()}): "
+                         "take -format gif")
 
 
 def _ending(asked):
@@ -98,13 +141,6 @@ def _rate(record, asked):
     """Pictures a second."""
     rate = len(_points(record, asked.frames)) / asked.seconds
     return float(np.clip(rate, *RATES))
-
-
-def _even(figure):
-    """Sizes in dots that codecs take: even ones."""
-    figure.set_size_inches(*(2 * np.ceil(figure.get_size_inches() * DOTS / 2) / DOTS))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # what was laid out stays where it is
 
 
 def _scenes(record, asked):
@@ -166,7 +202,7 @@ def _line(record, points, width):
     def draw(place):
         for curve, panel in zip(curves, shown):
             curve.set_ydata(panel.values[place])
-        _place(figure, record, points[place], mark, along)
+        return [*curves, *_place(figure, record, points[place], mark, along)]
 
     draw(0)
     return Scenes(figure, draw, points)
@@ -181,7 +217,7 @@ def _mark(axes, record):
 
 
 def _place(figure, record, point, mark, along):
-    """Move the mark, and say where it is.
+    """Move the mark, and say where it is: a list of both.
 
     Parameters
     ----------
@@ -192,7 +228,7 @@ def _place(figure, record, point, mark, along):
     along : (x, y), arrays over all points
     """
     mark.set_data([along[0][point]], [along[1][point]])
-    figure.suptitle(_title(record, point), fontsize=STYLE["axes.titlesize"] + 1)
+    return [mark, figure.suptitle(_title(record, point), fontsize=STYLE["axes.titlesize"] + 1)]
 
 
 def _plane(record, points, width):
@@ -209,10 +245,14 @@ def _plane(record, points, width):
         images.append(draw_map(axes, record, row.values[0], row.colormap, row.norm))
         axes.set(xlim=window[0], ylim=window[1], xlabel=label("", "x", record.units["x"]))
         axes.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
-        figure.colorbar(images[-1], ax=axes, location="top", aspect=25,
-                        label=label(row.text, row.symbol, row.unit),
-                        extend="max" if row.text == "gap" else "neither")
-        axes.tick_params(labelleft=axes is stack[0])
+        bar = figure.colorbar(images[-1], ax=axes, location="top", aspect=25,
+                              label=label(row.text, row.symbol, row.unit),
+                              extend="max" if row.text == "gap" else "neither")
+        if isinstance(row.norm, TwoSlopeNorm):
+            ticks = (row.norm.vmin, 0, row.norm.vmax)
+            bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+        # Outside of the map, which is drawn anew for each point.
+        axes.tick_params(labelleft=axes is stack[0], direction="out", top=False, right=False)
     stack[0].set_ylabel(label("", "y", record.units["y"]))
     mark, along = _mark(figure.add_subplot(grid[1, :]), record)
 
@@ -222,7 +262,9 @@ def _plane(record, points, width):
             for edge in [*axes.collections]:
                 edge.remove()
             draw_edge(axes, record, gaps[place])
-        _place(figure, record, points[place], mark, along)
+        parts = [part for axes in stack for part in (*axes.images, *axes.collections,
+                                                     *axes.spines.values())]
+        return [*parts, *_place(figure, record, points[place], mark, along)]
 
     draw(0)
     return Scenes(figure, draw, points)
