@@ -73,7 +73,8 @@ class Run:
         content = {"scene": self.branch.attributes(), "options": database_text(),
                    "versions": versions(), "columns": {name: Column(row.unit, row.kind, row.names)
                                                        for name, row in self.table.items()},
-                   "fields": output.fields, "components": scene.components,
+                   "fields": output.fields, "precision": output.precision,
+                   "components": scene.components,
                    "warnings": self.warnings}
         if output.fields != "none":
             content |= (observables.frame(self.branch.contact)

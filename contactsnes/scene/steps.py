@@ -136,6 +136,8 @@ class Output(Options):
                        default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    precision: str = option("double", "of these fields; single ones take half the room, and are "
+                            "compressed when the path is done", choices=("double", "single"))
     errors: bool = option(False, "estimate the errors of every point by solving "
                           "it again on a finer grid (-scene_points auto "
                           "does so anyway)")
