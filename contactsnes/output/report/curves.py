@@ -28,8 +28,9 @@ def panels(record):
     return found
 
 
-def curves(record):
-    """(figure of plotly, [(x, y) of each panel's marker, arrays over all points])."""
+def curves(record, point):
+    """(figure of plotly, [(x, y) of each panel's marker, arrays over all points]), the markers at
+    a point."""
     plots = extra("plotly.subplots", "report", "contactsnes report")
     shown = panels(record)
     figure = plots.make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.16)
@@ -43,7 +44,8 @@ def curves(record):
         moving.append((record[x] if x else numbers, record[y]))
     _energies(figure, record)
     for place, (x, y) in zip(places, moving):
-        figure.add_scatter(x=x[-1:], y=y[-1:], mode="markers", showlegend=False, name="shown below",
+        figure.add_scatter(x=x[[point]], y=y[[point]], mode="markers", showlegend=False,
+                           name="shown below",
                            marker=dict(size=13, color="rgba(0,0,0,0)",
                                        line=dict(width=2, color="black")),
                            hoverinfo="skip", row=place[0], col=place[1])

@@ -24,6 +24,16 @@ def chosen_points(record, most):
     return sorted({*events, *(stored[place] for place in spread)})
 
 
+def first_shown(record, points):
+    """The point that is shown before the slider is moved: the last fold, else the last one of the
+    largest contact."""
+    folds = [point for point in points if record["event"][point] == "fold"]
+    if folds:
+        return folds[-1]
+    areas = record["contact_area"][list(points)]
+    return points[len(points) - 1 - int(np.argmax(areas[::-1]))]
+
+
 def fields_figure(record, points, nodes):
     """Figure with a slider.
 
@@ -44,9 +54,13 @@ def fields_figure(record, points, nodes):
     axes = [x[part] for x, part in zip(record.coordinates, cut)]
     gaps = [gap[np.ix_(*cut)] for gap in gaps]
     tractions = [traction[(slice(None), *np.ix_(*cut))] for traction in tractions]
+    shown = points.index(first_shown(record, points))
     figure, frames = make(record, axes, gaps, tractions, ceiling)
+    for trace, data in zip(figure.data, frames[shown]):
+        trace.update(data)
     below = 55 if len(record.coordinates) == 1 else 100
-    return _sliding(figure, frames, [title_of(record, point) for point in points], points, below)
+    return _sliding(figure, frames, [title_of(record, point) for point in points], points, shown,
+                    below)
 
 
 def _cut(x, limits, most):
@@ -55,15 +69,16 @@ def _cut(x, limits, most):
     return inside[::max(1, -(-len(inside) // most))]
 
 
-def _sliding(figure, frames, titles, points, below):
+def _sliding(figure, frames, titles, points, shown, below):
     """A figure with its frames and a slider.
 
     Parameters
     ----------
-    figure : of plotly, with the traces of the last frame
+    figure : of plotly, with the traces of the frame that is shown first
     frames : list of lists of traces, one a point
     titles : list of str, one a point
     points : list of int
+    shown : int, place of the frame that is shown first
     below : float, pixels between the axes and the slider
     """
     objects = extra("plotly.graph_objects", "report", "contactsnes report")
@@ -79,13 +94,13 @@ def _sliding(figure, frames, titles, points, below):
                 fromcurrent=True, mode="immediate")
     stop = dict(frame=dict(duration=0, redraw=False), mode="immediate")
     figure.update_layout(
-        sliders=[dict(steps=steps, active=len(steps) - 1, currentvalue=dict(visible=False),
+        sliders=[dict(steps=steps, active=shown, currentvalue=dict(visible=False),
                       pad=dict(t=below + 10), x=0.08, len=0.92)],
         updatemenus=[dict(type="buttons", direction="left", x=0.06, y=0, xanchor="right",
                           yanchor="top", pad=dict(t=below), showactive=False, buttons=[
                               dict(label="▶", method="animate", args=[None, play]),
                               dict(label="■", method="animate", args=[[None], stop])])],
-        title=dict(text=titles[-1], font=dict(size=13)), template="simple_white",
+        title=dict(text=titles[shown], font=dict(size=13)), template="simple_white",
         margin=dict(l=80, r=20, t=80, b=60))
     return figure
 

@@ -12,7 +12,7 @@ from ..files import ArchiveError
 from ..prefixes import read
 from . import certificates, words
 from .curves import curves
-from .fields import chosen_points, fields_figure
+from .fields import chosen_points, fields_figure, first_shown
 
 STYLE = """body { font: 15px/1.45 system-ui, sans-serif; max-width: 1150px; margin: 1.5em auto;
   padding: 0 1em; color: #222 }
@@ -90,10 +90,10 @@ def _told(record):
 def _figures(record, asked):
     """The figures, the library that draws them, and what links them, as HTML."""
     plotly = extra("plotly.io", "report", "contactsnes report")
-    figure, moving = curves(record)
+    points = chosen_points(record, asked.points)
+    figure, moving = curves(record, first_shown(record, points) if points else -1)
     given = dict(full_html=False, config={"displaylogo": False, "responsive": True})
     parts = [plotly.to_html(figure, include_plotlyjs=True, div_id="curves", **given)]
-    points = chosen_points(record, asked.points)
     if points and record.initial_gap is not None:
         parts += ["<h2>Gap and tractions</h2>",
                   plotly.to_html(fields_figure(record, points, asked.nodes), div_id="fields",
