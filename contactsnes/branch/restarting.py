@@ -48,7 +48,14 @@ def _plain(value):
 
 
 def load_at(record, point, scene):
-    """The load of a point as ``-load_start`` has it, each component controlled as in its leg."""
+    """The load of a point as ``-load_start`` has it, each component controlled as in its leg.
+
+    Parameters
+    ----------
+    record : Record
+    point : int, from 0
+    scene : Scene of the archive
+    """
     run = [run for run in record.runs if run.first <= point][-1]
     found = resuming.entries(run.options)
     load = Load(start=found.get("load_start"), path=found.get("load_path", ""))

@@ -108,12 +108,11 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     ------
     InputError : before any run, for a name or a value that is not allowed
     """
-    joblib = _joblib(jobs)
+    joblib, options = _joblib(jobs), _words(load, steps or Steps(), form or Form()) | _petsc()
     parameters = {name: list(values) for name, values in parameters.items()}
-    common = _words(load, steps or Steps(), form or Form()) | _petsc() | {
-        "archive_fields": fields}
+    options["archive_fields"] = fields
     found, cases = Sweep(parameters, Path(folder)), _cases(parameters)
-    tasks = [(values, _scene_words(scene, case) | common | _others(case),
+    tasks = [(values, _scene_words(scene, case) | options | _others(case),
               found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
     found.folder.mkdir(parents=True, exist_ok=True)
     # The processes are the runs' own: here threads wait for them.

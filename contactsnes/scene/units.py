@@ -232,6 +232,13 @@ def prefix(largest, unit):
 
 
 def prefixed(value, unit, digits=4):
-    """A value in SI as text, with its digits and a prefix."""
+    """A value in SI as text with a prefix.
+
+    Parameters
+    ----------
+    value : float
+    unit : str, in SI
+    digits : int, significant ones
+    """
     size, name = prefix(abs(value), unit)
     return f"{value / size:.{digits}g} {name}"

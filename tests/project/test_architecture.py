@@ -48,7 +48,8 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 """From the ground up: a room imports only from those before it."""
 
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
-                      "branch"}, "matplotlib": {"output.figures", "compare.figure"},
+                      "branch"},
+         "matplotlib": {"output.figures", "output.report", "compare.figure"},
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
                   "output.tables", "output.vtk", "interface.heights"},
          "pyfftw": {"grid.cell", "grid.even"},}

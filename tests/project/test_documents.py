@@ -141,7 +141,7 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
     found, printed = blocks(page), []
     for block in found:
         if block.language == "opts":
-            name = re.match(r"# (\S+\.opts)", block.text).group(1)
+            name = re.match(r"# (\S+\.(opts|csv))", block.text).group(1)
             (tmp_path / name).write_text(block.text + "\n", encoding="utf-8")
     for block in found:
         if block.language == "sh":
