@@ -29,7 +29,7 @@ from ..scene.parts import check_law, sources, with_parts
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
-from . import failures, first_points
+from . import failures, first_points, restarting
 from .grid_choice import chosen
 from .remarks import Remarks
 from .too_large import refuse_too_large
@@ -44,6 +44,10 @@ KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in
         "stable", "unstable_modes", "leading_eigenvalue", "resolved", "fold_precision", "softest")
 """What of a point, besides its state, controls and origin, an archive keeps for going on from
 it."""
+
+
+NO_EVENT = "none"
+"""What archives say of a point without an event."""
 
 
 class Branch:
@@ -61,6 +65,7 @@ class Branch:
         of one's own, perhaps; a geometry may be a function gap(x) or gap(x, y) of the coordinates
     history : points of an earlier run along this path to go on from, oldest first; its last leg may
         end farther ahead
+    first : State near which the first point is, in place of what the undeformed body reaches
 
     Raises
     ------
@@ -70,7 +75,7 @@ class Branch:
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(),
-                 law=None, geometry=None, body=None):
+                 law=None, geometry=None, body=None, first=None):
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
         scene = with_parts(scene, law, geometry, body)
@@ -107,8 +112,30 @@ class Branch:
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
         self.history = history
-        self._log = log
+        self.first, self._log = first, log
         self._remarks, self._predictor = None, PREDICTORS[self.steps.predictor]
+
+    @classmethod
+    def restart(cls, archive, path, point=-1, *, stop="none", **options):
+        """The branch that begins at a point of an archive, with other legs.
+
+        Parameters
+        ----------
+        archive : path of an archive, or a Record; its scene is taken
+        path : str, legs as of ``Load``
+        point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+        stop : str, as of ``Load``
+        options : steps, form, log as of the class
+        """
+        record, point, scene, load = restarting.beginning(archive, point, path, stop)
+        branch = cls(scene, load, **options)
+        branch.first = restarting.state_at(branch, record, point)
+        return branch
+
+    def __repr__(self):
+        grid = " x ".join(map(str, self.contact.grid.shape))
+        return (f"<Branch of {self.scene!r} on {grid} nodes, from {self.load.start or 'no load'!r} "
+                f"along {self.load.path!r}>")
 
     @property
     def history(self):
@@ -175,7 +202,8 @@ class Branch:
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
-        return {**{name: getattr(point, name) for name in KEPT}, "displacement": state.displacement,
+        return {**{name: getattr(point, name) for name in KEPT},
+                "event": point.event or NO_EVENT, "displacement": state.displacement,
                 "means": state.means, "window_start": np.array(state.window.start),
                 "window_shape": np.array(state.window.shape),
                 "forced": np.array([control == FORCE for control in point.controls]),
@@ -193,7 +221,8 @@ class Branch:
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
-                     **{name: packed[name] for name in KEPT})
+                     **{**{name: packed[name] for name in KEPT},
+                        "event": None if packed["event"] == NO_EVENT else packed["event"]})
 
     def _start(self):
         """The first point, at -load_start: without tangential load, then in steps to the one asked
@@ -204,6 +233,10 @@ class Branch:
         initial = self.scene.initial(self.load)
         count = self.scene.components if self._sheared[0] else 1
         at_once = count if first_points.ambiguous(self.corrector) else 1
+        if self.first is not None:
+            controls, values = zip(*(initial[component] for component in range(count)))
+            point = self.corrector.solve(self.first, controls, np.array(values))
+            return self._certified(replace(point, spent=self.corrector.account()))
         controls = (*[initial[component].control for component in range(at_once)],
                     *[self._resting] * (count - at_once))
         values = np.array([initial[component].value if component < at_once else 0.0
@@ -219,7 +252,7 @@ class Branch:
         for point in NaturalSteps(self.corrector, leg, [(0.0, point)], self._predictor,
                                   "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
-        point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="",
+        point = replace(point, position=0.0, step=0.0, origin=None, event=None, fold_kind="",
                         fold_precision=0.0, spent=spent)
         return self._certified(point)
 

@@ -50,6 +50,19 @@ def solver_options():
     return SOLVER_OPTIONS
 
 
+def unread_options(branch, classes):
+    """Names of PETSc's options that the solver of a branch does not ask for (it imports PETSc).
+
+    Parameters
+    ----------
+    branch : Branch
+    classes : dataclasses of options of our own types
+    """
+    from ..branch.unread import unread_options as unread
+
+    return unread(branch, classes)
+
+
 LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
             ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
                                                        "MV2_COMM_WORLD_RANK"),
@@ -153,7 +166,7 @@ def start_comparison(arguments, log):
     settings = start_petsc([scene, *words])
     check_names((methods.CompareOptions,))
     asked, given = read(methods.CompareOptions), database()
-    stem = Path(asked.file or f"comparison-{Path(scene).stem}")
+    stem = Path(asked.file or f"comparison-{methods.variant(scene, words)}")
     _check_files(stem, asked.overwrite)
     branch = create_branch(settings)
     typed = {name: given[name] for name in methods.entries(words) if name in given}
@@ -206,11 +219,16 @@ def create_branch(settings, log=lambda sentence: None):
     from ..branch.branch import Branch
 
     try:
-        return Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
+        branch = Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
     except InputError:
         raise
     except (OSError, ValueError) as error:
         raise InputError(str(error)) from None
+    if "log_view" in database():
+        from ..branch.timings import log_events
+
+        log_events(branch.contact)
+    return branch
 
 
 def create_watch(settings, branch, progress, missed):

@@ -255,22 +255,21 @@ def about_method(settings):
             f"{settings.steps.at_fold}"]
 
 
-def all_options(instances):
-    """Every option of dataclasses with its value, as in a file of options, where # marks
-    defaults."""
-    given, lines = database(), []
+def options_in_use(instances):
+    """The options of dataclasses that are given, as in a file of options, and how many others have
+    their defaults."""
+    given, lines, others = database(), [], 0
     in_si = given.get("scene_units") == "si"
     for values in instances:
         for field in dataclasses.fields(values):
             if in_si and field.name in DERIVED:
                 continue  # what it follows from stands for it
-            name, value = f"-{values.prefix}{field.name}", getattr(values, field.name)
+            name, value = values.option_name(field.name), getattr(values, field.name)
+            if name[1:].lower() not in given:
+                others += 1
+                continue
             text = as_text(values.as_typed(field.name) if isinstance(values, Units) else value)
             if in_si and field.name != "points":
                 text = given.get(name[1:]) or text  # of loads and steps the values in SI
-            if not text:
-                lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
-                continue
-            text = f'"{text}"' if " " in text else text
-            lines.append(f"{name} {text}" + ("" if name[1:] in given else "  # default"))
-    return lines
+            lines.append(f'{name} "{text}"' if " " in text else f"{name} {text}".rstrip())
+    return [*lines, f"# {others} others have their defaults, which contactsnes run -help tells"]

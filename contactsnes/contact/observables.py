@@ -275,7 +275,7 @@ _CERTIFICATES = {
                                      "leading eigenvalue", ""),
     "leading_eigenvalue_imaginary": Observable(lambda m: m.point.leading_eigenvalue.imag,
                                                "its imaginary part", ""),
-    "event": _told("event", "event", names=EVENTS),
+    "event": Observable(lambda m: m.point.event or "none", "event", "", "i8", EVENTS),
     "fold_kind": _told("fold_kind", "kind of fold", names=FOLD_KINDS),
     "fold_tangents": Observable(lambda m: len(m.point.tangents),
                                 "tangents of a fold (2: in a corner of the branch)", "", "i8"),

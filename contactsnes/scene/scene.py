@@ -21,7 +21,7 @@ from .resolution import default_spacing
 from .units import Units
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene(Units):
     """Body, interface and grid: everything but the load.
 

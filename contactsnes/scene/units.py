@@ -10,7 +10,7 @@ all that knows of SI.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from ..options.fields import InputError, Options, as_text, checked, option
 from .load import Control, names, quantities
@@ -30,7 +30,7 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 """Power of ten -> prefix of a unit in SI."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Units(Options):
     """Units of a scene, and the scales of those that are in SI: a part of ``settings.Scene``."""
 
@@ -76,6 +76,14 @@ class Units(Options):
                                  f"{self.option_name(source)} makes it "
                                  f"{_groups(vars(self))[group]:.6g}: give one of them "
                                  "(from Python: Scene.typed)")
+
+    def __repr__(self):
+        """What makes the scene, in the units that it is typed in."""
+        if self.units == "dimensionless":
+            return super().__repr__()
+        given = [f"{field.name}={self.as_typed(field.name)!r}" for field in fields(self)
+                 if getattr(self, field.name) != field.default and field.name not in DERIVED]
+        return f"{type(self).__name__}.typed({', '.join(given)})"
 
     @classmethod
     def typed(cls, **values):
@@ -150,8 +158,8 @@ class Units(Options):
             name = names(self.dimension).get((component, control), "approach")
             size, unit = self.scale(quantities(self.dimension)[name].unit if name != "approach"
                                     else "u_n,r")
-            told.append(f"{name} {value * size:.6g}" + ("" if self.units == "dimensionless"
-                                                        else f" {unit}"))
+            told.append(f"{name} " + (f"{value:.6g}" if self.units == "dimensionless"
+                                      else prefixed(value * size, unit, 6)))
         return ", ".join(told)
 
 
@@ -223,7 +231,14 @@ def prefix(largest, unit):
     return size, sign + name
 
 
-def prefixed(value, unit):
-    """A value in SI as text, with four digits and a prefix."""
+def prefixed(value, unit, digits=4):
+    """A value in SI as text with a prefix.
+
+    Parameters
+    ----------
+    value : float
+    unit : str, in SI
+    digits : int, significant ones
+    """
     size, name = prefix(abs(value), unit)
-    return f"{value / size:.4g} {name}"
+    return f"{value / size:.{digits}g} {name}"
