@@ -19,7 +19,8 @@ from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
 from ..scene.load import names, quantities
-from ..scene.parts import about_law
+from ..scene.measured import INSTEAD
+from ..scene.parts import about_law, peaks
 from ..scene.units import DERIVED, Units, prefixed
 
 
@@ -173,7 +174,10 @@ def _scales(scene):
     forces = ("w_n,r", "w_t,r") if scene.dimension == 1 else ("R phi_n", "R sqrt(phi_n phi_t)")
     units = (f"{unit} {prefixed(*scene.scale(unit))}" for unit in ("beta", "u_n,r", "u_t,r",
                                                                    *forces, "p_n,r", "p_t,r"))
-    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and"),
+    strengths = " and ".join(prefixed(peak * scene.scale(unit)[0], "Pa")
+                             for peak, unit in zip(peaks(scene), ("p_n,r", "p_t,r")))
+    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and")
+            + f", strengths {strengths}",
             "SI scales: " + ", ".join(units)]
 
 
@@ -254,7 +258,8 @@ def all_options(instances):
     in_si = given.get("scene_units") == "si"
     for values in instances:
         for field in dataclasses.fields(values):
-            if in_si and field.name in DERIVED:
+            if in_si and (field.name in DERIVED
+                          or f"scene_{INSTEAD.get(field.name)}" in given):
                 continue  # what it follows from stands for it
             name, value = f"-{values.prefix}{field.name}", getattr(values, field.name)
             text = as_text(values.as_typed(field.name) if isinstance(values, Units) else value)

@@ -99,6 +99,12 @@ def sources(scene):
             if hasattr(part, "source_sha256")}
 
 
+def peaks(scene):
+    """Largest attraction and friction of a scene's law, phi_n/delta_n and phi_t/delta_t."""
+    law = laws.of(scene)
+    return law.normal_peak, law.tangential_peak
+
+
 def about_law(scene):
     """Phrases on the options of a scene's law: one, or none where it has none."""
     declared = laws.named(scene.law).declared()

@@ -13,6 +13,7 @@ class File(Shape):
     geometry_file: str = option("", "heights on the grid, highest = nearest the "
                                 "flat: FILE.npy, FILE.txt or FILE.h5:dataset", "u_n,r")
     gridded = True
+    uses_radius = False
 
     def check(self, scene):
         """InputError without a file."""
