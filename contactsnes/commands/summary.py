@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from ..branch.advice import advice
 from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
@@ -146,6 +147,15 @@ def about_scene(settings):
         f"cohesive zone: the spacing is {finest} of the largest that resolves it"
         + (" (0: no edge of contact in that direction)" if 0.0 in resolved else ""),
     ]
+
+
+def advised(settings):
+    """What is known before solving: contact by theory, cohesive lengths, costs, and what to
+    change."""
+    scene = settings.scene
+    if scene.points == "auto":  # no grid in memory reaches the accuracy
+        scene = dataclasses.replace(scene, points=None)
+    return advice(scene, settings.load, settings.output, partial(_one, scene), settings.steps)
 
 
 def _size(scene, values, unit, digits=8):

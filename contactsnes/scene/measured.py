@@ -64,9 +64,10 @@ def _refuse_missing(cls, values, round_):
     if absent:
         also = [f"{cls.option_name(INSTEAD[name])} in place of {cls.option_name(name)}"
                 for name in absent if name in INSTEAD]
-        raise InputError(f"-scene_units is 'si' without {' and '.join(map(cls.option_name, absent))}"
-                         ": give works of adhesion, contact modulus, radius of what is round, and "
-                         "both ranges of the law" + (f" ({', '.join(also)})" if also else ""))
+        lacking = " and ".join(map(cls.option_name, absent))
+        raise InputError(f"-scene_units is 'si' without {lacking}: give works of adhesion, contact "
+                         "modulus, radius of what is round, and both ranges of the law"
+                         + (f" ({', '.join(also)})" if also else ""))
     period = values.get("period")
     sizes = period if isinstance(period, (tuple, list)) else (period,)
     if "radius" not in values and (period is None or not all(map(math.isfinite, sizes))):

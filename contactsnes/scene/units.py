@@ -86,7 +86,8 @@ class Units(Options):
                                  f"{self.option_name(name)} follows from it in Scene.typed only")
         absent = [self.option_name(name) for name in SCALES if getattr(self, name) is None]
         if absent:
-            raise InputError(f"-scene_units is 'si' without {' and '.join(absent)}: give all scales")
+            raise InputError(f"-scene_units is 'si' without {' and '.join(absent)}: give all "
+                             "scales")
         for group, source in DERIVED.items():
             if getattr(self, source) is not None and not math.isclose(getattr(self, group),
                                                                       _groups(vars(self))[group],
