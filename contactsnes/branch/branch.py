@@ -163,9 +163,10 @@ class Branch:
             last = self.corrector.adapted(last, leg.controls, leg.start)
         return Stability(self.corrector, SIGN).modes(last, None)
 
-    def observe(self, point):
-        """Name -> value of everything that a point can tell (``observables.table``)."""
-        return observables.observe(self.contact, point)
+    def observe(self, point, names=None):
+        """Name -> value of everything that a point can tell (``observables.table``), or of some
+        names only."""
+        return observables.observe(self.contact, point, names)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""

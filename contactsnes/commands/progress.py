@@ -54,6 +54,12 @@ class Progress:
         self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
 
+    @property
+    def taken(self):
+        """Names of the numbers that it takes of a point."""
+        return {*self.columns, *self.counts, "dissipated_work", "energy_imbalance",
+                "external_work", "stable", "fold_kind"}
+
     def log(self, sentence):
         """Print a sentence without tearing the bar."""
         if self.bar is None:
