@@ -10,7 +10,8 @@ from . import reading
 
 SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
                                                 "mean_tangential_displacement"),
-          ("tangential_force",))
+          ("tangential_force",), ("half_axis",), ("contact_area", "stick_area", "slip_area"),
+          ("edge_left", "edge_right", "front_left", "front_right"))
 """Columns that share a prefix, since they share an axis; without _x and _y."""
 
 RANGES_SHOWN = 10.0

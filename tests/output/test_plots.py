@@ -6,7 +6,7 @@ import pytest
 from matplotlib.image import imread
 
 from contactsnes.output.archive import Archive
-from contactsnes.output.figures import data, loads, profiles, words
+from contactsnes.output.figures import data, loads, profiles, shape, words
 from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
@@ -150,7 +150,9 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     figures = plot(tmp_path / "run.h5")
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
                                                                 "shear")]
-    assert figures.skipped == {"maps": "the interface has one dimension"}
+    assert figures.skipped == {"maps": "the interface has one dimension",
+                               "outlines": "the interface has one dimension",
+                               "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
 
@@ -168,8 +170,8 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
 def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plot(tmp_path / "run.h5", points=[0, -1])
-    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
-                                                                "shear")]
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "outlines",
+                                                                "profiles", "shear")]
     assert figures.skipped == {"approach": "the normal load does not move"}
     check_images(figures)
 
@@ -273,3 +275,31 @@ def test_loads_of_rounding_are_none_in_titles():
     record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
                     event=np.array(["none", "jump", "none"]))
     assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
+
+
+SHAPE = {"line": ("half_axis_x", "stick_area", "slip_area", "edge_left", "edge_right", "front_left",
+                  "front_right"),
+         "plane": ("half_axis_x", "half_axis_y", "stick_area", "slip_area")}
+
+
+@pytest.mark.parametrize("interface", SHAPE)
+def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatch):
+    names, axis = SHAPE[interface], "_x" if interface == "plane" else ""
+    dimension = 2 if axis else 1
+    known = columns(dimension)
+    unit = known["contact_area"].unit
+    wider = {**known, **{name: Column(unit if name.endswith("area") else "beta") for name in names}}
+    monkeypatch.setattr(f"{__name__}.columns", lambda dimension=1: wider)
+    rows = [{**row, **{name: number for number, name in enumerate(names, start=1)}}
+            for row in shear(axis=axis)]
+    if interface == "plane":
+        plane_archive(tmp_path / "run.h5", rows)
+    else:
+        archive_of(tmp_path / "run.h5", [(row, ()) for row in rows])
+    figure = shape.draw_shape(read(tmp_path / "run.h5"))
+    above, below = figure.axes
+    drawn = {round(float(line.get_ydata()[0]), 9) for line in (*above.lines, *below.lines)
+             if len(line.get_ydata())}
+    assert set(range(2 if dimension == 1 else 1, 1 + len(names))) <= drawn
+    assert below.get_xlabel().startswith("tangential force")
+    assert "outlines" not in plot(tmp_path / "run.h5").skipped or interface == "line"

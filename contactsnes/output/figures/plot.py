@@ -6,6 +6,9 @@
   under shear
 - ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions
   along y = 0)
+- ``RUN-shape.png``: half axes of the contact (on a line edges and fronts of slip), and what sticks
+  and slips, against the load that moves
+- ``RUN-outlines.png``: where the contact ends at chosen points, over each other
 - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
   to three points
 
@@ -25,6 +28,7 @@ from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
 from .maps import draw_maps
 from .profiles import draw_profiles
+from .shape import draw_outlines, draw_shape
 from .style import STYLE
 
 
@@ -80,5 +84,6 @@ def plot(path, output=None, pdf=False, points=None):
 def _kinds(chosen):
     """Name -> function of a record that draws a figure, or raises NothingToShow."""
     return {"shear": draw_shear, "area": draw_area, "approach": draw_approach,
+            "shape": draw_shape, "outlines": lambda record: draw_outlines(record, chosen),
             "profiles": lambda record: draw_profiles(record, chosen),
             "maps": lambda record: draw_maps(record, chosen)}
