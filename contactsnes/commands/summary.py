@@ -37,7 +37,7 @@ def _seams(scene):
     size, unit = scene.scale("u_n,r")
     heights = shapes.of(scene).gridded
     what = "the heights are" if heights else "the gap is"
-    remedy = ("take out the trend of the heights, or taper them towards the edges" if heights
+    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides" if heights
               else "make the gap periodic, or the period longer than matters")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
     return [f"{what} not periodic: along {names[axis]} they step "

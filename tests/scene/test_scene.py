@@ -25,7 +25,10 @@ from contactsnes.scene.settings import (
 
 DEFAULTS = {"scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06",
             "scene_period": "100", "scene_spacing": "", "scene_geometry": "cylinder",
-            "scene_amplitude": "", "scene_geometry_file": "", "scene_rough_hurst": "0.8",
+            "scene_amplitude": "", "scene_geometry_file": "",
+            "scene_heights_size": "", "scene_heights_unit": "", "scene_heights_crop": "",
+            "scene_heights_fill": "none", "scene_heights_edges": "warn",
+            "scene_heights_fit": "exact", "scene_rough_hurst": "0.8",
             **dict.fromkeys(("scene_rough_slope", "scene_rough_longest", "scene_rough_shortest"),
                             ""), "scene_rough_seed": "0", "scene_gap_offset": "0",
             "scene_law": "modified", "scene_normal_maugis": "10", "scene_tangential_maugis": "1",

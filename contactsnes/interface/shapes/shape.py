@@ -60,6 +60,17 @@ class Shape(Declared):
         """
         raise NotImplementedError(f"the shape {type(self).__name__} has no gap(coordinates, scene)")
 
+    @classmethod
+    def completed(cls, values, scene):
+        """Values of a scene's options as they are typed, with what the shape adds to them.
+
+        Parameters
+        ----------
+        values : mapping of options that are given
+        scene : class of the scene
+        """
+        return values
+
     def curvature(self, scene):
         """Largest curvature of the gap in each direction, u_n,r/beta^2, a tuple: where bodies come
         near, it decides with the law how fine a grid an accuracy takes.

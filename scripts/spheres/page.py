@@ -1,0 +1,3 @@
+"""Tables."""
+def tables(found): return []
+def write(found, path): pass
