@@ -33,7 +33,7 @@ from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS
 from ..system.streams import Interrupts, standard_streams
-from . import summary
+from . import summary, surface
 from .run import Run
 from .session import (
     begin_petsc,
@@ -51,6 +51,7 @@ contactsnes: adhesive frictional contact of elastic bodies
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
   contactsnes plot RUN.h5 ...                         figures of archives (contactsnes plot --help)
+  contactsnes plot SCENE.opts [-option value] ...     the surface of a scene, before it is solved
   contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
                                                       methods on one scene: cost, accuracy, failures
   contactsnes run -help                               every option: meaning, unit, default, range
@@ -242,7 +243,10 @@ def compare(arguments):
 
 
 def plot(arguments):
-    """``contactsnes plot``: figures of archives."""
+    """``contactsnes plot``: figures of archives, or of the surface of a scene."""
+    if surface.of_scene(arguments):
+        os.environ.pop("MPLBACKEND", None)
+        return surface.plot_surface(arguments)
     parser = argparse.ArgumentParser(prog="contactsnes plot",
                                      description="Figures of archives, beside them.")
     parser.add_argument("archives", nargs="+", metavar="RUN.h5")

@@ -29,15 +29,16 @@ def resolution_warnings(settings):
     """Sentences on a grid that is too coarse, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()), *_seams(settings.scene))
+    return (*((sentence,) if sentence else ()), *seam_sentences(settings.scene))
 
 
-def _seams(scene):
+def seam_sentences(scene):
     """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     size, unit = scene.scale("u_n,r")
     heights = shapes.of(scene).gridded
     what = "the heights are" if heights else "the gap is"
-    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides" if heights
+    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides"
+              if heights
               else "make the gap periodic, or the period longer than matters")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
     return [f"{what} not periodic: along {names[axis]} they step "

@@ -237,5 +237,5 @@ def prefix(largest, unit):
 
 def prefixed(value, unit):
     """A value in SI as text, with four digits and a prefix."""
-    size, name = prefix(abs(value), unit)
+    size, name = prefix(abs(value) if math.isfinite(value) else 1.0, unit)
     return f"{value / size:.4g} {name}"

@@ -205,7 +205,8 @@ BAD = [({}, "a map without size: give that of all of it by -scene_heights_size")
 def test_bad_input_is_one_sentence(tmp_path, values, sentence):
     given = {**SI, "geometry_file": saved(tmp_path, MAP), **values}
     if given["units"] != "si":
-        given = {name: value for name, value in given.items() if name.startswith(("geo", "heights"))}
+        given = {name: value for name, value in given.items()
+                 if name.startswith(("geo", "heights"))}
     with pytest.raises(InputError, match=sentence) as error:
         Scene.typed(**given)
     assert "\n" not in str(error.value)

@@ -51,7 +51,7 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
                       "branch"}, "matplotlib": {"output.figures", "compare.figure"},
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
-                  "output.tables", "interface.heights"},
+                  "output.tables", "interface.height_files"},
          "pyfftw": {"grid.cell", "grid.even"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 

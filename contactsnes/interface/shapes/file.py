@@ -129,9 +129,9 @@ class File(Shape):
             except (OSError, ValueError):
                 return  # that is told where the heights are wanted
             if not np.allclose(size, scene.periods, rtol=1e-6):
-                raise InputError(f"-scene_heights_size is '{as_text(scene.as_typed('heights_size'))}"
-                                 "', but the period is another: leave it out (from Python: "
-                                 "Scene.typed)")
+                typed = as_text(scene.as_typed("heights_size"))
+                raise InputError(f"-scene_heights_size is '{typed}', but the period is another: "
+                                 "leave it out (from Python: Scene.typed)")
 
     def points(self, scene):
         """Those of the file."""
