@@ -106,7 +106,7 @@ def _tangential(scene, tangential):
     factor = scene.tangential_maugis / tangential
     if factor <= 1.0:
         return []
-    crack = ("a shear crack, E* K^2 ~ phi_t, needs the same force while its cohesive length is "
+    crack = ("a shear crack, K^2 = 2 E* phi_t, needs the same force while its cohesive length is "
              f"short beside the contact; gliding takes 1/{factor:.3g} of it, unless "
              "-scene_residual_friction makes up for it")
     if scene.units != "si":
