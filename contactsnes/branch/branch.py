@@ -6,8 +6,7 @@ import numpy as np
 
 from ..contact import energies, observables
 from ..contact.even_form import refuse
-from ..contact.isolated import IsolatedContact, lay_out
-from ..contact.problem import DISPLACEMENT, FORCE, Contact
+from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
@@ -17,19 +16,17 @@ from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid.boxes import of_boxes
 from ..interface import shapes
-from ..interface.gap import refuse_contact_at_edge
-from ..kernels.choice import chosen as chosen_kernels
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
-from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
 from ..scene.parts import check_law, sources, with_parts
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
 from . import failures, first_points, restarting
+from .contacts import contact_of
 from .grid_choice import chosen
 from .remarks import Remarks
 from .too_large import refuse_too_large
@@ -86,18 +83,8 @@ class Branch:
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
-        shape = shapes.of(scene)
-        self._heights = shape.heights(scene)
-        kernels = chosen_kernels(form.kernels == "auto", form.cache or None)
-        if scene.isolated:
-            check_form(form)
-            self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)),
-                                           kernels=kernels)
-        else:
-            self.contact = Contact(scene, self._heights, kernels=kernels)
-            refuse_contact_at_edge(shape, self.contact)
-        if kernels.law_reason:
-            log(f"the law is evaluated by NumPy: {kernels.law_reason}")
+        self._heights = shapes.of(scene).heights(scene)
+        self.contact = contact_of(scene, load, form, self._heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, self.method)
         refuse_without_tangent(self.steps.stability, form)
@@ -195,9 +182,10 @@ class Branch:
             last = self.corrector.adapted(last, leg.controls, leg.start)
         return Stability(self.corrector, SIGN).modes(last, None)
 
-    def observe(self, point):
-        """Name -> value of everything that a point can tell (``observables.table``)."""
-        return observables.observe(self.contact, point)
+    def observe(self, point, names=None):
+        """Name -> value of everything that a point can tell (``observables.table``), or of some
+        names only."""
+        return observables.observe(self.contact, point, names)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""

@@ -50,6 +50,7 @@ contactsnes: adhesive frictional contact of elastic bodies
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
   contactsnes plot RUN.h5 ...                         figures of archives
+  contactsnes plot SCENE.opts [-option value] ...     the surface of a scene, before it is solved
   contactsnes report RUN.h5 ...                       curves, fields and certificates as a page
   contactsnes movie RUN.h5 ...                        profiles or maps along the load path
   contactsnes table RUN.h5 ...                        numbers of archives: CSV, Parquet
@@ -175,15 +176,20 @@ def info(arguments):
     """``contactsnes info``: what would be solved."""
     if asks_for_help(arguments):
         return _help_on_options(arguments)
-    settings = start_petsc(arguments)
+    settings = start_petsc(arguments, _advise)
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
     # Without a path there is still a contact to tell of.
     still = dataclasses.replace(load, path="normal_force=hold" if scene.isolated
                                 else "normal_displacement=hold")
-    branch = create_branch(settings if legs else settings._replace(load=still,
-                                                                   steps=scenes.Steps()))
+    try:
+        branch = create_branch(settings if legs else settings._replace(load=still,
+                                                                       steps=scenes.Steps()))
+    except InputError:
+        _advise(settings)
+        raise
     sections = {"Scene": summary.about_scene(settings),
+                "Before solving": summary.advised(settings),
                 "Load path": summary.about_path(settings, legs),
                 "Unknowns": summary.about_unknowns(settings, branch),
                 "Left out": summary.skipped(settings, branch),
@@ -194,12 +200,22 @@ def info(arguments):
                                                                        settings.output,
                                                                        settings.estimates)],
                 "Options": summary.options_in_use([*settings, *map(read, solver_options())])}
-    for title, lines in sections.items():
-        if lines:
-            print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
+    _print(sections)
     for sentence in summary.resolution_warnings(settings):
         complain("warning", sentence)
     return told()
+
+
+def _print(sections):
+    """Print lines under their titles."""
+    for title, lines in sections.items():
+        if lines:
+            print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
+
+
+def _advise(settings):
+    """Print what is known of a scene that is then refused."""
+    _print({"Before solving": summary.advised(settings)})
 
 
 # compare

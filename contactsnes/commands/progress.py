@@ -64,6 +64,12 @@ class Progress:
         self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
 
+    @property
+    def taken(self):
+        """Names of the numbers that it takes of a point."""
+        return {*self.columns, *self.counts, "dissipated_work", "energy_imbalance",
+                "external_work", "stable", "fold_kind"}
+
     def _units(self, scene, load):
         """Name -> (size, name of the unit with a prefix) of a column: in which the largest value
         that the load names is a handy number or, where it names none, the scale of the scene."""

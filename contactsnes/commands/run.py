@@ -191,8 +191,8 @@ class Run:
         """Keep and show a point."""
         measurement = observables.Measurement(self.branch.contact, point)
         row = self.watch.row(point) if self.watch else {}
-        row |= {name: observable.function(measurement) for name, observable in self.table.items()
-                if name not in row}
+        wanted = self.table if self.archive else self.table.keys() & self.progress.taken
+        row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
             fields = measurement.fields() if self.settings.output.fields != "none" else ()
             self.archive.append(row, self.branch.packed(point), *fields)

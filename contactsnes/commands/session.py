@@ -118,8 +118,11 @@ def settled():
         gc.enable()
 
 
-def start_petsc(arguments):
-    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+def start_petsc(arguments, refused=lambda settings: None):
+    """Initialise PETSc with the arguments of a command and read the settings from its database.
+
+    ``refused`` is called with settings whose scene has no grid in memory, before the InputError.
+    """
     try:
         os.getcwd()
     except OSError as error:
@@ -134,7 +137,11 @@ def start_petsc(arguments):
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
     scenes.check(scene, load, steps)
     settings = Settings(scene, form, load, steps, output)
-    return settings._replace(scene=_with_points(settings))
+    try:
+        return settings._replace(scene=_with_points(settings))
+    except InputError:
+        refused(settings)
+        raise
 
 
 def _with_points(settings):

@@ -59,7 +59,12 @@ def writing(path, make):
 
 
 def plot(arguments):
-    """``contactsnes plot``: figures of archives."""
+    """``contactsnes plot``: figures of archives, or of the surface of a scene."""
+    if any(word.endswith(".opts") or word.startswith("-scene_") for word in arguments):
+        from .surface import plot_surface
+
+        os.environ.pop("MPLBACKEND", None)
+        return plot_surface(arguments)
     text = usage("plot RUN.h5 ... [-plot_option value] ...",
                  "Figures of archives, beside them.", PlotOptions)
     paths, asked = asked_for(arguments, PlotOptions, text, PLOT)

@@ -13,7 +13,9 @@ SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
                                                 "mean_tangential_displacement"),
           ("tangential_force",),
           ("elastic_energy", "interfacial_energy", "external_work", "interface_work",
-           "dissipated_work", "energy_imbalance", "jump_work", "viscous_work"))
+           "dissipated_work", "energy_imbalance", "jump_work", "viscous_work"),
+          ("half_axis",), ("contact_area", "stick_area", "slip_area"),
+          ("edge_left", "edge_right", "front_left", "front_right"))
 """Columns that share a prefix, since they share an axis; without _x and _y."""
 
 RANGES_SHOWN = 10.0

@@ -78,6 +78,11 @@ class Scene(Units):
         parts.admit(cls, {field: found.get(cls.prefix + field, "") for field in ("law", "geometry",
                                                                                  "body")})
 
+    @classmethod
+    def typed(cls, **values):
+        """The instance for values as they are typed (``Units.typed``), completed by its shape."""
+        return super().typed(**parts.completed(cls, values))
+
     def __post_init__(self):
         super().__post_init__()
         for name in ("points", "period", "spacing"):

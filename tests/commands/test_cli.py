@@ -381,6 +381,46 @@ def test_info_shows_what_would_be_solved(tmp_path):
     assert "warning" in done.stderr and "-scene_points 512" in done.stderr
 
 
+def test_a_surface_is_drawn_before_it_is_solved(tmp_path):
+    """A measured map, and a shape; a map without size is refused by name."""
+    x = np.arange(32) / 32
+    np.savetxt(tmp_path / "map.csv", np.cos(4 * np.pi * x)[:, None] + x, delimiter=",")
+    (tmp_path / "mine.opts").write_text("""-scene_units si
+-scene_geometry file
+-scene_geometry_file map.csv
+-scene_heights_unit um
+-scene_contact_modulus 2e6
+-scene_work_of_adhesion_normal 0.03
+-scene_work_of_adhesion_tangential 0.03
+-scene_range_normal 1e-7
+-scene_range_tangential 1e-7
+""")
+    done = call("plot", "mine.opts", "-scene_heights_size", "1e-4", folder=tmp_path)
+    assert done.returncode == 0 and done.stdout == "mine-surface.png\n"
+    assert "the heights are not periodic: along y" in done.stderr
+    assert (tmp_path / "mine-surface.png").stat().st_size > 10000
+    done = call("plot", "mine.opts", folder=tmp_path)
+    assert done.returncode == 2 and "a map without size" in done.stderr
+    done = call("plot", "-scene_geometry", "sphere", "-scene_dimension", "2", "-scene_points", "32",
+                folder=tmp_path)
+    assert done.stdout == "sphere-surface.png\n"
+
+
+def test_info_advises_on_a_scene_out_of_reach(tmp_path):
+    """PDMS on glass: a range of 58 nm takes 16384 squared, which no memory here holds."""
+    done = call("info", "-scene_units", "si", "-scene_dimension", "2", "-scene_geometry", "sphere",
+                "-scene_radius", "9.42e-3", "-scene_young_modulus", "1.5e6",
+                "-scene_work_of_adhesion_normal", "0.027", "-scene_work_of_adhesion_tangential",
+                "0.027", "-scene_adhesive_strength", "1e5", "-scene_shear_strength", "0.4e6",
+                "-scene_period", "1.5e-3", "-scene_height", "3e-3", "-scene_points", "auto",
+                "-load_path", "normal_force=0.01; tangential_displacement_x=1e-3", folder=tmp_path)
+    assert done.returncode == 2 and "-scene_accuracy is '1e-06': that takes" in done.stderr
+    for words in ("contact by theory", "the law takes 16384 x 16384 points", "at fixed work: the "
+                  "strength is free, -scene_shear_strength", "at fixed strength: the work is free, "
+                  "-scene_work_of_adhesion_tangential", "% of the displacement of its top"):
+        assert words in done.stdout
+
+
 @pytest.mark.parametrize("arguments, text", [(SMALL, "no legs"),
                                              (["-scene_dimension", "2", "-scene_points", "32",
                                                "-scene_geometry", "sphere", "-scene_normal_maugis",

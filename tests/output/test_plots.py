@@ -10,7 +10,17 @@ from matplotlib.image import imread
 
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
-from contactsnes.output.figures import curves, data, loads, maps, measured, profiles, style, words
+from contactsnes.output.figures import (
+    curves,
+    data,
+    loads,
+    maps,
+    measured,
+    profiles,
+    shape,
+    style,
+    words,
+)
 from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
@@ -154,7 +164,9 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     figures = plot(tmp_path / "run.h5")
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
                                                                 "shear")]
-    assert figures.skipped == {"maps": "the interface has one dimension"}
+    assert figures.skipped == {"maps": "the interface has one dimension",
+                               "outlines": "the interface has one dimension",
+                               "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
 
@@ -172,9 +184,10 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
 def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plot(tmp_path / "run.h5", points=[0, -1])
-    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
-                                                                "shear")]
-    assert figures.skipped == {"approach": "the normal load does not move"}
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "outlines",
+                                                                "profiles", "shear")]
+    assert figures.skipped == {"approach": "the normal load does not move",
+                               "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
 
@@ -361,3 +374,31 @@ def test_maps_have_room_for_their_ticks_and_titles(tmp_path):
             assert len(boxes) > 1 and all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
         titles = [axes.title.get_window_extent() for axes in figure.axes[:3]]
         assert all(one.x1 < other.x0 for one, other in zip(titles, titles[1:]))
+
+
+SHAPE = {"line": ("half_axis_x", "stick_area", "slip_area", "edge_left", "edge_right", "front_left",
+                  "front_right"),
+         "plane": ("half_axis_x", "half_axis_y", "stick_area", "slip_area")}
+
+
+@pytest.mark.parametrize("interface", SHAPE)
+def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatch):
+    names, axis = SHAPE[interface], "_x" if interface == "plane" else ""
+    dimension = 2 if axis else 1
+    known = columns(dimension)
+    unit = known["contact_area"].unit
+    wider = {**known, **{name: Column(unit if name.endswith("area") else "beta") for name in names}}
+    monkeypatch.setattr(f"{__name__}.columns", lambda dimension=1: wider)
+    rows = [{**row, **{name: number for number, name in enumerate(names, start=1)}}
+            for row in shear(axis=axis)]
+    if interface == "plane":
+        plane_archive(tmp_path / "run.h5", rows)
+    else:
+        archive_of(tmp_path / "run.h5", [(row, ()) for row in rows])
+    figure = shape.draw_shape(read(tmp_path / "run.h5"))
+    above, below = figure.axes
+    drawn = {round(float(line.get_ydata()[0]), 9) for line in (*above.lines, *below.lines)
+             if len(line.get_ydata())}
+    assert set(range(2 if dimension == 1 else 1, 1 + len(names))) <= drawn
+    assert below.get_xlabel().startswith("tangential force")
+    assert "outlines" not in plot(tmp_path / "run.h5").skipped or interface == "line"

@@ -52,7 +52,7 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
                       "branch"},
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
-                  "output.tables", "output.vtk", "interface.heights"},
+                  "output.tables", "output.vtk", "interface.height_files"},
          "pyfftw": {"grid.cell", "grid.even", "kernels.library", "kernels.transforms"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 

@@ -6,6 +6,9 @@
   under shear
 - ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions
   along y = 0)
+- ``RUN-shape.png``: half axes of the contact (on a line edges and fronts of slip), and what sticks
+  and slips, against the load that moves
+- ``RUN-outlines.png``: where the contact ends at chosen points, over each other
 - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
   to three points
 - ``RUN-columns.png``: columns that are asked for
@@ -32,6 +35,7 @@ from .loads import draw_approach, draw_area, draw_shear
 from .maps import draw_maps
 from .measured import check_used, read_measured
 from .profiles import draw_profiles
+from .shape import draw_outlines, draw_shape
 from .style import settings, sized
 
 
@@ -144,5 +148,7 @@ def _kinds(record, points, measured):
     return {"shear": lambda: draw_shear(record, measured),
             "area": lambda: draw_area(record, measured),
             "approach": lambda: draw_approach(record, measured),
+            "shape": lambda: draw_shape(record),
+            "outlines": lambda: draw_outlines(record, chosen),
             "profiles": lambda: draw_profiles(record, chosen),
             "maps": lambda: draw_maps(record, chosen)}
