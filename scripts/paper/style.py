@@ -13,6 +13,7 @@ WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
 """Width of a page and of a column, inches."""
 AREA, FORCE = r"$a_r/\beta$", r"$w_t/w_{t,r}$"
 GREY = "#808080"
+SYMBOLS = {"residual": r"$\rho = \tau_\infty/\tau_{\max}$", "drive": r"$u_{app,t}/u_{t,r}$"}
 LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max}$",
              "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
 
