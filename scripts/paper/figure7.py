@@ -51,6 +51,22 @@ def onset_line(results, law, maugis):
     return slope, 1.96 * spread, np.max(np.abs(rest / forces)), found
 
 
+def sinking(results):
+    """What is to be said of contacts under eq. 3 that have not begun to slide by the end of their
+    run."""
+    told = []
+    for maugis in TANGENTIAL:
+        for force in loads(maugis):
+            record = results[f"mcgarry-t{maugis:g}-w{force:g}"]
+            if onset(record) is None and record["contact_area"][-1] > 0:
+                told.append(f"; lambda_t = {maugis:g}, W = {force:g}: none with eq. 3 by w_t "
+                            f"= {record['tangential_force'][-1]:.3g}, where the rim "
+                            "that slips, and is repelled no more, has sunk "
+                            "into the flat by "
+                            f"{-10 * record['minimum_gap'].min():.0f} delta_n")
+    return "".join(told)
+
+
 def draw(results):
     """The figure."""
     figure, axes = panels(3, 3, height=6.3)

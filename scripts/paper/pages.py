@@ -6,10 +6,14 @@ import early
 import numpy as np
 import onsets
 import poisson
+import regimes
 import remnant
 import rough
 import sinusoid
 import statements  # noqa: F401  makes the statements of the table
+import statements_more  # noqa: F401
+import statements_residual  # noqa: F401
+import statements_theory  # noqa: F401
 from errors import figure_table
 from runs import ROOT, Finer
 from statement import evaluated, table
@@ -54,8 +58,8 @@ BESIDE = {"figure2": "Curves and line styles are the paper's; eqs. 3b and "
           "figure7": "The paper shows the first row. Open circles are stable "
           "onsets, crosses an estimate that the paper does not have.",}
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early,
-                                                 onsets)}
+BEYOND = {module.__name__: module for module in (regimes, early, remnant, poisson, cell, sinusoid,
+                                                 rough, onsets)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED,
 draw, CAPTION and says."""
 

@@ -262,8 +262,6 @@ def catalogue():
              if (law, force) not in (("full", 25), ("half", 25))]
     found += [sheared(law, maugis, 25, fields="all") for maugis in (10, 1, 0.1)
               for law in ("full", "half")]
-    found += [sheared("half", 10, 25, points=size, suffix=f"-p{size}", beyond=size == 8192)
-              for size in (8192, 16384)]
     found += [sheared(law, 10, 0.8) for law in ("full", "half")]
     found += [sheared("full", maugis, force) for maugis in MORE_TANGENTIAL[::-1] for force in LOADS]
     found += [sheared(law, maugis, force) for law in LAWS for maugis in (1, 0.1)

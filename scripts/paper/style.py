@@ -50,3 +50,9 @@ def branch(axes, record, x, y, part=slice(None), **look):
 def shades(count, name="viridis"):
     """Colours of a family of curves, dark to light."""
     return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))
+
+
+def lettered(axes, titles=()):
+    """Give each panel its letter, and a title beside it."""
+    for letter, one, title in zip("abcdefghijkl", axes, [*titles, *[""] * 12]):
+        one.set_title(f"({letter})" + f"  {title}" * bool(title), loc="left")
