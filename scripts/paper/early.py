@@ -152,7 +152,7 @@ def draw_forces(axes, results):
              ylim=(1, 200))
     axes.set_xticks([0, 0.02, 0.05, 0.1, 0.2, 0.5, 1], ["0", ".02", ".05", ".1", ".2", ".5", "1"])
     axes.set_xticks([], minor=True)
-    axes.legend(fontsize=6.5, loc="upper left", handlelength=1.8)
+    axes.legend(loc="upper left", handlelength=1.8)
 
 
 def draw_tractions(axes, results, force):
@@ -164,7 +164,7 @@ def draw_tractions(axes, results, force):
                   label=f"$\\rho = {residual:g}$")
     half = 0.5 * friction_width(results, force)
     axes.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(0, 1.2 * half), ylim=(0, 1.3))
-    axes.legend(fontsize=6.5, ncols=2, loc="upper left", handlelength=1.2, columnspacing=0.8)
+    axes.legend(ncols=2, loc="upper left", handlelength=1.2, columnspacing=0.8)
 
 
 def draw_areas(axes, results, force):
@@ -173,12 +173,13 @@ def draw_areas(axes, results, force):
         record = results[mapped(residual, MAUGIS, force).name]
         forces, areas = peel(record)
         first = onset(record)
-        axes.plot(forces[1:], areas[1:], color=colour, linewidth=1.0, label=f"$\\rho = {residual:g}$")
+        axes.plot(forces[1:], areas[1:], color=colour, linewidth=1.0,
+                  label=f"$\\rho = {residual:g}$")
         axes.plot(first.force, first.area, "o" if force < 1 else "*", color=colour,
                   markeredgecolor="k", markeredgewidth=0.4, markersize=4 if force < 1 else 7,
                   zorder=4, clip_on=False)
     axes.set(xlabel=FORCE, ylabel=AREA, xscale="log", xlim=(0.3, 200 if force > 1 else 40))
-    axes.legend(fontsize=6.5, loc="upper right", handlelength=1.4)
+    axes.legend(loc="upper right", handlelength=1.4)
 
 
 def draw_motions(axes, results):
@@ -194,7 +195,7 @@ def draw_motions(axes, results):
             axes.plot(sticks, -len(labels), color=colour, marker=marker, markersize=4)
             labels.append(label)
     axes.axvline(1, color="k", linewidth=0.6)
-    axes.set_yticks(range(0, -len(labels), -1), labels, fontsize=6.5)
+    axes.set_yticks(range(0, -len(labels), -1), labels)
     axes.tick_params(axis="y", length=0)
     axes.set(xlabel="sliding / equilibrium's", xlim=(-0.05, 1.4), ylim=(-len(labels) + 0.4, 0.6))
 
@@ -240,8 +241,8 @@ def told_motions(results):
     half, none = (slides(results[run.name])[0] for run in EQUILIBRIA.values())
     record = results[EQUILIBRIA["half"].name]
     least = least_sliding_found(record)
-    return (f"Damped motion to rest slides where equilibria do: {between(results, 'half', REST)} at "
-            f"rho = 0.5 (equilibrium: {half:.0f}) and {between(results, 'none', REST)} at rho = 0 "
+    return ("Damped motion to rest slides where equilibria do: "
+            f"{between(results, 'half', REST)} at rho = 0.5 (equilibrium: {half:.0f}) and {between(results, 'none', REST)} at rho = 0 "
             f"({none:.0f}), in the steps of its load. Stopped before, it is late "
             f"({between(results, 'half', STOPPED)} after 300 time steps, "
             f"{between(results, 'half', STRONG)} with strong damping); weakly damped, it shakes "

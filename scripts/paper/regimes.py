@@ -288,8 +288,8 @@ def draw_heights(axes, results, force, letter):
     axes.set(xscale="log", yscale="log", xlabel=r"$\lambda_t$", ylabel="$H/L$",
              title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$", ylim=(2e-2, 4e2),
              xlim=(along[0], along[-1]))
-    axes.annotate("fold", (0.97, 0.95), xycoords="axes fraction", ha="right", va="top", fontsize=7)
-    axes.annotate("gradual", (0.04, 0.05), xycoords="axes fraction", fontsize=7)
+    axes.annotate("fold", (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
+    axes.annotate("gradual", (0.04, 0.05), xycoords="axes fraction")
 
 
 def draw(results):
@@ -311,15 +311,13 @@ def draw(results):
              for style, label in (("--", r"$\tau_{\max}a =$ crack"),
                                   ("-", r"$\rho\,\tau_{\max}a =$ crack"),
                                   (":", "front 1.1 crack"))]
-    axes[1, 0].legend(handles=keys, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2,
-                      fontsize=6.5, columnspacing=0.8, handlelength=1.6)
+    axes[1, 0].legend(handles=keys, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2, columnspacing=0.8, handlelength=1.6)
     handles, labels = axes[0, 2].get_legend_handles_labels()
     handles += [Line2D([], [], color="k", linewidth=0.8), Line2D([], [], color="k", linewidth=0.8,
                                                                  linestyle="--"),
                 Line2D([], [], color=GREY, linewidth=1.5)]
     labels = [*(f"$\\rho = {label}$" for label in labels), "uniform slip", "crack", "the paper"]
-    axes[1, 2].legend(handles, labels, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2,
-                      fontsize=6.5, columnspacing=0.8, handlelength=1.6)
+    axes[1, 2].legend(handles, labels, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2, columnspacing=0.8, handlelength=1.6)
     return figure
 
 
@@ -369,13 +367,14 @@ def says(results):
                   / least_height_by_theory(results, residual, 0.1, 25) - 1)
               for residual in (0, 0.5, 0.8))
     rise = {force: least[1, 0.1, force] for force in LOADS}
-    again = [results[name] for name in (traced(0.8, 0.2, 25).name, finer(traced(0.8, 0.2, 25)).name)]
+    once = traced(0.8, 0.2, 25)
+    again = [results[run.name] for run in (once, finer(once))]
     change = abs(least_height(again[0]) / least_height(again[1]) - 1)
     grids = [grid_change(results, mapped(*case)) for case in REFINED]
     return text + (
         "Whether a compliant onset is a fold hinges on the drive: it is one under a layer higher, "
-        f"in periods, than {least[0, 0.1, 25]:.2g} at rho = 0, {least[0.8, 0.1, 25]:.2g} at 0.8 and "
-        f"{least[0.9, 0.1, 25]:.2g} at 0.9 (lambda_t = 0.1, W = 25; uniform slip of a contact of "
+        f"in periods, than {least[0, 0.1, 25]:.2g} at rho = 0, {least[0.8, 0.1, 25]:.2g} at 0.8 "
+        f"and {least[0.9, 0.1, 25]:.2g} at 0.9 (lambda_t = 0.1, W = 25; uniform slip of a contact of "
         f"constant width within {100 * off:.0f} % up to 0.8); at rho = 1, where only the loss of "
         f"area makes the force fall, {rise[25]:.2g} and, at W = 0.8, {rise[0.8]:.2g}; the paper's "
         "layer is 20 high. Twice the points change forces at the onset by at most "

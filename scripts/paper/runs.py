@@ -139,7 +139,8 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     approach = reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)
     return Run(
         name,
-        finer="points" not in given,
+        # Rims that sink under eq. 3 take finer grids than can be doubled at a reasonable cost.
+        finer="points" not in given and not (law == "mcgarry" and maugis >= 10),
         options={
             **{f"scene_{key}": value for key, value in scene.items()},
             "scene_points": size,
@@ -259,7 +260,7 @@ def slid(displacement):
 def catalogue():
     """Name -> Run of all runs, the longest first."""
     found = [sheared(law, 10, force) for law in LAWS for force in MORE_LOADS[::-2]
-             if (law, force) not in (("full", 25), ("half", 25))]
+             if (law, force) not in (("full", 25), ("half", 25), ("mcgarry", 10.4))]
     found += [sheared(law, maugis, 25, fields="all") for maugis in (10, 1, 0.1)
               for law in ("full", "half")]
     found += [sheared(law, 10, 0.8) for law in ("full", "half")]

@@ -36,8 +36,8 @@ def reattachment(results):
 
 
 @statement("Sec. 5", "the model specifies by construction that the contact area is reduced by the "
-           "tangential load", "largest area under shear over that before, minus 1, for each Poisson "
-           "ratio, force held; lambda_t = 1, tau_max/2")
+           "tangential load", "largest area under shear over that before, minus 1, for each "
+           "Poisson ratio, force held; lambda_t = 1, tau_max/2")
 def area_shrinks(results):
     found, grown = [], {}
     error = grid_change(results, poisson.run(0.0, 25))[2]
@@ -84,8 +84,8 @@ def two_parameters(results):
                             spread=max(begun.force_error, error * begun.force)))
     factor = found[-1].value / found[0].value
     return found, (f"not confirmed: rho alone changes the onset by a factor of {factor:.0f}, and "
-                   "decides how sliding begins; the height over the period decides whether an onset "
-                   "is a fold; nu < 1/2 brings in phi_t/phi_n")
+                   "decides how sliding begins; the height over the period decides whether an "
+                   "onset is a fold; nu < 1/2 brings in phi_t/phi_n")
 
 
 @statement("Secs. 2.1 and 4, captions", "further misprints", "tau_max as printed in the text, "
@@ -101,9 +101,9 @@ def misprints(results):
                    "Sec. 4, and u_app,n/u_t,r in the caption of Fig. 5, for u_app,n/u_n,r")
 
 
-@statement("Sec. 4", "the force drops at the onset for two reasons: tau_inf < tau_max, and the loss "
-           "of area", "logarithm of the drop of the force split into those of the mean traction and "
-           "of the area: share of the area; tau_max/2 and tau_max, approach held")
+@statement("Sec. 4", "the force drops at the onset for two reasons: tau_inf < tau_max, and the "
+           "loss of area", "logarithm of the drop of the force split into those of the mean "
+           "traction and of the area: share of the area; tau_max/2 and tau_max, approach held")
 def drop_split(results):
     found, shares = [], {}
     for maugis in (0.1, 1):

@@ -34,8 +34,8 @@ def peaks(results):
 
 @statement("Sec. 2.1", "the first, reversible region of eq. 5 has the "
            "finite energy phi_t", "work of eqs. 3 and 5 in pure slip at "
-           "no gap: to the peak of the traction at delta_t/sqrt 2, to delta_t, and from the peak to "
-           "infinity above tau_inf = tau_max/2; over phi_t; by quadrature")
+           "no gap: to the peak of the traction at delta_t/sqrt 2, to delta_t, and from the peak "
+           "to infinity above tau_inf = tau_max/2; over phi_t; by quadrature")
 def reversible_work(results):
     found = []
     for name, law, least in (("eq. 3", LAWS["mcgarry"](), 0.0),
@@ -51,11 +51,10 @@ def reversible_work(results):
                   Number("to delta_t", range_, exact=True),
                   Number("beyond the peak", falling, exact=True)]
     holds = abs(found[3].value - 1) < 0.01
-    return found, "confirmed" if holds else ("not confirmed: phi_t is the whole work of eq. 3. To delta_t, "
-                                             "the limit that the text gives, it "
-                                             f"takes {found[1].value:.3g} of it, to "
-                                             "delta_t/sqrt 2, the limit of eq. 5b, "
-                                             f"{found[0].value:.3g}; neither is phi_t")
+    return found, "confirmed" if holds else (
+        "not confirmed: phi_t is the whole work of eq. 3. To delta_t, the limit that the text "
+        f"gives, it takes {found[1].value:.3g} of it, to delta_t/sqrt 2, the limit of eq. 5b, "
+        f"{found[0].value:.3g}; neither is phi_t")
 
 
 @statement("Fig. 3", "the area converges for large thresholds; e delta_n gives "
