@@ -241,13 +241,15 @@ def told_motions(results):
     half, none = (slides(results[run.name])[0] for run in EQUILIBRIA.values())
     record = results[EQUILIBRIA["half"].name]
     least = least_sliding_found(record)
+    begins = {(law, label): between(results, law, label)
+              for law, runs in MOTIONS.items() for label in runs}
     return ("Damped motion to rest slides where equilibria do: "
-            f"{between(results, 'half', REST)} at rho = 0.5 (equilibrium: {half:.0f}) and {between(results, 'none', REST)} at rho = 0 "
-            f"({none:.0f}), in the steps of its load. Stopped before, it is late "
-            f"({between(results, 'half', STOPPED)} after 300 time steps, "
-            f"{between(results, 'half', STRONG)} with strong damping); weakly damped, it shakes "
+            f"{begins['half', REST]} at rho = 0.5 (equilibrium: {half:.0f}) and "
+            f"{begins['none', REST]} at rho = 0 ({none:.0f}), in the steps of its load. Stopped "
+            f"before, it is late ({begins['half', STOPPED]} after 300 time steps, "
+            f"{begins['half', STRONG]} with strong damping); weakly damped, it shakes "
             f"(what sticks is off by up to {behind(results, WEAK):+.2g}), and overshoots: at rho = "
-            f"0 it slides {between(results, 'none', WEAK)}, for good. At rho = 0.5 no motion can "
+            f"0 it slides {begins['none', WEAK]}, for good. At rho = 0.5 no motion can "
             f"rest sliding below {least:.0f} (theory: "
             f"{least_sliding(record['normal_force'][-1]):.0f}), "
             f"{100 * (1 - least_share(results)):.1f} % before the onset, for tau_inf pulls the "

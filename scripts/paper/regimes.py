@@ -29,6 +29,7 @@ from style import GREY, SYMBOLS, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
+from contactsnes.output.tables import markdown
 
 CAPTION = "How sliding begins, over residual friction, stiffness of the interface, and the cell"
 COMPLIANT, SHARES = (0.1, 0.2, 0.36), (0, 0.5, 0.8, 0.9, 1)
@@ -311,13 +312,15 @@ def draw(results):
              for style, label in (("--", r"$\tau_{\max}a =$ crack"),
                                   ("-", r"$\rho\,\tau_{\max}a =$ crack"),
                                   (":", "front 1.1 crack"))]
-    axes[1, 0].legend(handles=keys, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2, columnspacing=0.8, handlelength=1.6)
+    axes[1, 0].legend(handles=keys, loc="upper center", bbox_to_anchor=(0.45, -0.2), ncols=2,
+                      handlelength=1.2, columnspacing=0.6)
     handles, labels = axes[0, 2].get_legend_handles_labels()
     handles += [Line2D([], [], color="k", linewidth=0.8), Line2D([], [], color="k", linewidth=0.8,
                                                                  linestyle="--"),
                 Line2D([], [], color=GREY, linewidth=1.5)]
     labels = [*(f"$\\rho = {label}$" for label in labels), "uniform slip", "crack", "the paper"]
-    axes[1, 2].legend(handles, labels, loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2, columnspacing=0.8, handlelength=1.6)
+    axes[1, 2].legend(handles, labels, loc="upper center", bbox_to_anchor=(0.45, -0.2), ncols=2,
+                      handlelength=1.2, columnspacing=0.6)
     return figure
 
 
@@ -340,6 +343,21 @@ def agreement(results, force):
                         2 if residual > (0 if np.isnan(boundary) else boundary) else 1)
             right, total = right + (one.kind == expected), total + 1
     return right, total
+
+
+def onset_tables(results):
+    """Lines of a table for each load: forces at the onset, and how it comes."""
+    lines = []
+    for force in LOADS[::-1]:
+        rows = []
+        for maugis in MAPPED[::-1]:
+            cells = [begun(results, residual, maugis, force) for residual in RESIDUALS]
+            rows.append([f"{maugis:g}"] + ["-" if one is None else f"{one.onset.force:.4g} "
+                                           f"{'uef'[one.kind]}{'' if one.onset.unstable else ', g'}"
+                                           for one in cells])
+        lines += [f"W = {force:g}:", "",
+                  *markdown([r"lambda_t \\ rho", *(f"{value:g}" for value in RESIDUALS)], rows), ""]
+    return lines[:-1]
 
 
 def says(results):
@@ -374,9 +392,9 @@ def says(results):
     return text + (
         "Whether a compliant onset is a fold hinges on the drive: it is one under a layer higher, "
         f"in periods, than {least[0, 0.1, 25]:.2g} at rho = 0, {least[0.8, 0.1, 25]:.2g} at 0.8 "
-        f"and {least[0.9, 0.1, 25]:.2g} at 0.9 (lambda_t = 0.1, W = 25; uniform slip of a contact of "
-        f"constant width within {100 * off:.0f} % up to 0.8); at rho = 1, where only the loss of "
-        f"area makes the force fall, {rise[25]:.2g} and, at W = 0.8, {rise[0.8]:.2g}; the paper's "
+        f"and {least[0.9, 0.1, 25]:.2g} at 0.9 (lambda_t = 0.1, W = 25; uniform slip of a contact "
+        f"of constant width within {100 * off:.0f} % up to 0.8); at rho = 1, where only the loss "
+        f"of area makes the force fall, {rise[25]:.2g} and, at W = 0.8, {rise[0.8]:.2g}; the paper's "
         "layer is 20 high. Twice the points change forces at the onset by at most "
         f"{max(change[0] for change in grids):.0e} of themselves, areas by "
         f"{max(change[1] for change in grids):.0e}, least heights by {change:.0e}.")

@@ -8,6 +8,7 @@ import regimes
 from beyond import grid_change
 from observed import area_at, onset, peel, power_law
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, TANGENTIAL, half_width, mapped
+from scipy.interpolate import PchipInterpolator
 from statement import Number, statement
 
 from contactsnes import reference
@@ -140,10 +141,18 @@ def tangential(residual):
     return tuple(maugis for maugis in MORE_TANGENTIAL if maugis != 14 or residual in (0, 0.05, 1))
 
 
+def resampled(forces, areas, count=400):
+    """The same curve at equal steps of the force, so that a fit does not hang on where points
+    lie."""
+    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(forces)) > 0])
+    along = np.linspace(0.0, forces[rising][-1], count)
+    return along, PchipInterpolator(forces[rising], areas[rising])(along)
+
+
 def misfit(record, share=0.25):
     """Largest distance of the area from the power law fitted to a share of the loss, up to where 90
     % is lost, over what is lost; - where the area decays faster."""
-    forces, areas = peel(record)
+    forces, areas = resampled(*peel(record))
     fit, lost = power_law(forces, areas, share), areas[0] - areas
     upto = np.argmax(lost >= 0.9 * lost.max()) + 1
     off = (areas[:upto] - np.maximum(fit(forces[:upto]), areas.min())) / lost.max()
