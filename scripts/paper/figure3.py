@@ -29,15 +29,15 @@ def draw(results):
     record = results["pressed-n10"]
     for threshold, colour in zip(THRESHOLDS, shades(len(THRESHOLDS))):
         forces, found = widths(record, threshold)
-        stable = (forces > 1.001 * reference.jkr_line_pull_off(PERIOD)[1]) & (
+        stable = (forces > 0.985 * reference.jkr_line_pull_off(PERIOD)[1]) & (
             np.arange(forces.size) <= np.argmin(forces))
         exact = [2 * reference.jkr_line_half_width(force, PERIOD) for force in forces[stable]]
         name = "e" if threshold == np.e else f"{threshold:g}\\,"
         left.plot(forces[stable], 100 * (found[stable] / exact - 1), color=colour,
                   label=f"${name}\\delta_n$" if threshold else "$0$")
     left.axhline(0, color="k", linestyle="--", linewidth=0.8, label="JKR")
-    left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=r"$a_r/a_{JKR} - 1$, %", ylim=(-40, 40))
-    left.legend(title="threshold", ncols=2)
+    left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=r"$a_r/a_{JKR} - 1$, %", ylim=(-32, 20))
+    left.legend(title="threshold", ncols=2, loc="lower right")
     gap = np.linspace(-0.3, 8, 500)
     law = gap * np.exp(-gap)
     right.plot(gap, law, "C0")

@@ -30,7 +30,7 @@ def maugis_curve(maugis):
 def draw(results):
     """The figure."""
     figure, ((left, right),) = panels(1, 2, height=3.6)
-    inset = left.inset_axes([0.55, 0.13, 0.42, 0.42])
+    inset = left.inset_axes([0.53, 0.13, 0.41, 0.42])
     a = np.linspace(reference.jkr_line_fold(PERIOD)[0], 6.9, 300)
     alone = np.linspace(reference.jkr_line_pull_off()[0], 6.9, 300)
     theory = {maugis: maugis_curve(maugis) for maugis in NORMAL}

@@ -72,7 +72,7 @@ def draw_profiles(axes, record, maugis, residual):
                   label=f"{record['tangential_displacement'][point]:.0f}")
     for level in {1.0, residual}:
         axes.axhline(level * TANGENTIAL_PEAK, linestyle=":", color="purple", linewidth=0.9)
-    axes.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(-8, 8), ylim=(-0.03, 1.62))
+    axes.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(-8, 8), ylim=(-0.03, 1.42))
     axes.legend(title=SYMBOLS["drive"], ncols=3, loc="upper center", columnspacing=0.6,
                 handlelength=0.9)
 
@@ -96,7 +96,7 @@ def draw_areas(axes, results, law, other, whole):
         part.set(ylim=(low - 0.15 * (high - low), high + 0.15 * (high - low)), **limits(whole))
         part.plot([], [], color=GREY, linestyle=LINES[force], marker=MARKERS[force],
                   label=f"$w_n/w_{{n,r}} = {force:g}$")
-        part.legend(loc="upper right" if not whole else "lower left")
+        part.legend(loc="upper right")
     for maugis in TANGENTIAL:
         record = results[f"{law}-t{maugis:g}-w25"]
         points = marked(record)

@@ -355,8 +355,8 @@ def onset_tables(results):
             rows.append([f"{maugis:g}"] + ["-" if one is None else f"{one.onset.force:.4g} "
                                            f"{'uef'[one.kind]}{'' if one.onset.unstable else ', g'}"
                                            for one in cells])
-        lines += [f"W = {force:g}:", "",
-                  *markdown([r"lambda_t \\ rho", *(f"{value:g}" for value in RESIDUALS)], rows), ""]
+        heading = ["λ<sub>t</sub> \\ ρ", *(f"{value:g}" for value in RESIDUALS)]
+        lines += [f"W = {force:g}:", "", *markdown(heading, rows), ""]
     return lines[:-1]
 
 
@@ -394,7 +394,7 @@ def says(results):
         f"in periods, than {least[0, 0.1, 25]:.2g} at rho = 0, {least[0.8, 0.1, 25]:.2g} at 0.8 "
         f"and {least[0.9, 0.1, 25]:.2g} at 0.9 (lambda_t = 0.1, W = 25; uniform slip of a contact "
         f"of constant width within {100 * off:.0f} % up to 0.8); at rho = 1, where only the loss "
-        f"of area makes the force fall, {rise[25]:.2g} and, at W = 0.8, {rise[0.8]:.2g}; the paper's "
-        "layer is 20 high. Twice the points change forces at the onset by at most "
+        f"of area makes the force fall, {rise[25]:.2g} and, at W = 0.8, {rise[0.8]:.2g}; the "
+        "paper's layer is 20 high. Twice the points change forces at the onset by at most "
         f"{max(change[0] for change in grids):.0e} of themselves, areas by "
         f"{max(change[1] for change in grids):.0e}, least heights by {change:.0e}.")
