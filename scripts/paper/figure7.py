@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from observed import onset, peel
 from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
-from style import AREA, FORCE, LAW_NAMES, lettered, panels, shades
+from style import AREA, FORCE, lettered, panels, shades
 
 from contactsnes import reference
 
@@ -97,14 +97,16 @@ def draw(results):
             one.plot(slope * areas, areas, "r-", linewidth=0.8)
             one.set(xlim=(0, 1.08 * max([begun.force for begun in found] + [0.1])),
                     ylim=(0, 19 if maugis == TANGENTIAL[0] else 13.5))
-            one.annotate(f"$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.05),
+            one.annotate(f"$\\tau_{{fit}} = {slope / peak:.2f}\\,\\tau_{{\\max}}$", (0.97, 0.1),
                          xycoords="axes fraction", ha="right",
                          bbox={"facecolor": "w", "edgecolor": "none", "pad": 1})
         line[0].set_ylabel(AREA)
     for one in axes[-1]:
         one.set_xlabel(FORCE)
-    lettered(axes.flat, [f"{LAW_NAMES[law]}, {maugis:g}" for maugis in TANGENTIAL for law in LAWS])
-    figure.legend(handles=keys(), loc="outside lower center", ncols=4)
+    lettered(axes.flat, [f"{name}, $\\lambda_t = {maugis:g}$" for maugis in TANGENTIAL
+                         for name in ("eq. 3", r"eq. 5, $\rho = 1$", r"eq. 5, $\rho = 1/2$")])
+    figure.legend(handles=keys(), loc="lower center", ncols=4)
+    figure.get_layout_engine().set(rect=(0, 0.09, 1, 0.91))
     return figure
 
 

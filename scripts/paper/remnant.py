@@ -84,7 +84,8 @@ def draw(results):
                          markeredgewidth=1.5 if comes_off(record) else 0.3)
         one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$",
                 xlim=(0, None))
-    for one in axes.flat[:3]:
+    for one, least in zip(axes.flat[:3], (11.5, 2.3, 2.1)):
+        one.set_ylim(least, None)
         one.legend(title="remnant adhesion $r$", loc="lower left", ncols=2)
     last, shares = axes[1, 1], np.linspace(0, 1, 101)
     for number, force in enumerate(FORCES):
