@@ -121,9 +121,9 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                          [_pointer, _pointer, _pointer, _pointer]),
          "motion_evaluate": [_pointer], "motion_move": [_pointer, _double],
          "motion_advance": [_pointer, _double, _pointer, _double, _pointer, _double],
-         "motion_damped": [_pointer, _double, _double, _pointer],
-         "motion_energies": [_pointer, _pointer], "motion_changes": [_pointer, _pointer, _pointer],
-         "motion_squares": [_pointer], "arc_linearise": [_pointer, _pointer, _pointer],
+         "motion_damped": [_pointer, _double, _double, _pointer, _pointer, _pointer],
+         "motion_sums": [_pointer, _pointer, _pointer], "motion_squares": [_pointer],
+         "arc_linearise": [_pointer, _pointer, _pointer],
          "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
          "pseudo_inverse": [_pointer, _long, _double, _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""

@@ -120,85 +120,73 @@ CLONES void motion_move(Motion *m, double time)
     for (long k = 0; k < n; k++) v[k] += rate[k] * time;
 }
 
-/* v' = kept v' + impulse v'', v += step v', and the force there; each factor is an array over the
-   waves, or the number beside it where that is null. */
+/* v' = kept v' + impulse v'', v += step v', and the force there; the factors are arrays over the
+   waves, or both are the numbers beside them where they are null. */
 CLONES int motion_advance(Motion *m, double step, const double *kept, double part,
                           const double *impulse, double push)
 {
-    const long n = m->components * m->waves, w = m->wide;
+    const long n = m->components * m->waves;
     double *restrict v = m->displacement, *restrict rate = m->velocity;
     const double *restrict a = m->acceleration;
-    for (long k = 0; k < n; k++) {
-        const double keep = kept ? kept[k] : part, pull = impulse ? impulse[k] : push;
-        for (long l = w * k; l < w * k + w; l++) {
-            rate[l] = rate[l] * keep + a[l] * pull;
-            v[l] += rate[l] * step;
+    if (!kept)
+        for (long k = 0; k < n * m->wide; k++) {
+            rate[k] = rate[k] * part + a[k] * push;
+            v[k] += rate[k] * step;
         }
-    }
+    else if (m->wide == 1)
+        for (long k = 0; k < n; k++) {
+            rate[k] = rate[k] * kept[k] + a[k] * impulse[k];
+            v[k] += rate[k] * step;
+        }
+    else
+        for (long k = 0; k < n; k++) {
+            rate[2 * k] = rate[2 * k] * kept[k] + a[2 * k] * impulse[k];
+            rate[2 * k + 1] = rate[2 * k + 1] * kept[k] + a[2 * k + 1] * impulse[k];
+            v[2 * k] += rate[2 * k] * step;
+            v[2 * k + 1] += rate[2 * k + 1] * step;
+        }
     return motion_evaluate(m);
 }
 
-/* The same with the damping of each wave, c = rate graded, central in time. */
-CLONES int motion_damped(Motion *m, double step, double damping, const double *graded)
+/* The same with half the damping of a step at each wave, half = rate graded, central in time. */
+CLONES int motion_damped(Motion *m, double step, double rate, const double *graded, double *kept,
+                         double *impulse)
 {
-    const long n = m->components * m->waves, w = m->wide;
-    double *restrict v = m->displacement, *restrict rate = m->velocity;
-    const double *restrict a = m->acceleration;
+    const long n = m->components * m->waves;
     for (long k = 0; k < n; k++) {
-        const double half = 0.5 * step * damping * graded[k];
-        const double keep = (1.0 - half) / (1.0 + half), pull = step / (1.0 + half);
-        for (long l = w * k; l < w * k + w; l++) {
-            rate[l] = rate[l] * keep + a[l] * pull;
-            v[l] += rate[l] * step;
-        }
+        const double half = rate * graded[k];
+        kept[k] = (1.0 - half) / (1.0 + half);
+        impulse[k] = step / (1.0 + half);
     }
-    return motion_evaluate(m);
+    return motion_advance(m, step, kept, 0.0, impulse, 0.0);
 }
 
-/* Into found: -F . v', v' . m mu v' and F . F / (m mu), sums over the waves of the cell. */
-CLONES void motion_energies(const Motion *m, double *found)
-{
-    const long n = m->waves, w = m->wide;
-    double power = 0.0, kinetic = 0.0, force = 0.0;
-    for (long i = 0; i < m->components; i++) {
-        const double *restrict mass = m->mass + i * n, *restrict mobility = m->mobility + i * n;
-        const double *restrict f = m->force + i * n * w, *restrict rate = m->velocity + i * n * w;
-        const double *restrict weight = m->weight;
-        if (w == 1)
-            for (long k = 0; k < n; k++) {
-                power += weight[k] * f[k] * rate[k];
-                kinetic += weight[k] * mass[k] * rate[k] * rate[k];
-                force += weight[k] * mobility[k] * f[k] * f[k];
-            }
-        else
-            for (long k = 0; k < n; k++) {
-                const double x = f[2 * k], y = f[2 * k + 1], u = rate[2 * k], v = rate[2 * k + 1];
-                power += weight[k] * (x * u + y * v);
-                kinetic += weight[k] * mass[k] * (u * u + v * v);
-                force += weight[k] * mobility[k] * (x * x + y * y);
-            }
-    }
-    found[0] = -power;
-    found[1] = m->stiffening * kinetic;
-    found[2] = force / m->stiffening;
-}
-
-/* Into found: change . v', v' . m mu v' and change . change / (m mu), change = F - before. */
-CLONES void motion_changes(const Motion *m, const double *before, double *found)
+/* Into found, sums over the waves of the cell: change . v', v' . m mu v' and change . change / (m mu)
+   of the change F - before, or of F where that is null. */
+CLONES void motion_sums(const Motion *m, const double *before, double *found)
 {
     const long n = m->waves, w = m->wide;
     double power = 0.0, kinetic = 0.0, square = 0.0;
-    for (long i = 0; i < m->components; i++)
-        for (long k = 0; k < n; k++) {
-            const double mass = m->weight[k] * m->mass[i * n + k];
-            const double mobility = m->weight[k] * m->mobility[i * n + k];
-            for (long l = w * (i * n + k); l < w * (i * n + k + 1); l++) {
-                const double change = m->force[l] - before[l], rate = m->velocity[l];
-                power += m->weight[k] * change * rate;
-                kinetic += mass * rate * rate;
-                square += mobility * change * change;
+    for (long i = 0; i < m->components; i++) {
+        const double *restrict mass = m->mass + i * n, *restrict mobility = m->mobility + i * n;
+        const double *restrict f = m->force + i * n * w, *restrict rate = m->velocity + i * n * w;
+        const double *restrict old = before ? before + i * n * w : 0, *restrict weight = m->weight;
+        if (w == 1)
+            for (long k = 0; k < n; k++) {
+                const double x = f[k] - (old ? old[k] : 0.0), u = rate[k];
+                power += weight[k] * x * u;
+                kinetic += weight[k] * mass[k] * u * u;
+                square += weight[k] * mobility[k] * x * x;
             }
-        }
+        else
+            for (long k = 0; k < n; k++) {
+                const double x = f[2 * k] - (old ? old[2 * k] : 0.0), u = rate[2 * k];
+                const double y = f[2 * k + 1] - (old ? old[2 * k + 1] : 0.0), v = rate[2 * k + 1];
+                power += weight[k] * (x * u + y * v);
+                kinetic += weight[k] * mass[k] * (u * u + v * v);
+                square += weight[k] * mobility[k] * (x * x + y * y);
+            }
+    }
     found[0] = power;
     found[1] = m->stiffening * kinetic;
     found[2] = square / m->stiffening;
@@ -211,7 +199,7 @@ CLONES double motion_squares(const Motion *m)
     const double *restrict weight = m->weight;
     double sum = 0.0;
     for (long i = 0; i < m->components; i++) {
-        const double *f = m->force + i * n * w, *restrict s = m->compliance[i][i];
+        const double *restrict f = m->force + i * n * w, *restrict s = m->compliance[i][i];
         if (m->work) {
             memset(m->work, 0, n * w * sizeof *f);
             for (long j = 0; j < m->components; j++)
@@ -219,11 +207,13 @@ CLONES double motion_squares(const Motion *m)
                     add_times(m->work, m->compliance[i][j], m->force + j * n * w, n,
                               m->is_complex[i][j], 1.0);
             f = m->work;
-        }
-        for (long k = 0; k < n; k++) {
-            const double size = w == 1 ? f[k] * f[k] : f[2 * k] * f[2 * k] + f[2 * k + 1] * f[2 * k + 1];
-            sum += weight[k] * size * (m->work ? 1.0 : s[k] * s[k]);
-        }
+            for (long k = 0; k < n; k++)
+                sum += weight[k] * (f[2 * k] * f[2 * k] + f[2 * k + 1] * f[2 * k + 1]);
+        } else if (w == 1)
+            for (long k = 0; k < n; k++) sum += weight[k] * s[k] * s[k] * f[k] * f[k];
+        else
+            for (long k = 0; k < n; k++)
+                sum += weight[k] * s[k] * s[k] * (f[2 * k] * f[2 * k] + f[2 * k + 1] * f[2 * k + 1]);
     }
     return sum;
 }

@@ -65,7 +65,7 @@ class CompiledMotion:
         own.law = ctypes.pointer(law.structure)
         own.transform = ctypes.pointer(waves.transform.structure)
         self._reference, self._sums = ctypes.addressof(own), np.empty(3)
-        self._found = address(self._sums)
+        self._found, self._factors, self._shape = address(self._sums), None, motion.mass.shape
 
     def evaluate(self):
         """Gap, force and acceleration at the displacement."""
@@ -73,34 +73,36 @@ class CompiledMotion:
 
     def advance(self, time_step, kept, impulse):
         """As `Motion.advance`."""
-        call(self.library.motion_advance, self.counter, self._reference, time_step,
-             *self._factor(kept), *self._factor(impulse))
+        if np.ndim(kept) == np.ndim(impulse) == 0:
+            factors = None, kept, None, impulse
+        else:
+            kept, impulse = self._over_waves(kept), self._over_waves(impulse)
+            factors = address(kept), 0.0, address(impulse), 0.0
+        call(self.library.motion_advance, self.counter, self._reference, time_step, *factors)
 
     def damped(self, time_step, damping, graded):
         """As `Motion.damped`."""
-        call(self.library.motion_damped, self.counter, self._reference, time_step, damping,
-             address(graded))
+        if self._factors is None:
+            self._factors = np.empty((2, *self._shape))
+        call(self.library.motion_damped, self.counter, self._reference, time_step,
+             0.5 * time_step * damping, address(graded), *map(address, self._factors))
 
     def move(self, time):
         """v += time v', without the force there."""
         self.library.motion_move(self._reference, time)
 
-    def energies(self):
-        """As `Motion.energies`."""
-        self.library.motion_energies(self._reference, self._found)
-        return tuple(self._sums.tolist())
-
-    def changes(self, before):
-        """As `Motion.changes`."""
-        self.library.motion_changes(self._reference, address(before), self._found)
-        return tuple(self._sums.tolist())
+    def sums(self, before=None):
+        """Power of F, or of its change from ``before``, with v', and the squares of velocity and of
+        that: as `Motion.changes`."""
+        self.library.motion_sums(self._reference, address(before), self._found)
+        return self._sums.tolist()
 
     def squares(self):
         """Sum over the waves of the squares of C F."""
         return self.library.motion_squares(self._reference)
 
-    @staticmethod
-    def _factor(value):
-        """Address and number of a factor that is an array over the waves or a number."""
-        return (address(value), 0.0) if isinstance(value, np.ndarray) and value.ndim else (None,
-                                                                                         value)
+    def _over_waves(self, factor):
+        """A factor as an array (components, *waves)."""
+        if getattr(factor, "shape", None) == self._shape:
+            return factor
+        return np.array(np.broadcast_to(factor, self._shape), dtype=float)

@@ -242,7 +242,8 @@ class Motion:
         """Power -F . v', and the squares of velocity v' . m mu v' and force F . F/(m mu), sums over
         the waves of the cell."""
         if self.kernel:
-            return self.kernel.energies()
+            power, kinetic, square = self.kernel.sums()
+            return -power, kinetic, square
         inner = self.waves.inner
         np.multiply(self.velocity, self.mass, out=self._work)
         return (-inner(self.force, self.velocity),
@@ -253,7 +254,7 @@ class Motion:
         """Power of the change of F from ``before``, which is overwritten, with v', and the squares
         of velocity v' . m mu v' and of the change, by m mu, sums over the waves of the cell."""
         if self.kernel:
-            return self.kernel.changes(before)
+            return self.kernel.sums(before)
         change, inner = np.subtract(self.force, before, out=before), self.waves.inner
         np.multiply(self.velocity, self.mass, out=self._work)
         kinetic = self.stiffening * inner(self._work, self.velocity)

@@ -72,4 +72,4 @@ class EvenWaves:
 
     def inner(self, first, second):
         """Inner product of spectra (components, *waves): a sum over the waves of the cell."""
-        return float(np.einsum("i...,i...,...->", first, second, self.weights))
+        return float(np.vdot(first, second * self.weights))
