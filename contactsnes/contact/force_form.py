@@ -32,9 +32,8 @@ class ForceForm:
     """
 
     name, kernel = "force", None
-    in_displacements, whole_cell = False, True
+    in_displacements, whole_cell, even = False, True, False
     linear_tolerance = 0.0
-    even = False
 
     def __init__(self, contact, controls):
         self.contact, self.controls = contact, tuple(controls)

@@ -105,4 +105,4 @@ class CompiledMotion:
         """A factor as an array (components, *waves)."""
         if getattr(factor, "shape", None) == self._shape:
             return factor
-        return np.array(np.broadcast_to(factor, self._shape), dtype=float)
+        return np.ascontiguousarray(np.broadcast_to(factor, self._shape), dtype=float)

@@ -41,7 +41,8 @@ class Relaxation:
     options_class: ClassVar[type]
     method_class: ClassVar[type]
     estimates: ClassVar[tuple] = ()
-    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True)
+    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True,
+                                                       keeps_evenness=True)
 
     def __init__(self):
         self.options = self.options_class()
