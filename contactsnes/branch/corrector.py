@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
-from ..contact.even_form import EvenForm, Symmetry
+from ..contact.even_form import Symmetry
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
@@ -87,7 +87,7 @@ class Corrector:
         """
         guess = states.with_components(finite(guess), len(controls))
         if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
-            guess = self.symmetry.checked(nearer(self.run, self.contact, guess, controls, load,
+            guess = self.symmetry.checked(nearer(self, guess, controls, load,
                                                  self.settings.first_tolerance))
         for _ in range(6):
             guess = self.fitted(guess)
@@ -133,6 +133,8 @@ class Corrector:
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
             self.arc = None
+        if kind.whole_cell:
+            self.form.even = self.symmetry.holds(len(controls))
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
@@ -198,7 +200,7 @@ class Corrector:
                 pass
             finally:
                 snes.setTolerances(atol=tolerance)
-        if own <= tolerance < found.norm and isinstance(form, EvenForm):
+        if own <= tolerance < found.norm and form.even:
             self.symmetry.leave(
                 f"the residual of all nodes is {found.norm:.2e}, that of half of them {own:.2e}")
             found = None

@@ -56,7 +56,7 @@ class EvenForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell = True, False
+    in_displacements, whole_cell, even = True, False, True
     linear_tolerance = DisplacementForm.linear_tolerance
 
     def __init__(self, contact, window, controls):
@@ -255,10 +255,10 @@ class Symmetry:
 def method_obstacle(settings, method):
     """Why a form of the equations, or a type of SNES on it, does not use even states, in words;
     None if it does."""
-    if FORMS[settings.form].whole_cell:
-        return f"the {settings.form} form is solved on the whole cell"
+    if FORMS[settings.form].whole_cell and not method.is_relaxation:
+        return f"the {settings.form} form is solved on the whole cell, but by dynamic relaxation"
     return (None if method.keeps_evenness
-            else f"the method (-snes_type {method.name}) is none of Newton's")
+            else f"the method (-snes_type {method.name}) is neither Newton's nor dynamic relaxation")
 
 
 def refuse(contact, sheared, settings, method):

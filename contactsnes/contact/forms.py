@@ -41,6 +41,7 @@ class DisplacementForm:
     in_displacements : whether F is an imbalance of displacements, whose 2-norm is
         ``residual_norm``; else one of tractions
     whole_cell : whether it is solved on the whole cell, mean displacements among its unknowns
+    even : whether states are taken for even about the apex, and half of them is solved for
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
@@ -48,7 +49,7 @@ class DisplacementForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell = True, False
+    in_displacements, whole_cell, even = True, False, False
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 

@@ -25,7 +25,7 @@ from ..grid.even import EvenWindow
 from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.linear import create_ksp
-from ..solvers.motion import LEVELLED, slides
+from ..solvers.leaving import LEVELLED, slides
 from ..solvers.snes import NewtonOptions, RegularisedStep
 
 EXACTNESS = 1e-4

@@ -63,6 +63,21 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     Response *response;
 } Form;
 
+typedef struct { /* of the force form; spectra have `wide` doubles a wave: of even fields they are real */
+    long components, nodes, waves, wide;
+    double *displacement, *velocity, *force, *acceleration; /* spectra */
+    double *gap, *work; /* work: of a component's spectrum, null where the body couples none */
+    const double *initial_gap, *node_weight, *weight; /* of nodes, null where all are one; of waves */
+    const double *mass, *mobility;
+    const double *stiffness[MOST][MOST], *compliance[MOST][MOST]; /* null where a block is zero */
+    long is_complex[MOST][MOST];
+    double mean_stiffness[MOST], target[MOST], mobile[MOST]; /* by component */
+    double size, range, harmless, reference, lightest, stiffening;
+    double closest, within; /* normal gap of a node; nodes within the law's range */
+    Law *law;
+    Transform *transform;
+} Motion;
+
 typedef struct { /* ArcLength around a form */
     double *start, *direction, *load, *target, *far, *row_scale; /* by component; of the form */
     const double *factor, *anchor, *tangent;
@@ -128,6 +143,7 @@ double *row_of(const Transform *t, long field, long row);
 int convolve(Response *r, int transposed);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
               double *tangent);
+void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);
 int residual(Form *f, const double *unknown, double *out);
 void linearise(Form *f, const double *unknown);
 int product(Form *f, const double *vector, double *out);

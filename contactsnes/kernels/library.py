@@ -11,7 +11,8 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "transforms.c", "forms.c", "core_zone.c", "petsc.c", "laws.c", "library.c")
+SOURCES = ("kernels.h", "transforms.c", "forms.c", "motion.c", "core_zone.c", "petsc.c", "laws.c",
+           "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -75,7 +76,7 @@ def shared():
     pointers(library).execute = pointer(fftw(), "fftw_execute")
     for name, arguments in CALLS.items():
         function = getattr(library, name)
-        function.argtypes = arguments
+        function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)
     return library
 
 
@@ -118,7 +119,14 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "linearise": [_pointer, _pointer], "set_up": [_pointer],
          **dict.fromkeys(("arc_residual", "arc_product", "arc_transposed"),
                          [_pointer, _pointer, _pointer, _pointer]),
+         "motion_evaluate": [_pointer], "motion_move": [_pointer, _double],
+         "motion_advance": [_pointer, _double, _pointer, _double, _pointer, _double],
+         "motion_damped": [_pointer, _double, _double, _pointer, _pointer, _pointer],
+         "motion_sums": [_pointer, _pointer, _pointer], "motion_squares": [_pointer],
          "arc_linearise": [_pointer, _pointer, _pointer],
          "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
          "pseudo_inverse": [_pointer, _long, _double, _pointer]}
-"""What Python calls, and with what; every result is a status."""
+"""What Python calls, and with what; a result that is none of `RETURNED` is a status."""
+
+RETURNED = {"motion_squares": _double}
+"""What returns something else."""

@@ -69,6 +69,21 @@ class Form(ctypes.Structure):
                 ("law", POINTER(Law)), ("response", POINTER(Response))]
 
 
+class Motion(ctypes.Structure):
+    """A damped motion."""
+
+    _fields_ = [("components", c_long), ("nodes", c_long), ("waves", c_long), ("wide", c_long),
+                *((name, c_void_p) for name in ("displacement", "velocity", "force",
+                                                "acceleration", "gap", "work", "initial_gap",
+                                                "node_weight", "weight", "mass", "mobility")),
+                ("stiffness", c_void_p * MOST * MOST), ("compliance", c_void_p * MOST * MOST),
+                ("is_complex", c_long * MOST * MOST), ("mean_stiffness", c_double * MOST),
+                ("target", c_double * MOST), ("mobile", c_double * MOST),
+                *((name, c_double) for name in ("size", "range", "harmless", "reference",
+                                                "lightest", "stiffening", "closest", "within")),
+                ("law", POINTER(Law)), ("transform", POINTER(Transform))]
+
+
 class Arc(ctypes.Structure):
     """Arc length around a form."""
 
@@ -128,6 +143,6 @@ class Libraries(ctypes.Structure):
                  "print")]
 
 
-STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Arc, Circle,
-                                            Block, Zone, System, Libraries)}
+STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Motion, Arc,
+                                            Circle, Block, Zone, System, Libraries)}
 """By the name that kernels.h gives them."""

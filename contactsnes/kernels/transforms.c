@@ -179,7 +179,7 @@ CLONES static void times(double *restrict x, const double *restrict s, long n)
 }
 
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
-CLONES static void add_times(double *restrict x, const double *restrict s, const double *restrict y, long n,
+CLONES void add_times(double *restrict x, const double *restrict s, const double *restrict y, long n,
                       int is_complex, double sign)
 {
     if (!is_complex)

@@ -324,6 +324,34 @@ def test_tolerances_and_limits_of_petsc_are_obeyed(equilibria, method):
     assert snes.reason == REASONS.DIVERGED_FUNCTION_COUNT and snes.its == 8
 
 
+EVEN = {"displacement": SCENES["displacement"], "force": SCENES["force"],
+        "sheared": ([D, D], [3.0, 2.0], 3.0, {"height": 200.0, "residual_friction": 0.5}),
+        "sphere": ([F], [2.0], 0.5, {"dimension": 2, "geometry": "sphere", "points": (32, 24),
+                                     "period": (8.0, 6.0), "height": 20.0})}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EVEN)
+def test_half_of_the_nodes_takes_the_steps_of_all(name, method):
+    """The same iterations and norms, to rounding, at about half or a quarter of the transforms."""
+    controls, load, approach, changes = EVEN[name]
+    results = []
+    for even in (False, True):
+        form = create_form(controls, load, **changes)
+        form.even = even
+        snes, found = relax(form, undeformed(form, approach), method, atol=1e-7)
+        assert snes.reason == REASONS.CONVERGED_FNORM_ABS
+        results.append((found, snes.its, snes.getConvergenceHistory()[0], form.grid.transforms))
+    (whole, steps, norms, cost), (half, own_steps, own_norms, own_cost) = results
+    assert own_steps == steps and np.abs(half - whole).max() < 1e-11 * np.abs(whole).max()
+    assert own_norms == pytest.approx(norms, rel=1e-4)
+    assert own_norms[:20] == pytest.approx(norms[:20], rel=1e-9)
+    # of the whole cell is the start in either case, packed and asked by nobody
+    nodes = np.prod([n // 2 + 1 for n in form.grid.shape])
+    ratio = nodes * np.log(nodes) / (form.grid.size * np.log(form.grid.size))
+    assert own_cost / cost == pytest.approx(ratio, rel=1e-6)
+
+
 def test_an_equilibrium_takes_no_step(equilibria):
     form, _, expected = equilibria("coupled")
     snes, found = relax(form, expected, atol=1e-8)
