@@ -9,6 +9,7 @@ layer took, in seconds, from the start of the process on, and how often it was c
 call takes about two microseconds more. What compiled kernels do within PETSc counts as PETSc's.
 """
 
+import gc
 import json
 import sys
 import time
@@ -127,6 +128,7 @@ def measured(arguments):
     """(exit status, Layers) of ``contactsnes run`` with arguments, in this process from its begin
     on."""
     layers = Layers()
+    gc.disable()  # as the command does
     from contactsnes.commands import cli, session
 
     begin = layers.wrapped(session.begin_petsc, "start: PETSc")
