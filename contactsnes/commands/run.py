@@ -18,9 +18,7 @@ from ..continuation.points import (
 )
 from ..options.database import database, database_text, unused_options
 from ..output import resuming
-from ..output.archive import Archive
 from ..output.files import ArchiveError
-from ..output.layout import Column
 from ..scene import settings as scenes
 from . import summary
 from .progress import Progress
@@ -67,6 +65,9 @@ class Run:
     def _open_archive(self):
         """The archive to append to, created or resumed; the branch gets the history it goes on
         from."""
+        from ..output.archive import Archive  # runs without one need not import it
+        from ..output.layout import Column
+
         scene, output = self.settings.scene, self.settings.output
         content = {"scene": self.branch.attributes(), "options": database_text(),
                    "versions": versions(), "columns": {name: Column(row.unit, row.kind, row.names)

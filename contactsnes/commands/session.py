@@ -18,7 +18,6 @@ from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError
 from ..options.files import refuse_circles
-from ..output.reading import read as read_archive
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
@@ -130,6 +129,8 @@ def _with_points(settings):
     its archive."""
     scene, output = settings.scene, settings.output
     if settings.auto and output.resume and Path(output.file).is_file():
+        from ..output.reading import read as read_archive
+
         archive = read_archive(output.file)
         if archive.points and scene.isolated:
             return replace(scene, points=None,
@@ -223,9 +224,11 @@ def create_watch(settings, branch, progress, missed):
     progress : Progress, which is told
     missed : tuple, coarser grids that have missed the accuracy
     """
+    if not settings.estimates:
+        return None
     from ..branch.accuracy import Watch
 
-    return Watch(branch, settings.auto, progress, missed) if settings.estimates else None
+    return Watch(branch, settings.auto, progress, missed)
 
 
 def versions():

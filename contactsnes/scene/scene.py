@@ -138,5 +138,4 @@ class Scene(Units):
         return bodies.of(self).coupled(self)
 
 
-for registry in parts.REGISTRIES:
-    extend(Scene, registry.options)
+extend(Scene, *(registry.options for registry in parts.REGISTRIES))
