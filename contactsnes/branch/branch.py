@@ -18,6 +18,7 @@ from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid.boxes import of_boxes
 from ..interface import shapes
 from ..interface.gap import refuse_contact_at_edge
+from ..kernels.choice import chosen as chosen_kernels
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
@@ -87,12 +88,16 @@ class Branch:
         refuse_too_large(scene, load, form)
         shape = shapes.of(scene)
         self._heights = shape.heights(scene)
+        kernels = chosen_kernels(form.kernels == "auto", form.cache or None)
         if scene.isolated:
             check_form(form)
-            self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
+            self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)),
+                                           kernels=kernels)
         else:
-            self.contact = Contact(scene, self._heights)
+            self.contact = Contact(scene, self._heights, kernels=kernels)
             refuse_contact_at_edge(shape, self.contact)
+        if kernels.law_reason:
+            log(f"the law is evaluated by NumPy: {kernels.law_reason}")
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, self.method)
         refuse_without_tangent(self.steps.stability, form)

@@ -11,12 +11,10 @@ import gc
 import os
 import signal
 import sys
-import traceback
 from functools import partial
 
 from .. import __version__
 from ..branch.failures import uncomputable
-from ..compare.methods import CompareOptions
 from ..contact.balance import CONVERGENCE
 from ..options.database import (
     database,
@@ -37,12 +35,12 @@ from .run import Run
 from .session import (
     begin_petsc,
     create_branch,
+    settled,
     solver_options,
     start_comparison,
     start_petsc,
     versions,
 )
-from .showing import export, movie, plot, report, table
 from .speech import complain, told
 
 HELP = """\
@@ -100,6 +98,8 @@ def _ended(words, interrupts):
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
     except Exception:
+        import traceback
+
         traceback.print_exc()
         return 1
     finally:
@@ -116,7 +116,10 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
-    return run(arguments, interrupts) if command == "run" else COMMANDS[command](arguments)
+    if command == "run":
+        return run(arguments, interrupts)
+    settled()
+    return COMMANDS[command](arguments)
 
 
 def _no_command(command):
@@ -141,6 +144,7 @@ def run(arguments, interrupts):
     if asks_for_help(arguments):
         return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
+    settled()
     status = task.follow()
     return status if task.archive else status or told()
 
@@ -182,7 +186,7 @@ def info(arguments):
                 "Load path": summary.about_path(settings, legs),
                 "Unknowns": summary.about_unknowns(settings, branch),
                 "Left out": summary.skipped(settings, branch),
-                "Method": summary.about_method(settings),
+                "Method": [*summary.about_method(settings), summary.about_kernels(branch.contact)],
                 "Without effect": [f"-{name}: {why}"
                                    for name, why in scenes.ineffective(scene, load, database(),
                                                                        settings.form,
@@ -202,6 +206,8 @@ def info(arguments):
 
 def compare(arguments):
     """``contactsnes compare``: methods on one scene, measured on equal terms."""
+    from ..compare.methods import CompareOptions
+
     if asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
@@ -224,5 +230,18 @@ def compare(arguments):
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
 
-COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare, "table": table,
-            "export": export, "report": report, "movie": movie}
+# commands on archives
+
+
+def _shown(name):
+    """A command of ``showing``, which is imported when it is wanted."""
+    def command(arguments):
+        from . import showing
+
+        return getattr(showing, name)(arguments)
+
+    return command
+
+
+COMMANDS = {"run": run, "plot": _shown("plot"), "info": info, "compare": compare,
+            **{name: _shown(name) for name in ("report", "movie", "table", "export")}}

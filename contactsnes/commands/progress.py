@@ -4,8 +4,6 @@ closing table."""
 import math
 import time
 
-from tqdm import tqdm
-
 from ..contact.energies import energy_unit
 from ..scene.load import names, quantities
 from ..scene.settings import tangential_legs
@@ -123,6 +121,8 @@ class Progress:
     def _advance(self, row, position, loads):
         """Move the bar, which begins with the first point."""
         if self.bar is None:
+            from tqdm import tqdm  # where there is a terminal only
+
             self.bar = tqdm(total=self.legs,
                             bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}",
                             miniters=0, leave=False)

@@ -1,6 +1,7 @@
 """PETSc started with the arguments of a command, and what its database asks for: settings, branch,
 versions."""
 
+import gc
 import importlib
 import os
 import platform
@@ -13,7 +14,6 @@ import numpy as np
 
 from .. import __version__
 from ..branch.grid_choice import chosen, on
-from ..compare import methods
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError
@@ -111,6 +111,14 @@ def _refuse_several(size, rank):
                          "or with -n 1")
 
 
+def settled():
+    """Collect garbage from now on, where that has been left out since the program began, without a
+    look at what is there."""
+    if not gc.isenabled():
+        gc.freeze()
+        gc.enable()
+
+
 def start_petsc(arguments):
     """Initialise PETSc with the arguments of a command and read the settings from its database."""
     try:
@@ -151,6 +159,8 @@ def _with_points(settings):
 def start_comparison(arguments, log):
     """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the
     stem of its files."""
+    from ..compare import methods
+
     scene, paths, words = methods.split(arguments)
     settings = start_petsc([scene, *words])
     check_names((methods.CompareOptions,))
@@ -169,7 +179,7 @@ def start_comparison(arguments, log):
             read(scenes.Form)
         except InputError as error:
             raise InputError(f"method {method.name}: {error}") from None
-    from ..compare.comparison import Comparison
+    from ..compare.comparison import Comparison  # PETSc has its options now
 
     return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
 
@@ -241,6 +251,7 @@ def versions():
     import petsc4py
     from petsc4py import PETSc
 
-    packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
+    packages = {name: importlib.import_module(name).__version__
+                for name in ("numpy", "pyfftw", "h5py")}
     return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             "petsc4py": petsc4py.__version__, **packages, "python": platform.python_version()}

@@ -125,6 +125,14 @@ def _by(shape):
     return " x ".join(map(str, shape))
 
 
+def about_kernels(contact):
+    """What computes, in a sentence."""
+    if contact.kernels.compiled:
+        law = contact.kernels.law_reason
+        return "kernels: compiled" + (f", but the law by NumPy, since {law}" if law else "")
+    return f"kernels: NumPy, since {contact.kernels.reason}"
+
+
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene

@@ -22,7 +22,7 @@ class ForceForm:
     controls : 'displacement' or 'force' for each component
     """
 
-    name = "force"
+    name, kernel = "force", None
     in_displacements, whole_cell = False, True
     linear_tolerance = 0.0
 
@@ -43,7 +43,8 @@ class ForceForm:
                                        self.components)
         self.compliance = Convolution(self.window, contact.operator(self.components),
                                       self.components)
-        self.load = np.zeros(self.components)
+        self.load, self.far, self.row_scale, self.row_target = np.zeros((4, self.components))
+        self.set_load(self.load)
         self.tangent = np.zeros((self.components, *self.shape))
         self.work = np.empty(self.shape)
         self.evaluations = 0
@@ -78,7 +79,7 @@ class ForceForm:
 
     def target(self):
         """What the zero mode of F is balanced against, for each component."""
-        target = self.mean_stiffness * self.contact.far_displacement(self.components, self.load)
+        target = self.mean_stiffness * self.far
         target[self.forced] = (self.load / (self.factor * self.grid.size))[self.forced]
         return target
 

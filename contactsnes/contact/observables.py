@@ -34,6 +34,11 @@ class Measurement:
     ----------
     contact : Contact
     point : Point
+
+    Attributes
+    ----------
+    gap : array (components, nodes): normal a, tangential b
+    traction : array (components, nodes)
     """
 
     def __init__(self, contact, point):
@@ -43,17 +48,7 @@ class Measurement:
         self.state, self.window = point.state, point.state.window
         self.components = len(point.controls)
 
-    @cached_property
-    def gap(self):
-        """Gap (components, nodes): normal a, tangential b."""
-        gap = self.state.displacement.copy()
-        gap[0] = states.normal_gap(self.contact, self.state)
-        return gap
-
-    @cached_property
-    def traction(self):
-        """Traction (components, nodes)."""
-        return self.contact.law.traction(self.gap)
+        self.gap, self.traction = contact.evaluated(point.state)
 
     @cached_property
     def in_contact(self):

@@ -1,6 +1,7 @@
 """Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand
 to each other."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Optional
 
@@ -162,10 +163,12 @@ class Leg:
 
 
 def lagrange_weights(nodes, target):
-    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``."""
-    nodes = np.asarray(nodes, dtype=float)
-    return np.array([np.prod((target - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k)))
-                     for k in range(len(nodes))])
+    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``; nan
+    where two nodes are one."""
+    nodes = [float(node) for node in nodes]
+    return np.array([math.prod((target - other) / (node - other or math.nan)
+                               for place, other in enumerate(nodes) if place != k)
+                     for k, node in enumerate(nodes)])
 
 
 def unfinished_fold(history):

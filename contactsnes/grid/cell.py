@@ -216,11 +216,12 @@ class Convolution:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
+    make : what makes its transform, as `Transform` of a grid, a shape and a count
     """
 
-    def __init__(self, window, operator, count):
+    def __init__(self, window, operator, count, make=Transform):
         self.window, self.count = window, count
-        self.transform = Transform(window.grid, window.circle(), count)
+        self.transform = make(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
@@ -237,11 +238,11 @@ class Convolution:
         """
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
+        clear_padding(plan.real, self.window.shape)
         plan.forward()
         self.multiply(plan.spectrum, transposed)
         plan.backward()
         self.window.box(out)[...] = plan.real[self._inside]
-        clear_padding(plan.real, self.window.shape)
         return out
 
     def multiply(self, spectrum, transposed=False):

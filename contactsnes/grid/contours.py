@@ -2,7 +2,11 @@
 largest."""
 
 import numpy as np
-from scipy.optimize import brentq
+
+from .roots import bracketed_root
+
+FEW = 16
+"""Roots up to which one after the other is faster than all at once."""
 
 
 def first_largest(values):
@@ -30,8 +34,9 @@ def crossings(values, level):
         # sign.
         rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
         twist = (fall - rise) / 3
-        places[k] = i + brentq(lambda t: (1 - t) * left + t * right
-                               + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0, xtol=1e-14)
+        places[k] = i + bracketed_root(lambda t: (1 - t) * left + t * right
+                                       + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
+                                       xtol=1e-14)
     return places, np.where(above[first + 1], 1, -1)
 
 
@@ -79,6 +84,10 @@ def _at_places(place):
 def _roots(*nodes):
     """Places where the cubics through four values vanish between the middle two, of unequal
     signs."""
+    if nodes[0].size <= FEW:
+        return np.array([bracketed_root(lambda place, values=values: sum(
+            weight * value for weight, value in zip(_at_places(place), values)), 0.0, 1.0,
+            xtol=1e-15) for values in zip(*(node.tolist() for node in nodes))])
     low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
     for _ in range(48):
         middle = 0.5 * (low + high)

@@ -75,8 +75,8 @@ def smooth(window, values, width):
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
     reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
                for points, spacing in zip(window.shape, window.grid.spacings)]
-    # Zeros far from all other values stay zeros.
-    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach)
+    # Zeros far from all other values stay zeros; a mirror beyond them shows zeros, too.
+    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach + 1)
                                           for axis, reach in enumerate(reaches, first))
     blurred, out = box[part].astype(float), np.zeros(box.shape)
     negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)

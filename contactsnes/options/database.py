@@ -9,7 +9,6 @@ import ctypes
 import dataclasses
 import os
 import re
-import tempfile
 from pathlib import Path
 
 from .fields import COMMON, InputError, nearest
@@ -140,6 +139,7 @@ def _scratch():
         with os.fdopen(os.memfd_create("options")) as file:
             yield f"/proc/self/fd/{file.fileno()}"
     else:
+        import tempfile
         with tempfile.TemporaryDirectory() as folder:
             yield os.path.join(folder, "options")
 

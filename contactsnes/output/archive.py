@@ -5,8 +5,8 @@ Quick points wait in the journal beside the file (`journal`) until many are writ
 read with the file, and goes when the file has what is in it.
 """
 
+import os
 import time
-import uuid
 
 import numpy as np
 
@@ -83,8 +83,9 @@ class Archive:
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
-        self._journal = Journal(beside(self.path), uuid.uuid4().hex)
+        self._journal = Journal(beside(self.path), os.urandom(16).hex())
         self._store = Store(self.path, self._layout, self._write_frame)
+        self._frame = None  # what it depends on, and its checksum
         self._waiting = []  # points that are in the journal, but not in the file
         self._settled = time.monotonic()
 
@@ -262,4 +263,8 @@ class Archive:
         for name, values in zip(resuming.Run._fields, zip(*runs)):
             file[f"runs/{name}"] = values
         self._layout.make(file, slot, chunk)
-        file.attrs["frame"] = checksums.frame(file)
+        # what it is made of, besides what stays: written anew, it is the same
+        kept = self._first, runs, self._warnings, self._layout.arrays
+        if self._frame is None or self._frame[0] != kept:
+            self._frame = kept, checksums.frame(file)
+        file.attrs["frame"] = self._frame[1]

@@ -5,8 +5,6 @@ import os
 import time
 from pathlib import Path
 
-import h5py
-
 from ..system.devices import failure, reason
 
 FORMAT = "contactsnes 1"
@@ -31,6 +29,8 @@ class WriteError(ArchiveError):
 def opened(path, mode):
     """Open an HDF5 file; wait a moment for other programs. Chunks pass by the cache: a row writes
     itself only."""
+    import h5py  # runs without an archive need not import it
+
     patience = time.monotonic() + PATIENCE
     while True:
         try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import h5py
 import numpy as np
 
 from . import checksums
@@ -251,6 +250,8 @@ class Layout:
 def _put_rows(branch, first, rows):
     """Write rows from number ``first`` on by HDF5's own calls: there are many columns, and this
     takes half the time."""
+    import h5py
+
     for name, values in rows.items():
         column = h5py.h5d.open(branch, name.encode())
         column.set_extent((first - 1 + len(values),))

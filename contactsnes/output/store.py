@@ -12,8 +12,6 @@ import contextlib
 import math
 import os
 
-import h5py
-
 from ..system.devices import Lenient, reason
 from . import stored
 from .files import SAFE, ArchiveError, WriteError, open_archive, opened
@@ -110,6 +108,8 @@ class Store:
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points; let `write` act on
         it; put it in place."""
+        import h5py
+
         partial = self.path.with_name(self.path.name + ".partial")
         try:
             with Lenient(partial) as device, h5py.File(device, "w", **SAFE) as new:

@@ -37,6 +37,12 @@ class Form(Options):
                            "gap, body, load, state and method allow it), "
                            "even (an error where they do not), off",
                            choices=("auto", "even", "off"))
+    kernels: str = option("auto", "what computes: auto (compiled kernels where they were built, "
+                          "else NumPy) or off (NumPy; the answers agree to rounding)",
+                          choices=("auto", "off"))
+    cache: str = option("", "folder for what is kept between runs: compiled laws of one's own, and "
+                        "what FFTW learned", default_text="contactsnes in $XDG_CACHE_HOME or "
+                        "~/.cache")
 
 
 @dataclass(frozen=True, repr=False)

@@ -330,16 +330,14 @@ class Lifting(Modified):
     """A friction of its own, without the energy and the numbers that go with it."""
 
     def friction(self, slip):
-        secant, slope = super().friction(slip)
-        return 2.0 * secant, 2.0 * slope
+        return 2.0 * super().friction(slip)
 
 
 class Stepping(Sampled):
     """A friction that falls by half at a slip of 1.23."""
 
     def friction(self, slip):
-        left = np.where(slip > 1.23, 0.5, 1.0)
-        return tuple(left * part for part in super().friction(slip))
+        return np.where(slip > 1.23, 0.5, 1.0) * super().friction(slip)
 
 
 class Hoping(Modified):

@@ -34,6 +34,7 @@ STEPS = tuple(f"continuation.{path.stem}" for path in (PACKAGE / "continuation")
 
 ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
          Room("reference", ("options", "system", "grid")), Room("interface", ("reference",)),
+         Room("kernels", ("options", "system", "reference")),
          Room("continuation", ("system", "grid", "reference", "interface")),
          Room("scene", ("system", "grid", "reference",
                         *(set(STEPS) - {"continuation.predictors"}))),
@@ -52,11 +53,11 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
                   "output.tables", "output.vtk", "interface.heights"},
-         "pyfftw": {"grid.cell", "grid.even"},}
+         "pyfftw": {"grid.cell", "grid.even", "kernels.library", "kernels.transforms"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 
-WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "continuation", "scene",
-                 "contact", "output")
+WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "kernels",
+                 "continuation", "scene", "contact", "output")
 """Rooms that can be imported without PETSc, themselves and all they import."""
 
 NAMES = [room.name for room in ROOMS]

@@ -40,6 +40,7 @@ DEFAULTS = {"scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06
                              "scene_contact_modulus", "scene_radius", "scene_range_normal",
                              "scene_range_tangential"), ""), "contact_form": "displacement",
             "contact_cascade": "true", "contact_window": "auto", "contact_symmetry": "auto",
+            "contact_kernels": "auto", "contact_cache": "",
             "contact_first": "none", "contact_first_tolerance": "0.01", "load_start": "",
             "load_path": "", "load_stop": "none", "continuation_type": "natural",
             "continuation_at_fold": "jump", "continuation_initial_step": "",
