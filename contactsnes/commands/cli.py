@@ -41,7 +41,6 @@ from .session import (
     start_petsc,
     versions,
 )
-from .showing import export, movie, plot, report, table
 from .speech import complain, told
 
 HELP = """\
@@ -247,5 +246,18 @@ def compare(arguments):
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
 
-COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare, "table": table,
-            "export": export, "report": report, "movie": movie}
+# commands on archives
+
+
+def _shown(name):
+    """A command of ``showing``, which is imported when it is wanted."""
+    def command(arguments):
+        from . import showing
+
+        return getattr(showing, name)(arguments)
+
+    return command
+
+
+COMMANDS = {"run": run, "plot": _shown("plot"), "info": info, "compare": compare,
+            **{name: _shown(name) for name in ("report", "movie", "table", "export")}}

@@ -27,6 +27,9 @@ CHUNKS = 64
 KINDS = {"double": "f8", "single": "f4"}
 """Precision of fields -> NumPy type."""
 
+NOTHING = 1e-9
+"""Part of the largest traction of a point that counts as none where numbers have seven digits."""
+
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 """How fields are compressed."""
 
@@ -99,13 +102,21 @@ class Layout:
     def checked(self, given):
         """The fields that are kept among those given, name -> array, a mode only where there is
         one."""
-        fields = {name: np.asarray(given[name], self.kind) for name in self.arrays
+        fields = {name: self._stored(name, np.asarray(given[name])) for name in self.arrays
                   if name != "mode" or given[name] is not None}
         for name, array in fields.items():
             if np.shape(array) != self.shape:
                 raise ArchiveError(
                     f"{name} has the shape {np.shape(array)}; the archive keeps {self.shape}.")
         return fields
+
+    def _stored(self, name, array):
+        """A field in the precision of the archive: single tractions that are nothing beside the
+        largest are 0."""
+        if name == "traction" and self.precision == "single":
+            array = np.where(np.abs(array) < NOTHING * np.max(np.abs(array), initial=0.0), 0.0,
+                             array)
+        return np.asarray(array, self.kind)
 
     def make(self, file, slot, chunk):
         """Make empty groups and datasets.
@@ -125,7 +136,8 @@ class Layout:
             if column.names:
                 made.attrs["names"] = list(column.names)
         for number in range(SLOTS if slot else 0):
-            file[f"states/{number}"] = np.zeros(slot, "u1")
+            file.create_dataset(f"states/{number}", data=np.zeros(slot, "u1"),
+                                **(PACKED | {"chunks": (slot,)} if self.packed else {}))
         if self.coordinates:
             self._make_grid(file.create_group("fields"), chunk)
         sums = 1 + len(self.arrays)

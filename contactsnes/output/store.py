@@ -117,7 +117,8 @@ class Store:
                     if old:
                         self._check_alone(old)
                     states = stored.states(old, self.held) if old else {}
-                    slot = max([slot, *(state.size for state in states.values())]) * 3 // 2
+                    slot = max([slot, *(state.size for state in states.values())])
+                    slot = slot if self.layout.packed else slot * 3 // 2
                     chunk = max(1, -(-2 * points // CHUNKS))
                     self._frame(new, slot, chunk)
                     if old:

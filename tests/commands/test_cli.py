@@ -486,11 +486,12 @@ def test_a_table_goes_to_standard_output(pressed, capsys, monkeypatch):
 
 
 def test_events_of_ours_stand_in_the_log_of_petsc(tmp_path):
-    done = call("run", *STILL, "-log_view", ":log.txt", folder=tmp_path)
+    done = call("run", *STILL, "-contact_kernels", "off", "-log_view", ":log.txt", folder=tmp_path)
     counts = {line.split()[0]: int(line.split()[1])
               for line in (tmp_path / "log.txt").read_text().splitlines()
               if line.startswith("Contact")}
     assert done.returncode == 0 and counts["ContactLaw"] > 1 and counts["ContactTransform"] > 1
+    assert call("run", *STILL, "-log_view", ":log.txt", folder=tmp_path).returncode == 0
 
 
 def test_options_that_nobody_asks_for_are_told_before_the_solve(tmp_path):
@@ -498,3 +499,22 @@ def test_options_that_nobody_asks_for_are_told_before_the_solve(tmp_path):
              "-snes_linesearch_monitor", "-snes_atoll", "3"]
     done = call("run", *STILL, *words, folder=tmp_path)
     assert done.stderr.count("not used") == 1 and "-snes_atoll is not used" in done.stderr
+
+
+def test_a_report_without_its_library_says_how_to_get_it(pressed, capsys, monkeypatch):
+    monkeypatch.chdir(pressed[0])
+    for name in ("plotly", "plotly.io", "plotly.subplots", "plotly.graph_objects"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert cli.main(["report", "run.h5"]) == 2
+    assert "pip install plotly, or contactsnes[report]" in capsys.readouterr().err
+    assert not (pressed[0] / "run.html").exists()
+
+
+def test_commands_on_archives_name_what_they_wrote(pressed, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(pressed[0])
+    for command, name in (("movie", "run.gif"), ("export", "run.vtkhdf")):
+        path = tmp_path / name
+        assert cli.main([command, "run.h5", "-output", str(path)]) == 0
+        assert capsys.readouterr().out.strip() == str(path) and path.stat().st_size > 1000
+    assert cli.main(["table", "run.h5", "-output", str(tmp_path / "absent/run.csv")]) == 2
+    assert "create it" in capsys.readouterr().err

@@ -675,3 +675,14 @@ def test_a_compressed_archive_takes_more_points(tmp_path):
     for number in range(6):
         assert np.array_equal(record.field("traction", number),
                               np.asarray(point(number)[3], "f4"))
+
+
+def test_single_tractions_beyond_their_digits_are_nothing(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all", precision="single"))
+    row, state, field, _ = point(1)
+    traction = np.tile([1.0, -1e-8, 1e-10, 0.0], (2, 8))
+    archive.append(row, state, 1e-10 * field, traction)
+    archive.finish()
+    record = read(tmp_path / "run.h5")
+    assert np.array_equal(record.field("traction", 0)[0, :4], np.array([1, -1e-8, 0, 0], "f4"))
+    assert np.all(record.field("displacement", 0) == np.float32(1e-10))
