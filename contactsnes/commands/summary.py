@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 
-from ..branch.advice import advice
 from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
@@ -161,6 +160,8 @@ def about_scene(settings):
 def advised(settings):
     """What is known before solving: contact by theory, cohesive lengths, costs, and what to
     change."""
+    from ..branch.advice import advice  # only `info` needs it, with all analytic solutions
+
     scene = settings.scene
     if scene.points == "auto":  # no grid in memory reaches the accuracy
         scene = dataclasses.replace(scene, points=None)

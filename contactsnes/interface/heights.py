@@ -5,8 +5,6 @@ import os
 from functools import lru_cache
 
 import numpy as np
-from scipy import ndimage
-from scipy.interpolate import griddata
 
 from ..options.fields import LARGEST, InputError
 from . import height_files
@@ -117,6 +115,9 @@ def _filled(option, values, fill):
     if fill == "mean":
         values[holes] = np.nanmean(values)
         return values
+    from scipy import ndimage  # as in `fitted`: many scenes need none of it, and it takes time
+    from scipy.interpolate import griddata
+
     nearest = ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
     values[holes] = values[tuple(nearest)][holes]
     if fill == "interpolate":
@@ -189,6 +190,8 @@ def fitted(specification, values, shape, fit="exact"):
                          "-scene_dimension to those of the file"
                          + ("." if values.ndim != len(shape)
                             else ", or -scene_heights_fit interpolate."))
+    from scipy import ndimage
+
     places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2
                            for n, count in zip(shape, values.shape)), indexing="ij")
     return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap")

@@ -71,12 +71,12 @@ def lost(run):
     return 1.0 - run["contact_area"][-1] / run["contact_area"][0]
 
 
-def coefficient(run, part=0.35):
-    """k of A = A_0 - k T^2 by least squares up to a part of the largest force."""
-    force = run["tangential_force_x"]
-    early = slice(0, max(3, int(np.argmax(force > part * force.max()))))
-    square, fallen = force[early] ** 2, run["contact_area"][0] - run["contact_area"][early]
-    return float(square @ fallen / (square @ square))
+def coefficient(run, part=0.1):
+    """k of A = A_0 - k T^2 by least squares until a part of the area is lost."""
+    fallen = run["contact_area"][0] - run["contact_area"]
+    early = slice(0, max(3, int(np.argmax(fallen > part * run["contact_area"][0]))))
+    square = run["tangential_force_x"][early] ** 2
+    return float(square @ fallen[early] / (square @ square))
 
 
 def curvature(run, part=0.8):
@@ -173,7 +173,7 @@ def _laws(sheared):
     sentence = "; ".join(f"n = {told(exponent(sheared, maugis))} at lambda_t = {maugis:g}"
                          for maugis in several)
     return [*markdown(["normal force", "lambda_t", "k", "k of Savkoor and Briggs", "ratio",
-                       "misfit to 0.8 of the largest force"], rows), "",
+                       "misfit up to 0.8 of the largest force"], rows), "",
             f"k ~ A_0^-n: {sentence or 'one force only'}; Savkoor and Briggs's has n = "
             f"{theory:.3g}."]
 
@@ -252,7 +252,8 @@ def _draw_paths(sheared, area, shape, quadratic):
         shape.plot(part, along / across, color=shades[force], linestyle=":", linewidth=0.9)
     area.set(xlabel=r"tangential force $T$ ($R\sqrt{\phi_n\phi_t}$)",
              ylabel=r"contact area $A/\beta^2$", ylim=(0, None))
-    shape.set(xlabel="tangential force over its largest", ylabel="half axis along over across")
+    shape.set(xlabel="tangential force over its largest", ylabel="half axis along over across",
+              ylim=(0.995, 1.07))
     quadratic.set(xlabel="square of that", ylabel="area over that at rest")
     handles = [Line2D([], [], color=shades[force], label=f"normal force {force:g}")
                for force in forces]
@@ -270,7 +271,7 @@ def _draw_pulls(pulled, axes):
         error = [found[share, maugis][1] / abs(found[0.0, maugis][0]) for share in shares]
         axes.errorbar(shares, ratio, error, marker=mark, capsize=2,
                       label=f"$\\lambda_t={maugis:g}$")
-    axes.axhspan(0.10, 0.15, color="0.85", label="Oliver and others, beyond 0.1")
+    axes.fill_between([0.1, 0.8], 0.10, 0.15, color="0.85", label="Oliver and others")
     axes.set(xlabel="sheared by, of what slides", ylabel="pull-off over that without",
              ylim=(0, 1.05))
     axes.legend()
