@@ -297,7 +297,7 @@ def draw_heights(axes, results, force, letter):
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 3, height=6.6)
+    figure, axes = panels(2, 3, height=6.2)
     for row, force in enumerate(LOADS[::-1]):
         draw_kinds(axes[row, 0], results, force, "ad"[row])
         drawn = draw_ratios(axes[row, 1], results, force, "be"[row])
@@ -307,7 +307,7 @@ def draw(results):
     bar.set_ticks(RATIOS[1:-1], labels=[f"{ratio:g}" for ratio in RATIOS[1:-1]])
     figure.legend(handles=keys(), loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.0))
     figure.legend(handles=height_keys(), loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.0))
-    figure.get_layout_engine().set(rect=(0, 0.155, 1, 0.845))
+    figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.95))
     return figure
 
 
