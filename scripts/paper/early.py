@@ -27,6 +27,8 @@ RESIDUAL = {"half": 0.5, "none": 0.0}
 """Name of a law -> residual over largest friction, of the motions."""
 SHOWN = {25: (0, 0.05, 0.2, 0.5, 1), 0.8: (0, 0.05, 0.1, 0.2, 0.8)}
 """Residual frictions whose tractions and areas are drawn, at each load."""
+LEAST = 0.3
+"""Least force of the axes of areas."""
 CAPTION = "Early sliding at a tangential parameter of 10: a matter of residual friction"
 
 
@@ -135,12 +137,13 @@ def draw_forces(axes, results):
     """Panel a."""
     along = np.concatenate([[0.0], np.geomspace(0.005, 1, 60)])
     for force, colour, marker in zip(LOADS[::-1], ("C0", "C3"), "*o"):
-        found = [begun(results, residual, MAUGIS, force) for residual in RESIDUALS]
-        axes.plot(RESIDUALS, [one.onset.force for one in found], color=colour, linewidth=0.9,
-                  marker=marker, markersize=6 if marker == "*" else 4,
+        found = {residual: begun(results, residual, MAUGIS, force) for residual in RESIDUALS}
+        found = {residual: one for residual, one in found.items() if one}
+        axes.plot(list(found), [one.onset.force for one in found.values()], color=colour,
+                  linewidth=0.9, marker=marker, markersize=6 if marker == "*" else 4,
                   label=f"onset, $w_n = {force:g}$")
-        axes.plot(RESIDUALS, [one.spike for one in found], "--", color=colour, linewidth=0.9,
-                  label="spike at the peak")
+        axes.plot(list(found), [one.spike for one in found.values()], "--", color=colour,
+                  linewidth=0.9, label="spike at the peak")
         axes.plot(along, [front(results, residual, force) for residual in along], ":", color="k",
                   linewidth=0.9)
         axes.plot(along[1:], reference.peak_tangential_traction(MAUGIS) * along[1:]
@@ -149,7 +152,7 @@ def draw_forces(axes, results):
     axes.plot([], [], "k-", linewidth=0.5, label=r"$\tau_\infty a$ in sliding")
     axes.set_xscale("symlog", linthresh=0.02, linscale=0.5)
     axes.set(yscale="log", xlabel=SYMBOLS["residual"], ylabel=FORCE, xlim=(-0.004, 1.2),
-             ylim=(1, 200))
+             ylim=(1, 4000))
     axes.set_xticks([0, 0.02, 0.05, 0.1, 0.2, 0.5, 1], ["0", ".02", ".05", ".1", ".2", ".5", "1"])
     axes.set_xticks([], minor=True)
     axes.legend(loc="upper left", handlelength=1.8)
@@ -159,6 +162,8 @@ def draw_tractions(axes, results, force):
     """Panels b and c: the right half, at the onset."""
     for residual, colour in zip(SHOWN[force], shades(len(SHOWN[force]))):
         record = results[mapped(residual, MAUGIS, force).name]
+        if onset(record) is None:
+            continue
         x, _, _, _, traction = profile(record, onset(record).point)
         axes.plot(x[x >= 0], traction[x >= 0], color=colour, linewidth=0.9,
                   label=f"$\\rho = {residual:g}$")
@@ -173,12 +178,16 @@ def draw_areas(axes, results, force):
         record = results[mapped(residual, MAUGIS, force).name]
         forces, areas = peel(record)
         first = onset(record)
-        axes.plot(forces[1:], areas[1:], color=colour, linewidth=1.0,
+        if first is None:
+            continue
+        along = np.geomspace(LEAST, forces[-1], 300)
+        axes.plot(along, PchipInterpolator(forces, areas)(along), color=colour, linewidth=1.0,
                   label=f"$\\rho = {residual:g}$")
         axes.plot(first.force, first.area, "o" if force < 1 else "*", color=colour,
                   markeredgecolor="k", markeredgewidth=0.4, markersize=4 if force < 1 else 7,
                   zorder=4, clip_on=False)
-    axes.set(xlabel=FORCE, ylabel=AREA, xscale="log", xlim=(0.3, 200 if force > 1 else 40))
+    axes.set(xlabel=FORCE, ylabel=AREA, xscale="log",
+             xlim=(LEAST, 200 if force > 1 else 40))
     axes.legend(loc="upper right", handlelength=1.4)
 
 
@@ -258,8 +267,8 @@ def told_motions(results):
 
 def says(results):
     """What the figure shows, with its numbers."""
-    cells = {force: {residual: begun(results, residual, MAUGIS, force) for residual in RESIDUALS}
-             for force in LOADS}
+    cells = {force: {residual: one for residual in RESIDUALS
+                     if (one := begun(results, residual, MAUGIS, force))} for force in LOADS}
     ratios = "; ".join(f"W = {force:g}: " + ", ".join(
         f"{one.ratio:.2f} ({residual:g})" for residual, one in cells[force].items())
         for force in LOADS)

@@ -90,9 +90,10 @@ def draw_area(axes, results, residual, force):
     axes.plot(*uniform_slip_curve(force, 0.1), "-.", color="C3", linewidth=0.9)
     hertz = 2 * reference.hertz_line_half_width(force, PERIOD)
     axes.axhline(hertz, color="k", linewidth=0.4)
-    low, high = hertz - 0.1 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)
+    # Room for the legend below, and for onsets beyond the axis where no curve ends.
+    low, high = hertz - 0.55 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)
     for place, (_, begun, colour) in enumerate(beyond):
-        level = begun.area + (0.07 + 0.1 * place) * (high - low)
+        level = low + ((0.68 if force > 1 else 0.4) + 0.08 * place) * (high - low)
         axes.plot(end, level, ">", color=colour, markersize=5, markeredgecolor="k",
                   markeredgewidth=0.4, clip_on=False, zorder=5)
         axes.annotate(f"{begun.force:.3g}", (end, level), xytext=(-5, 0), ha="right", va="center",
@@ -161,5 +162,5 @@ def draw(results):
                             (dict(color="k", linewidth=0.4), "Hertz")):
             one.plot([], [], label=label, **look)
         handles, labels = one.get_legend_handles_labels()
-        one.legend(handles[-5:], labels[-5:], loc="lower left")
+        one.legend(handles[-5:], labels[-5:], loc="lower left", ncols=2)
     return figure

@@ -14,6 +14,7 @@ is that of all thick layers; lines: uniform slip of a contact of constant width;
 around the contact, where there is one; grey: the paper's cell.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -122,6 +123,7 @@ def crossed(values, forces, level):
                  if first else forces[0])
 
 
+@functools.lru_cache(maxsize=4096)
 def begun(results, residual, maugis, force):
     """`Begun` of a case, None where sliding does not begin."""
     record = results[mapped(residual, maugis, force).name]
@@ -165,7 +167,7 @@ def residual_boundary(results, maugis, force, of_front):
         return reference.front_onset(0.5 * width, residual * peak,
                                      max(reference.front_work(residual), 0.0),
                                      PERIOD)[1] - EARLY * brittle
-    return brentq(excess, 1e-6, 0.999) if excess(1e-6) * excess(0.999) < 0 else np.nan
+    return brentq(excess, 1e-6, 0.999, xtol=1e-7) if excess(1e-6) * excess(0.999) < 0 else np.nan
 
 
 def least_height(record):
@@ -212,7 +214,7 @@ def place(values, axis, log=False):
 
 def lines(axes, results, force):
     """Boundaries by theory."""
-    along = np.geomspace(MAPPED[0], MAPPED[-1], 60)
+    along = np.geomspace(MAPPED[0], MAPPED[-1], 25)
     for of_front, style in ((False, "-"), (True, ":")):
         there = [residual_boundary(results, maugis, force, of_front) for maugis in along]
         axes.plot(place(there, RESIDUALS), place(along, MAPPED, log=True), "k" + style,
@@ -226,7 +228,7 @@ def grid(axes, letter, force):
     axes.set(xlim=(-0.5, len(RESIDUALS) - 0.5), ylim=(-0.5, len(MAPPED) - 0.5),
              xlabel=SYMBOLS["residual"], ylabel=r"$\lambda_t$",
              title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$")
-    axes.set_xticks(range(len(RESIDUALS)), [f"{value:g}" for value in RESIDUALS])
+    axes.set_xticks(range(len(RESIDUALS)), [f"{value:g}".replace("0.", ".") for value in RESIDUALS])
     axes.set_yticks(range(len(MAPPED)), [f"{value:g}" for value in MAPPED])
     axes.tick_params(length=0)
 
@@ -290,38 +292,47 @@ def draw_heights(axes, results, force, letter):
              title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$", ylim=(2e-2, 4e2),
              xlim=(along[0], along[-1]))
     axes.annotate("fold", (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
-    axes.annotate("gradual", (0.04, 0.05), xycoords="axes fraction")
+    axes.annotate("gradual", (0.04, 0.16), xycoords="axes fraction")
 
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 3, height=6.4)
+    figure, axes = panels(2, 3, height=6.2)
     for row, force in enumerate(LOADS[::-1]):
         draw_kinds(axes[row, 0], results, force, "ad"[row])
         drawn = draw_ratios(axes[row, 1], results, force, "be"[row])
         draw_heights(axes[row, 2], results, force, "cf"[row])
-    figure.colorbar(drawn, ax=axes[:, 1], location="bottom", aspect=22, ticks=RATIOS[1:-1],
-                    label="force at onset over spike's").ax.tick_params(length=0)
-    keys = [Patch(facecolor=colour, label=kind) for colour, kind in zip(COLOURS, KINDS)]
-    keys += [Patch(facecolor="none", edgecolor="#777777", hatch="//////", linewidth=0,
-                   label="area lost before"),
-             Line2D([], [], marker="o", color="k", linestyle="none", markersize=3, label="fold"),
-             Line2D([], [], marker="o", color="k", markerfacecolor="w", linestyle="none",
-                    markersize=3, label="gradual")]
-    keys += [Line2D([], [], color="k", linestyle=style, linewidth=1.2, label=label)
-             for style, label in (("--", r"$\tau_{\max}a =$ crack"),
-                                  ("-", r"$\rho\,\tau_{\max}a =$ crack"),
-                                  (":", "front 1.1 crack"))]
-    axes[1, 0].legend(handles=keys, loc="upper center", bbox_to_anchor=(0.45, -0.2), ncols=2,
-                      handlelength=1.2, columnspacing=0.6)
-    handles, labels = axes[0, 2].get_legend_handles_labels()
-    handles += [Line2D([], [], color="k", linewidth=0.8), Line2D([], [], color="k", linewidth=0.8,
-                                                                 linestyle="--"),
-                Line2D([], [], color=GREY, linewidth=1.5)]
-    labels = [*(f"$\\rho = {label}$" for label in labels), "uniform slip", "crack", "the paper"]
-    axes[1, 2].legend(handles, labels, loc="upper center", bbox_to_anchor=(0.45, -0.2), ncols=2,
-                      handlelength=1.2, columnspacing=0.6)
+    bar = figure.colorbar(drawn, ax=axes[:, 1], location="bottom", aspect=18, pad=0.02,
+                          label="force at onset over spike's")
+    bar.set_ticks(RATIOS[1:-1], labels=[f"{ratio:g}" for ratio in RATIOS[1:-1]])
+    figure.legend(handles=keys(), loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.0))
+    figure.legend(handles=height_keys(), loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.0))
+    figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.95))
     return figure
+
+
+def keys():
+    """What shades, dots and lines of (a, b, d, e) are."""
+    return [*(Patch(facecolor=colour, label=kind) for colour, kind in zip(COLOURS, KINDS)),
+            Patch(facecolor="none", edgecolor="#777777", hatch="//////", linewidth=0,
+                  label="area lost before"),
+            Line2D([], [], marker="o", color="k", linestyle="none", markersize=3, label="fold"),
+            Line2D([], [], marker="o", color="k", markerfacecolor="w", linestyle="none",
+                   markersize=3, label="gradual"),
+            *(Line2D([], [], color="k", linestyle=style, linewidth=1.2, label=label)
+              for style, label in (("--", r"$\tau_{\max}a$ = crack"),
+                                   ("-", r"$\rho\,\tau_{\max}a$ = crack"),
+                                   (":", "front = 1.1 cracks")))]
+
+
+def height_keys():
+    """What symbols and lines of (c, f) are."""
+    return [*(Line2D([], [], color=colour, marker=marker, linestyle="none", markersize=4,
+                     label=f"$\\rho = {residual:g}$")
+              for residual, colour, marker in zip(SHARES, shades(len(SHARES)), "osD^v")),
+            Line2D([], [], color="k", linewidth=0.8, label="uniform slip"),
+            Line2D([], [], color="k", linewidth=0.8, linestyle="--", label="crack"),
+            Line2D([], [], color=GREY, linewidth=1.5, label="the paper")]
 
 
 def steps(holds, values):
@@ -331,15 +342,16 @@ def steps(holds, values):
 
 
 def agreement(results, force):
-    """(share of the onsets whose kind theory gives, share of these that are early or fronts)."""
+    """(onsets whose kind theory gives, all onsets)."""
     right = total = 0
-    for residual in RESIDUALS:
-        for maugis in MAPPED:
+    stiff = stiff_from(results, force)
+    for maugis in MAPPED:
+        boundary = residual_boundary(results, maugis, force, True)
+        for residual in RESIDUALS:
             one = begun(results, residual, maugis, force)
             if one is None:
                 continue
-            boundary = residual_boundary(results, maugis, force, True)
-            expected = (0 if maugis < stiff_from(results, force) else
+            expected = (0 if maugis < stiff else
                         2 if residual > (0 if np.isnan(boundary) else boundary) else 1)
             right, total = right + (one.kind == expected), total + 1
     return right, total

@@ -49,6 +49,8 @@ def early_sliding(results):
         for residual in ALL:
             begun = regimes.begun(results, residual, 10, force)
             record = results[mapped(residual, 10, force).name]
+            if begun is None:
+                continue
             ratios[residual, force] = begun.ratio
             numbers = [Number("onset", begun.onset.force,
                               spread=max(begun.onset.force_error, error * begun.onset.force)),
@@ -65,8 +67,8 @@ def early_sliding(results):
         found.append((name, [Number(label, 0.5 * sum(ends), spread=0.5 * (ends[1] - ends[0]))
                              for label, ends in early.onsets(results, law).items()
                              if np.isfinite(ends[1])]))
-    low = [ratios[residual, force] for residual in (0, 0.02, 0.05) for force in LOADS]
-    high = [ratios[residual, force] for residual in (0.5, 1) for force in LOADS]
+    low, high = ([ratio for (residual, _), ratio in ratios.items() if residual in some]
+                 for some in ((0, 0.02, 0.05), (0.5, 1)))
     holds = max(low) < 1.3 and min(high) > 1.5
     return found, ((f"not as labelled (tau_inf of tau_max and of half of it: onset at "
                     f"{spans(high)} times the spike's force), reproduced where tau_inf is at most "
@@ -89,7 +91,7 @@ def slip_before(results):
         cells = []
         for residual in ALL:
             record = results[mapped(residual, 10, force).name]
-            point = onset(record).point
+            point = onset(record).point if onset(record) else -1
             if point in record.field_points:
                 shares[residual, force] = early.slipped(record, point)
                 cells.append(Number(f"rho = {residual:g}", shares[residual, force], "%",
