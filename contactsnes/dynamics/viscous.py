@@ -24,8 +24,8 @@ from ..contact.states import NEAR
 from ..grid.even import EvenWindow
 from ..options.database import read
 from ..solvers import callbacks
-from ..solvers.linear import create_ksp
 from ..solvers.leaving import LEVELLED, slides
+from ..solvers.linear import create_ksp
 from ..solvers.snes import NewtonOptions, RegularisedStep
 
 EXACTNESS = 1e-4

@@ -1,4 +1,4 @@
-"""When a body under prescribed forces moves for ever: pulled off, or sliding beyond its friction."""
+"""When a body under prescribed forces moves for ever: pulled off, or sliding beyond friction."""
 
 import numpy as np
 

@@ -26,7 +26,8 @@ COMPILED = library.reason() is None
 LINE = {"points": 254, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 2.0,
         "residual_friction": 0.5, "height": 200.0}
 """So tall a layer couples normal and tangential displacements below rounding."""
-PLANE = {**LINE, "height": 30.0, "points": (48, 36), "period": (12.0, 9.0), "dimension": 2, "geometry": "sphere"}
+PLANE = {**LINE, "height": 30.0, "points": (48, 36), "period": (12.0, 9.0), "dimension": 2,
+         "geometry": "sphere"}
 D, F = "displacement", "force"
 SCENES = {"line": (LINE, [D], [3.0]), "pulled": (LINE, [F], [-0.3]),
           "sheared": (LINE, [F, D], [2.0, 1.0]), "forces": (LINE, [D, F], [3.0, 0.4]),
