@@ -32,6 +32,7 @@ def kernels():
 setup(
     packages=[*find_packages(include=["contactsnes*"]), "contactsnes.scenes"],
     package_dir={"contactsnes.scenes": "options"},
-    package_data={"contactsnes.scenes": ["*.opts", "*.py"], "contactsnes.kernels": ["*.c", "*.h"]},
+    package_data={"contactsnes.scenes": ["*.opts", "*.py", "*.txt"],
+                  "contactsnes.kernels": ["*.c", "*.h"]},
     ext_modules=[kernels()],
 )

@@ -9,6 +9,7 @@ layer took, in seconds, from the start of the process on, and how often it was c
 call takes about two microseconds more. What compiled kernels do within PETSc counts as PETSc's.
 """
 
+import gc
 import json
 import sys
 import time
@@ -34,16 +35,22 @@ EARLY = {
 """Layer -> functions, MODULE:NAME of the package, that can be wrapped before PETSc has begun."""
 
 LAYERS = {
-    "law": ("interface.laws.coupled:Coupled.evaluate", "interface.laws.coupled:Coupled.potential",
-            "interface.laws.law:Law.regularised_step"),
+    "law": ("interface.laws.law:Law.evaluate", "kernels.laws:LawKernel.__call__",
+            "interface.laws.coupled:Coupled.potential", "interface.laws.law:Law.regularised_step"),
     "transforms": ("grid.cell:Transform.forward", "grid.cell:Transform.backward",
-                   "grid.even:Cosines.forward", "grid.even:Cosines.backward"),
-    "plans of transforms": ("grid.cell:Transform.__init__", "grid.even:Cosines.__init__"),
+                   "grid.even:Cosines.forward", "grid.even:Cosines.backward",
+                   "kernels.transforms:Compiled.forward", "kernels.transforms:Compiled.backward"),
+    "plans of transforms": ("grid.cell:Transform.__init__", "grid.even:Cosines.__init__",
+                            "kernels.transforms:Real.__init__",
+                            "kernels.transforms:Cosines.__init__"),
+    "circles of the preconditioner": ("contact.problem:Contact._circle",
+                                      "kernels.zones:Circle.__init__"),
     "residual": ("contact.forms:DisplacementForm.residual",
                  "contact.forms:DisplacementForm.linearise"),
     "product": ("contact.forms:DisplacementForm.apply_jacobian",),
     "preconditioner": ("solvers.core_zone:CoreZone.apply",),
-    "preconditioner, set-up": ("solvers.core_zone:CoreZone.__init__",),
+    "preconditioner, set-up": ("solvers.core_zone:CoreZone.__init__",
+                               "kernels.zones:CompiledZone.__init__"),
     "forms": ("contact.forms:DisplacementForm.__init__", "contact.even_form:EvenForm.__init__"),
     "PETSc, its objects": ("branch.corrector:create_snes", "branch.tracing:create_snes",
                            "dynamics.viscous:create_ksp"),
@@ -121,6 +128,7 @@ def measured(arguments):
     """(exit status, Layers) of ``contactsnes run`` with arguments, in this process from its begin
     on."""
     layers = Layers()
+    gc.disable()  # as the command does
     from contactsnes.commands import cli, session
 
     begin = layers.wrapped(session.begin_petsc, "start: PETSc")

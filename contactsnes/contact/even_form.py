@@ -258,7 +258,7 @@ def method_obstacle(settings, method):
     if FORMS[settings.form].whole_cell and not method.is_relaxation:
         return f"the {settings.form} form is solved on the whole cell, but by dynamic relaxation"
     return (None if method.keeps_evenness
-            else f"the method (-snes_type {method.name}) is neither Newton's nor relaxation")
+            else f"the method (-snes_type {method.name}) is neither Newton's nor a relaxation")
 
 
 def refuse(contact, sheared, settings, method):

@@ -51,6 +51,12 @@ class Transform:
         self._backward.execute()
 
 
+def _counted(values, where):
+    """Values (..., nodes) where a mask, of all their axes or the last ones, holds: picking them
+    takes a third of a reduction under a mask."""
+    return values[(slice(None),) * (np.ndim(values) - np.ndim(where)) + (where,)]
+
+
 def transform_cost(points, size):
     """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m /
     (N log N)."""
@@ -111,7 +117,8 @@ class Grid(Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.max(values, initial=initial, where=where)
+        return np.maximum.reduce(values if where is True else _counted(values, where),
+                                 axis=None, initial=initial)
 
     def minimum(self, values, where=True, initial=np.inf):
         """Smallest value over all nodes and components.
@@ -122,7 +129,8 @@ class Grid(Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.min(values, initial=initial, where=where)
+        return np.minimum.reduce(values if where is True else _counted(values, where),
+                                 axis=None, initial=initial)
 
     def inner(self, first, second):
         """Inner product over nodes and components."""

@@ -105,13 +105,27 @@ def area_below(box, level):
     what is left of these falls with the square of the division, which two divisions tell. Fourth
     order.
     """
-    corners = _corners(box[1:-1, 1:-1])
-    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    cut = np.nonzero((lowest < level) & (highest >= level))
+    whole, _, patches = cut_patches(box, level)
+    coarse, fine = (_triangles_below(refined(patches, parts)) / parts ** 2 for parts in (4, 8))
+    return whole + (4.0 * fine - coarse) / 3.0
+
+
+def cut_patches(box, level):
+    """Squares of a box of nodes without its outermost ring: how many lie below a level; of those
+    that it cuts the first corners (x, y), counted within the ring, and values less the level on
+    4 x 4 nodes around each."""
+    below = _corners(box[1:-1, 1:-1] < level)
+    every = np.logical_and.reduce(below)
+    cut = np.nonzero(np.logical_or.reduce(below) & ~every)
     patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
-    coarse, fine = (_triangles_below(weights @ patches @ weights.T) / (len(weights) - 1) ** 2
-                    for weights in map(_cubic, (4, 8)))
-    return np.count_nonzero(highest < level) + (4.0 * fine - coarse) / 3.0
+    return np.count_nonzero(every), cut, patches
+
+
+def refined(patches, parts):
+    """Values at the corners of parts^2 squares within the middle one of patches (..., 4, 4),
+    bicubic."""
+    weights = _cubic(parts)
+    return weights @ patches @ weights.T
 
 
 def _cubic(parts):

@@ -107,8 +107,13 @@ class Formula:
         return tuple(graph.rebuilt([values[0], opening[0]], {self.squared: 0.0}))
 
     def program(self, sheared, continued, tangent):
-        """The Program of `results` with the law's parameters, without derivatives if no tangent is
-        wanted; its inputs are a and q, or a."""
+        """The Program of `results` with the law's parameters; its inputs are a and q, or a.
+
+        Parameters
+        ----------
+        sheared, continued : as of `results`
+        tangent : bool, whether derivatives are wanted
+        """
         roots = self.graph.rebuilt(self.results(sheared, continued),
                                    dict(zip(self.symbols, self.values)))
         inputs = (self.gap, self.squared) if sheared else (self.gap,)
@@ -151,7 +156,12 @@ class Tractions:
         return self._programs[which]
 
     def evaluate(self, gap, traction, tangent):
-        """Fill ``traction`` and ``tangent``, as `Law.evaluate`."""
+        """Fill ``traction`` and ``tangent``.
+
+        Parameters
+        ----------
+        gap, traction, tangent : as of `Law.evaluate`
+        """
         fill = self._normal if len(gap) == 1 else self._sheared
         nodes = gap.shape[1]
         for start in range(0, nodes, self.block):

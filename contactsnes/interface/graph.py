@@ -16,6 +16,10 @@ class Node:
     """A value of a formula: an operation on others, an input or a number; equal ones of a graph are
     one.
 
+    Parameters
+    ----------
+    graph, operation, arguments, value, boolean : as the attributes
+
     Attributes
     ----------
     graph : the graph that it is of
@@ -159,7 +163,14 @@ class Graph:
                           f"slip: {_USE}")
 
     def apply(self, name, *arguments, **others):
-        """The node of an operation on others, as short as identities make it."""
+        """The node of an operation on others, as short as identities make it.
+
+        Parameters
+        ----------
+        name : str, of NumPy's function
+        arguments : nodes or numbers
+        others : arguments by name, which only functions that are rewritten take
+        """
         if name in REWRITTEN:
             return self.lift(REWRITTEN[name](*arguments, **others))
         if name not in OPERATIONS or others:
@@ -228,7 +239,13 @@ class Graph:
         return [made[root.index] for root in roots]
 
     def assume(self, node, condition, truth):
-        """A node where a condition is known to hold, or not to."""
+        """A node where a condition is known to hold, or not to.
+
+        Parameters
+        ----------
+        node, condition : Node
+        truth : bool
+        """
         if condition.index > node.index:
             return node
         return self.rebuilt([node], {condition: truth})[0]

@@ -66,11 +66,21 @@ class Compiled:
         return self._kinds[even](cell, shape, count)
 
     def real(self, grid, shape, count):
-        """A transform as `grid.cell.Transform`, whose memory others use between two calls."""
+        """A transform as `grid.cell.Transform`, whose memory others use between two calls.
+
+        Parameters
+        ----------
+        grid, shape, count : as of that
+        """
         return self._charged(False, grid, shape, count)
 
     def even(self, grid, shape, count):
-        """A transform as `grid.even.Cosines`, whose memory others use between two calls."""
+        """A transform as `grid.even.Cosines`, whose memory others use between two calls.
+
+        Parameters
+        ----------
+        grid, shape, count : as of that
+        """
         return self._charged(True, grid, shape, count)
 
     def _charged(self, even, grid, shape, count):

@@ -33,7 +33,14 @@ def twin(form, half, scale=None):
 
 
 def call(function, counter, *arguments):
-    """Call what transforms; RuntimeError where these are more than a limit."""
+    """Call what transforms; RuntimeError where these are more than a limit.
+
+    Parameters
+    ----------
+    function : of the library
+    counter : Counter
+    arguments : of the function
+    """
     if function(*arguments) == TOO_MANY:
         counter.check()
 

@@ -104,7 +104,9 @@ int pc_view(void *pc, void *viewer)
     return status ? status : libraries.print(viewer, "%s", s->zone_text);
 }
 
-int pre_check(void *search, void *x, void *y, int *changed, void *system)
+/* PETSc's booleans are of four bytes or, from 3.24 on, of one: of either the first byte is set, the others
+   being zero (Python loads the library on little-endian processors only). */
+int pre_check(void *search, void *x, void *y, unsigned char *changed, void *system)
 {
     System *s = system;
     const double *unknown;
@@ -117,7 +119,7 @@ int pre_check(void *search, void *x, void *y, int *changed, void *system)
         libraries.put(y, &step);
     }
     libraries.put_read(x, &unknown);
-    *changed = any;
+    *changed = (unsigned char)any;
     return status;
 }
 

@@ -16,6 +16,12 @@ from .structures import TOO_MANY, address
 class Compiled:
     """Base of what calls the library.
 
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction
+    count : int, number of arrays
+
     Attributes
     ----------
     structure : ctypes structure of the library, whose memory this object keeps

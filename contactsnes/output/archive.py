@@ -59,6 +59,8 @@ class Archive:
     units : mapping, optional, units of fields other than `layout.UNITS`
     warnings : sequence of str, optional, sentences to beware of; kept as the root attribute
         ``warnings``
+    precision : {'double', 'single'}, of displacement and traction; single ones are compressed when
+        the path is done
 
     Attributes
     ----------
@@ -69,8 +71,10 @@ class Archive:
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None,
-                 components=1, initial_gap=None, modes=False, units=None, warnings=()):
-        self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units)
+                 components=1, initial_gap=None, modes=False, units=None, warnings=(),
+                 precision="double"):
+        self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units,
+                              precision)
         self.path = resolved(path)
         self.complete = False
         self.runs = []
@@ -177,7 +181,9 @@ class Archive:
         if self.complete:
             return
         self.settle()
-        self._store.commit(lambda file: file.attrs.modify("complete", True), self._store.held)
+        small = self._layout.precision == "single" and self._layout.fields == "all"
+        (self._store.pack if small else self._store.commit)(
+            lambda file: file.attrs.modify("complete", True), self._store.held)
         self.complete = True
 
     def states(self):
@@ -224,6 +230,9 @@ class Archive:
         kept = file.attrs["fields"]
         if kept != self._layout.fields:
             self._refuse([("archive_fields", kept, self._layout.fields)])
+        precision = file.attrs.get("precision", "double")
+        if kept != "none" and precision != self._layout.precision:
+            self._refuse([("archive_precision", precision, self._layout.precision)])
         columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
         if columns or tuple(file.attrs["shape"]) != self._layout.shape:
             raise ArchiveError(f"{self.path} cannot be resumed: its columns or "
@@ -246,7 +255,8 @@ class Archive:
         file.attrs.update({"format": FORMAT, "points": 0, "complete": False,
                            "options": self._options, "versions": self._versions,
                            "warnings": self._warnings, "fields": self._layout.fields,
-                           "shape": self._layout.shape, "journal": self._journal.key})
+                           "shape": self._layout.shape, "journal": self._journal.key,
+                           "precision": self._layout.precision})
         file.create_group("scene").attrs.update(self._scene)
         runs = [*(run for run in self.runs if run.first < self._first),
                 resuming.Run(self._first, self._options, self._versions)]

@@ -80,6 +80,19 @@ def safely(path, take):
     raise ArchiveError(f"{path} is damaged ({why}): what it holds cannot be read.")
 
 
+def checked(path, take):
+    """Raise ArchiveError where a function cannot take what it wants from the archive at a path:
+    tried in another process."""
+    def taken():
+        with open_archive(path) as file:
+            take(file)
+
+    why = failure(taken)
+    if why:
+        raise ArchiveError(why.removeprefix("ArchiveError: ") if why.startswith("ArchiveError: ")
+                           else f"{path} is damaged ({why}): what it holds cannot be read.")
+
+
 def resolved(path):
     """The file behind a path, since a rename would replace a symbolic link instead of it;
     ArchiveError for what names none."""

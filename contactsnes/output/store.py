@@ -55,6 +55,17 @@ class Store:
                     self.held + len(points), max(state.size for state in states.values()))
         self.held += len(points)
 
+    def pack(self, write, points):
+        """Let ``write`` act on the archive, written anew with its fields compressed; what is added
+        later on makes a new one without."""
+        self.room, self.layout.packed = 0, True
+        try:
+            self._write_anew(write, points, 0)
+        except (OSError, RuntimeError) as error:
+            raise unwritten(self.path, error) from error
+        finally:
+            self.room, self.layout.packed = 0, False
+
     def commit(self, write, points=1, slot=0):
         """Let `write` act on the file in place if there is room, else on the archive written
         anew.
@@ -92,7 +103,7 @@ class Store:
             with open(self.path, "rb+") as file:
                 file.seek(0, os.SEEK_END)
                 numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
-                file.write(bytes(8 * numbers))
+                file.write(bytes(int(self.layout.kind[1:]) * numbers))
 
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points; let `write` act on

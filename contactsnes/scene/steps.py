@@ -11,7 +11,7 @@ from ..continuation.predictors import PREDICTORS, in_words
 from ..options.fields import InputError, Options, as_text, option
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Form(Options):
     """Form of the equations: the ``-contact_*`` options."""
 
@@ -45,7 +45,7 @@ class Form(Options):
                         "~/.cache")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Steps(Options):
     """Steps along the load path: the ``-continuation_*`` options; step sizes in the unit of the
     quantity that moves."""
@@ -132,7 +132,7 @@ class Steps(Options):
         return initial, largest, min(1e-6 * length, initial) if smallest is None else smallest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Output(Options):
     """The archive: the ``-archive_*`` options."""
 
@@ -142,6 +142,8 @@ class Output(Options):
                        default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    precision: str = option("double", "of these fields; single ones take half the room, and are "
+                            "compressed when the path is done", choices=("double", "single"))
     errors: bool = option(False, "estimate the errors of every point by solving "
                           "it again on a finer grid (-scene_points auto "
                           "does so anyway)")

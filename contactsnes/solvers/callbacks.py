@@ -171,7 +171,14 @@ def set_from_options(snes):
 
 
 def regularise(snes, form, stiffness):
-    """Have Newton's steps of a SNES taken in the regularised gap, with that stiffness."""
+    """Have Newton's steps of a SNES taken in the regularised gap.
+
+    Parameters
+    ----------
+    snes : SNES of the form, equipped here
+    form : of the equations
+    stiffness : float, kappa, phi_n/delta_n^2
+    """
     own = of(snes)
     own.structure.newton_stiffness = stiffness
     search = ctypes.c_void_p()

@@ -1,4 +1,4 @@
-"""When a body under prescribed forces moves for ever: pulled off, or sliding beyond friction."""
+"""When a body under prescribed forces moves for ever: pulled off, or beyond its friction."""
 
 import numpy as np
 

@@ -132,9 +132,10 @@ def off_path(results, height):
 
 def draw_cells(axes, results):
     """Panel a."""
-    cells = [{"height": value} for value in HEIGHTS if value != 500] + [{"period": value}
-                                                                        for value in PERIODS[:3]]
-    for cell, colour in zip(cells, [*shades(5), *shades(3, "plasma")]):
+    cells = [{"height": value} for value in (10.0, 30.0, 100.0, 2000.0)] + [{"period": value}
+                                                                            for value in (20.0,
+                                                                                          50.0)]
+    for cell, colour in zip(cells, [*shades(4), *shades(6, "plasma")[2:5:2]]):
         record = results[run(**cell).name]
         begun = onset(record)
         branch(axes, record, "tangential_force", "contact_area", sheared_part(record), color=colour,
@@ -144,8 +145,8 @@ def draw_cells(axes, results):
                   markeredgewidth=0.3)
     axes.set(xlabel=FORCE, ylabel=AREA,
              title=f"(a)  $w_n/w_{{n,r}} = {FORCE_HELD}$, $\\lambda_t = 1$", xlim=(0, None),
-             ylim=(9.9, None))
-    axes.legend(fontsize=6, ncols=4, loc="lower left", columnspacing=1.0, handlelength=1.5)
+             ylim=(8.6, None))
+    axes.legend(ncols=3, loc="lower left")
 
 
 def draw_path(axes, results):
@@ -158,12 +159,12 @@ def draw_path(axes, results):
                label=f"H = {height:g}")
     axes.set(xlabel=r"$\bar u_t/u_{t,r}$", ylabel=FORCE, title=f"(d)  $\\lambda_t = {COMPLIANT:g}$",
              xlim=(0, min(60.0, mean.max())), ylim=(0, None))
-    axes.legend()
+    axes.legend(loc="upper right")
 
 
 def draw(results):
     """The figure."""
-    figure, ((cells, periods), (heights, slides)) = panels(2, 2, height=4.8)
+    figure, ((cells, periods), (heights, slides)) = panels(2, 2, height=5.6)
     draw_cells(cells, results)
     draw_path(slides, results)
     tall = [height for height in HEIGHTS if height != 2000]

@@ -6,7 +6,7 @@ the misprints of eqs. 3b and 5b corrected.
 """
 
 import numpy as np
-from style import LAW_NAMES, panels
+from style import LAW_NAMES, lettered, panels
 
 from contactsnes.interface.laws import LAWS
 
@@ -19,7 +19,7 @@ NEEDED = ()
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 3)
+    figure, axes = panels(2, 3, height=4.2)
     normal, slip = np.linspace(-0.5, 5, 400), np.linspace(-3, 3, 601)
     for (name, law), (above, below) in zip(NAMED.items(), axes.T):
         for (colour, line), held in zip(LOOKS, SLIPS):
@@ -30,15 +30,16 @@ def draw(results):
             traction = law.traction(np.array([np.full_like(slip, held), slip]))
             below.plot(slip, traction[1], color=colour, linestyle=line,
                        label=f"$g_n/\\delta_n = {held:g}$")
-        above.set(title=LAW_NAMES[name], xlabel=r"$g_n/\delta_n$", ylim=(-0.9, 0.45))
+        above.set(xlabel=r"$g_n/\delta_n$", ylim=(-0.9, 0.45))
         below.set(xlabel=r"$g_t/\delta_t$")
     axes[0, 0].set_ylabel(r"$p_{int,n}\,\delta_n/\phi_n$")
     axes[1, 0].set_ylabel(r"$p_{int,t}\,\delta_t/\phi_t$")
     for line in axes:
-        line[-1].legend(fontsize=6)
+        line[-1].legend()
         low = np.min([one.get_ylim() for one in line])
         high = np.max([one.get_ylim() for one in line])
         for one in line:
             one.set_ylim(low, high)
             one.axhline(0, color="0.7", linewidth=0.4, zorder=0)
+    lettered(axes.flat, [LAW_NAMES[name] for name in NAMED])
     return figure

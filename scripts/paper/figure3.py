@@ -1,14 +1,15 @@
 """Figure 3: contact area for several thresholds of the gap below which there is contact, and what e
 delta_n means.
 
-(a) From the fields of one run of normal loading at lambda_n = 10; (b) the law, and a rectangle of
+(a) Distance of the width from that of JKR's contact in the cell, from the fields of one run of
+normal loading at lambda_n = 10; (b) the law, and a rectangle of
 the same work and height.
 """
 
 import numpy as np
 from observed import profile, width_below
 from runs import PERIOD, pressed
-from style import AREA, panels, shades
+from style import panels, shades
 
 from contactsnes import reference
 
@@ -24,17 +25,19 @@ def widths(record, threshold):
 
 def draw(results):
     """The figure."""
-    figure, ((left, right),) = panels(1, 2)
+    figure, ((left, right),) = panels(1, 2, height=2.9)
     record = results["pressed-n10"]
     for threshold, colour in zip(THRESHOLDS, shades(len(THRESHOLDS))):
         forces, found = widths(record, threshold)
+        stable = (forces > 0.985 * reference.jkr_line_pull_off(PERIOD)[1]) & (
+            np.arange(forces.size) <= np.argmin(forces))
+        exact = [2 * reference.jkr_line_half_width(force, PERIOD) for force in forces[stable]]
         name = "e" if threshold == np.e else f"{threshold:g}\\,"
-        left.plot(forces, found, color=colour, label=f"tresh $= {name}\\delta_n$" if threshold
-                  else "tresh $= 0$")
-    a = np.linspace(reference.jkr_line_pull_off(PERIOD)[0], 6.7, 200)
-    left.plot(reference.jkr_line_load(a, PERIOD), 2 * a, "k--", linewidth=0.8, label="JKR")
-    left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA)
-    left.legend()
+        left.plot(forces[stable], 100 * (found[stable] / exact - 1), color=colour,
+                  label=f"${name}\\delta_n$" if threshold else "$0$")
+    left.axhline(0, color="k", linestyle="--", linewidth=0.8, label="JKR")
+    left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=r"$a_r/a_{JKR} - 1$, %", ylim=(-32, 20))
+    left.legend(title="threshold", ncols=2, loc="lower right")
     gap = np.linspace(-0.3, 8, 500)
     law = gap * np.exp(-gap)
     right.plot(gap, law, "C0")

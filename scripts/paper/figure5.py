@@ -1,16 +1,16 @@
 """Figure 5: shear of the contacts pressed to normal forces of 25 and 0.8, for three tangential
 Maugis parameters.
 
-(a) Contact area, (b) tangential force and (c) mean slip over delta_t against the tangential
-displacement of the top; stars and circles mark the onset of gross sliding. (d-f) Tangential
-tractions at the displacements that small vertical lines mark in (a). Full lines have the residual
-friction of the title, the thin ones in (a-c) the other one.
+(a) Contact area, its axis broken between the loads, (b) tangential force and (c) mean slip over
+delta_t against the tangential displacement of the top; stars and circles mark the onset of gross
+sliding. (d-f) Tangential tractions at the displacements that small vertical lines mark in (a). The
+thin lines in (a, b) have the other residual friction.
 """
 
 import numpy as np
 from observed import onset, profile, sheared_part
 from runs import LOADS, TANGENTIAL, sheared
-from style import AREA, FORCE, GREY, branch, panels, shades
+from style import AREA, FORCE, GREY, SYMBOLS, branch, lettered, panels, shades
 
 from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
 
@@ -35,10 +35,10 @@ def marked(record):
     return list(dict.fromkeys([*before, last, min(last + 6, record.points - 1)]))
 
 
-def draw_loading(axes, results, law, column, thin=False):
+def draw_loading(axes, results, law, column, thin=False, forces=LOADS):
     """Curves of a column over the applied displacement, with onsets."""
     for maugis in TANGENTIAL:
-        for force in LOADS:
+        for force in forces:
             record = results[f"{law}-t{maugis:g}-w{force:g}"]
             look = {"color": COLOURS[maugis], "linestyle": LINES[force], "linewidth": 0.6 if thin
                     else 1.2, "alpha": 0.6 if thin else 1}
@@ -72,42 +72,69 @@ def draw_profiles(axes, record, maugis, residual):
                   label=f"{record['tangential_displacement'][point]:.0f}")
     for level in {1.0, residual}:
         axes.axhline(level * TANGENTIAL_PEAK, linestyle=":", color="purple", linewidth=0.9)
-    axes.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(-8, 8), ylim=(-0.03, 1.3),
-             title=f"$\\lambda_t = {maugis:g}$")
-    axes.legend(title=r"$u_{app,t}/u_{t,r}$", ncols=3, fontsize=5.5, title_fontsize=5.5,
-                loc="upper center", columnspacing=0.8)
+    axes.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(-8, 8), ylim=(-0.03, 1.42))
+    axes.legend(title=SYMBOLS["drive"], ncols=3, loc="upper center", columnspacing=0.6,
+                handlelength=0.9)
+
+
+def broken(axes):
+    """Two axes in the place of one, {load: axes}, above each other."""
+    axes.axis("off")
+    return {25: axes.inset_axes([0, 0.52, 1, 0.48]), 0.8: axes.inset_axes([0, 0, 1, 0.47])}
+
+
+def draw_areas(axes, results, law, other, whole):
+    """Panel a, its two parts, with marks where profiles are drawn."""
+    parts = broken(axes)
+    for force, part in parts.items():
+        for which, thin in ((other, True), (law, False)):
+            draw_loading(part, results, which, "contact_area", thin, forces=(force,))
+        areas = [results[f"{law}-t{maugis:g}-w{force:g}"]["contact_area"] for maugis in TANGENTIAL]
+        low = min(map(np.min, areas))
+        first = results[f"{law}-t1-w{force:g}"]
+        high = first["contact_area"][sheared_part(first)][0]
+        part.set(ylim=(low - 0.15 * (high - low), high + 0.15 * (high - low)), **limits(whole))
+        part.plot([], [], color=GREY, linestyle=LINES[force], marker=MARKERS[force],
+                  label=f"$w_n/w_{{n,r}} = {force:g}$")
+        part.legend(loc="upper right")
+    for maugis in TANGENTIAL:
+        record = results[f"{law}-t{maugis:g}-w25"]
+        points = marked(record)
+        for point, colour in zip(points, shades(len(points))):
+            parts[25].plot(record["tangential_displacement"][point], record["contact_area"][point],
+                           "|", color=colour, markersize=7, markeredgewidth=1.0)
+    parts[25].set_xticklabels([])
+    parts[0.8].set(xlabel=SYMBOLS["drive"])
+    parts[0.8].set_ylabel(AREA, y=1.05)
+    return parts[25]
+
+
+def limits(whole):
+    """The axis of the displacement: to `SHOWN`, or the whole range."""
+    return {"xscale": "log", "xlim": (3, 1e4)} if whole else {"xlim": (0, SHOWN)}
 
 
 def draw(results, law="half", whole=False):
     """The figure for one of the two residual frictions, up to `SHOWN` or over the whole range of
     displacements."""
     other, residual = ("full", 0.5) if law == "half" else ("half", 1.0)
-    figure, axes = panels(2, 3, height=4.6)
+    figure, axes = panels(2, 3, height=5.6)
     (area, force, slip), profiles = axes
+    top = draw_areas(area, results, law, other, whole)
     for which, thin in ((other, True), (law, False)):
-        draw_loading(area, results, which, "contact_area", thin)
         draw_loading(force, results, which, "tangential_force", thin)
     draw_slip(slip, results, law)
-    for maugis in TANGENTIAL:
-        record = results[f"{law}-t{maugis:g}-w25"]
-        points = marked(record)
-        for point, colour in zip(points, shades(len(points))):
-            area.plot(record["tangential_displacement"][point], record["contact_area"][point], "|",
-                      color=colour, markersize=7, markeredgewidth=1.0)
-    area.set(ylabel=AREA, ylim=(0, 14))
     force.set(ylabel=FORCE, **(dict(yscale="log", ylim=(3e-2, 200)) if whole
                                else dict(ylim=(0, 12.5))))
     slip.set(ylabel=r"$\langle u_t^s\rangle/\delta_t$", yscale="log", ylim=(1e-2, 3e3))
-    for one in (area, force, slip):
-        one.set(xlabel=r"$u_{app,t}/u_{t,r}$", **(dict(xscale="log", xlim=(3, 1e4)) if whole
-                                                  else dict(xlim=(0, SHOWN))))
-    slip.legend()
-    for force_, line in LINES.items():
-        area.plot([], [], color=GREY, linestyle=line, marker=MARKERS[force_],
-                  label=f"$w_n/w_{{n,r}} = {force_:g}$")
-    area.legend(loc="center left", bbox_to_anchor=(0, 0.62))
+    for one in (force, slip):
+        one.set(xlabel=SYMBOLS["drive"], **limits(whole))
+    slip.legend(loc="lower right")
+    for law_, look in ((law, dict(linewidth=1.2)), (other, dict(linewidth=0.6, alpha=0.6))):
+        force.plot([], [], color=GREY, label=f"$\\rho = {1 if law_ == 'full' else 0.5:g}$", **look)
+    force.legend(loc="upper left")
     for one, maugis in zip(profiles, TANGENTIAL[::-1]):
         draw_profiles(one, results[f"{law}-t{maugis:g}-w25"], maugis, residual)
-    for one, letter in zip(axes.flat, "abcdef"):
-        one.set_title(f"({letter})", loc="left")
+    lettered((top, force, slip, *profiles), ("", "", "", *(f"$\\lambda_t = {maugis:g}$"
+                                                         for maugis in TANGENTIAL[::-1])))
     return figure

@@ -1,33 +1,38 @@
-"""Figure 6: decay of the contact area with the tangential force, for more tangential parameters,
-with power laws and theory.
+"""Figure 6: decay of the contact area with the tangential force, for more tangential parameters and
+two residual frictions, with power laws and theory.
 
-(a), (b) Contact area at the two loads of the paper. Dotted grey: the best power law of each curve,
-fitted where up to a quarter of the area is lost that is lost before sliding, drawn up to a half;
-the exponents are in the legend of (d). Thin black: fracture mechanics of a bonded contact with
-works of adhesion that are the same in both directions - Savkoor and Briggs (mode parameter 1) and
-mixed-mode functions of Hutchinson and Suo with smaller ones - up to the force at which it breaks.
-Dash-dotted red: slip of the whole contact, for the smallest parameter. (c) Area lost, at the larger
-load, axes logarithmic. (d) Width that sticks, where no slip has passed the peak of the traction,
+(a, b) Contact area at the two loads of the paper with tau_inf = tau_max, (c, d) with tau_inf = 0.05
+tau_max, under eq. 5; symbols: onsets, those beyond the axes at its end, with their force. Dotted:
+the best power law of each curve, fitted where up to a quarter of the area is lost that is lost
+before sliding, drawn up to a half. Thin black: fracture mechanics of a bonded contact with works of
+adhesion that are the same in both directions - Savkoor and Briggs (mode parameter 1) and a
+mixed-mode function of Hutchinson and Suo - up to the force at which it breaks. Dash-dotted: slip of
+the whole contact, for the smallest parameter. (e) Area lost at the larger load with tau_inf =
+tau_max, axes logarithmic. (f) Width that sticks, where no slip has passed the peak of the traction,
 against the share of the force of gross sliding that theory gives (the width a_inf over which
-friction acts then is Hertz's and the range of the law); dashed red: the slip zone, which holds for
+friction acts then is Hertz's and the range of the law); dashed: the slip zone, which holds for
 stiff interfaces.
 """
 
 import numpy as np
 from observed import onset, peel, power_law, profile, sheared_part, width_below
-from runs import LOADS, MORE_TANGENTIAL, PERIOD, sheared
-from style import AREA, FORCE, GREY, panels, shades
+from runs import LOADS, MORE_TANGENTIAL, PERIOD, mapped, sheared
+from style import AREA, FORCE, GREY, lettered, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
 
-MODE_PARAMETERS = {1.0: (6, 2), 0.6: (3, 2), 0.3: (1, 2)}
+MODE_PARAMETERS = {1.0: (6, 2), 0.3: (1, 2)}
 """Of the mixed-mode function, 1 being Griffith's criterion, and dashes."""
 STUCK = (0.1, 1, 10)
 """Parameters whose fields are kept."""
-COLOURS = dict(zip(MORE_TANGENTIAL, shades(len(MORE_TANGENTIAL))))
+SHOWN = (0.1, 0.36, 1, 2, 3.6, 10)
+"""Tangential parameters that are drawn; the statements have more."""
+COLOURS = dict(zip(SHOWN, shades(len(SHOWN))))
+RESIDUALS = (1, 0.05)
 NEEDED = tuple(sheared("full", maugis, force, fields="all" if maugis in STUCK and force == 25
                        else "none") for maugis in MORE_TANGENTIAL for force in LOADS)
+"""The runs with tau_inf = tau_max; the others are those of the map of regimes."""
 
 
 def mixed_mode_curve(force, parameter):
@@ -62,31 +67,37 @@ def stick_width(record, point):
     return min(width_below(x, np.abs(slip), SLIP), record["contact_area"][point])
 
 
-def draw_area(axes, results, force):
-    """Contact area against the tangential force, with the fits, whose exponents are returned, and
-    theory."""
-    exponents, end = {}, 0.0
+def draw_area(axes, results, residual, force):
+    """Contact area against the tangential force, with the fits and theory."""
+    beyond = []
+    end = {25: 12.0, 0.8: 3.4}[force]
     for maugis, colour in COLOURS.items():
-        record = results[f"full-t{maugis:g}-w{force:g}"]
+        record = results[mapped(residual, maugis, force).name]
         forces, areas = peel(record)
-        axes.plot(forces, areas, color=colour)
+        axes.plot(forces, areas, color=colour, label=f"{maugis:g}")
         begun = onset(record)
-        if begun:
-            axes.plot(begun.force, begun.area, "o", color=colour, markersize=3.5,
-                      markeredgecolor="k", markeredgewidth=0.3, zorder=4)
+        if begun and begun.force > end:
+            beyond.append((maugis, begun, colour))
+        elif begun:
+            axes.plot(begun.force, begun.area, "o", color=colour, markersize=4,
+                      markeredgecolor="k", markeredgewidth=0.4, zorder=4)
         fit = power_law(forces, areas, 0.25)
         along = np.linspace(0, (0.5 * (areas[0] - areas.min()) / fit.factor) ** (1 / fit.exponent),
                             60)
         axes.plot(along, fit(along), ":", color=GREY, linewidth=1.0, zorder=3)
-        exponents[maugis], end = fit.exponent, max(end, forces[-1] if maugis <= 1 else 0.0)
     for parameter, dashes in MODE_PARAMETERS.items():
         axes.plot(*mixed_mode_curve(force, parameter), color="k", linewidth=0.7, dashes=dashes)
     axes.plot(*uniform_slip_curve(force, 0.1), "-.", color="C3", linewidth=0.9)
     hertz = 2 * reference.hertz_line_half_width(force, PERIOD)
     axes.axhline(hertz, color="k", linewidth=0.4)
-    axes.set(xlabel=FORCE, ylabel=AREA, xlim=(0, 1.25 * end),
-             ylim=(hertz - 0.1 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)))
-    return exponents
+    low, high = hertz - 0.1 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)
+    for place, (_, begun, colour) in enumerate(beyond):
+        level = begun.area + (0.07 + 0.1 * place) * (high - low)
+        axes.plot(end, level, ">", color=colour, markersize=5, markeredgecolor="k",
+                  markeredgewidth=0.4, clip_on=False, zorder=5)
+        axes.annotate(f"{begun.force:.3g}", (end, level), xytext=(-5, 0), ha="right", va="center",
+                      textcoords="offset points")
+    axes.set(xlabel=FORCE, ylabel=AREA, xlim=(0, end), ylim=(low, high))
 
 
 def draw_loss(axes, results, force):
@@ -96,14 +107,17 @@ def draw_loss(axes, results, force):
         axes.plot(forces[1:], np.maximum(areas[0] - areas[1:], 1e-9), color=colour)
     for parameter, dashes in MODE_PARAMETERS.items():
         forces, widths = mixed_mode_curve(force, parameter)
-        axes.plot(forces[1:], widths[0] - widths[1:], color="k", linewidth=0.7, dashes=dashes)
+        axes.plot(forces[1:], widths[0] - widths[1:], color="k", linewidth=0.7, dashes=dashes,
+                  label=f"$m = {parameter:g}$")
     forces, widths = uniform_slip_curve(force, 0.1)
-    axes.plot(forces[1:], widths[0] - widths[1:], "-.", color="C3", linewidth=0.9)
+    axes.plot(forces[1:], widths[0] - widths[1:], "-.", color="C3", linewidth=0.9,
+              label="uniform slip, 0.1")
     along = np.array([0.25, 0.6])
     axes.plot(along, 1.5 * along ** 2, color=GREY, linewidth=0.7)
-    axes.text(0.33, 0.3, "2", color=GREY, fontsize=7)
+    axes.text(0.31, 0.3, "2", color=GREY)
     axes.set(xscale="log", yscale="log", xlabel=FORCE, ylabel=r"$(a_r(0) - a_r)/\beta$",
              xlim=(0.2, 30), ylim=(0.005, 3))
+    axes.legend(loc="lower right", title="theory")
 
 
 def draw_stick(axes, results, force):
@@ -116,40 +130,36 @@ def draw_stick(axes, results, force):
         load, peak = record["normal_force"][-1], reference.peak_tangential_traction(maugis)
         slid = reference.sliding_force(load, peak, record.scene["normal_maugis"], PERIOD)
         axes.plot(record["tangential_force"][points] / slid,
-                  [stick_width(record, point) for point in points], color=COLOURS[maugis])
+                  [stick_width(record, point) for point in points], color=COLOURS[maugis],
+                  label=f"$\\lambda_t = {maugis:g}$")
     axes.plot(*slip_zone_curve(load, record.scene["normal_maugis"]), "--", color="C3",
-              linewidth=0.9)
-    axes.set(xlabel=r"$w_t/(\tau_{\max} a_\infty)$", ylabel=r"$a_{stick}/\beta$", xlim=(0, 1.25),
+              linewidth=0.9, label="slip zone")
+    axes.set(xlabel=r"$w_t/(\tau_{\max} a_\infty)$", ylabel=r"$a_{stick}/\beta$", xlim=(0, 1.1),
              ylim=(0, 13.5))
-
-
-def add_legends(loss, stick, exponents):
-    """What the curves of all panels are: theory, and the parameters with their exponents at both
-    loads."""
-    for parameter, dashes in MODE_PARAMETERS.items():
-        name = "Savkoor-Briggs, $m = 1$" if parameter == 1 else f"mixed mode, $m = {parameter:g}$"
-        loss.plot([], [], color="k", linewidth=0.7, dashes=dashes, label=name)
-    for colour, width, style, name in (("C3", 0.9, "-.", r"uniform slip, $\lambda_t = 0.1$"),
-                                       ("C3", 0.9, "--", "slip zone (d)"),
-                                       (GREY, 1.0, ":", "power laws (a, b)"),
-                                       ("k", 0.4, "-", "Hertz (a, b)")):
-        loss.plot([], [], color=colour, linewidth=width, linestyle=style, label=name)
-    loss.legend(fontsize=5.5, loc="lower right")
-    for maugis, colour in COLOURS.items():
-        stick.plot([], [], color=colour, label=f"$\\lambda_t = {maugis:g}$: "
-                   f"{exponents[0][maugis]:.2f}, {exponents[1][maugis]:.2f}")
-    stick.legend(fontsize=5.5, ncols=2, loc="lower left", title="exponents in (a), (b)",
-                 title_fontsize=5.5, handlelength=1.3, columnspacing=1.0)
+    axes.legend(loc="lower left")
 
 
 def draw(results):
     """The figure."""
-    figure, ((left, right), (lost, stick)) = panels(2, 2)
-    exponents = [draw_area(axes, results, force) for axes, force in zip((left, right), LOADS[::-1])]
-    draw_loss(lost, results, LOADS[1])
-    draw_stick(stick, results, LOADS[1])
-    add_legends(lost, stick, exponents)
-    for axes, letter, force in zip((left, right, lost, stick), "abcd",
-                                   (*LOADS[::-1], LOADS[1], LOADS[1])):
-        axes.set_title(f"({letter}) $w_n/w_{{n,r}} = {force:g}$", loc="left")
+    figure, axes = panels(3, 2, height=7.6)
+    titles = []
+    for line, residual in zip(axes, RESIDUALS):
+        for one, force in zip(line, LOADS[::-1]):
+            draw_area(one, results, residual, force)
+            titles.append(f"$w_n/w_{{n,r}} = {force:g}$, $\\tau_\\infty = "
+                          f"{'' if residual == 1 else f'{residual:g}'}\\tau_{{\\max}}$")
+    draw_loss(axes[2, 0], results, LOADS[1])
+    draw_stick(axes[2, 1], results, LOADS[1])
+    lettered(axes.flat, (*titles, titles[0], titles[0]))
+    for one in axes[:2, 0]:
+        one.legend(title=r"$\lambda_t$", ncols=3, loc="lower left")
+    for one in axes[:2, 1]:
+        for look, label in ((dict(color=GREY, linestyle=":", linewidth=1.0), "power law"),
+                            (dict(color="k", dashes=(6, 2), linewidth=0.7), "Griffith, $m = 1$"),
+                            (dict(color="k", dashes=(1, 2), linewidth=0.7), "mixed mode, 0.3"),
+                            (dict(color="C3", linestyle="-.", linewidth=0.9), "uniform slip, 0.1"),
+                            (dict(color="k", linewidth=0.4), "Hertz")):
+            one.plot([], [], label=label, **look)
+        handles, labels = one.get_legend_handles_labels()
+        one.legend(handles[-5:], labels[-5:], loc="lower left")
     return figure

@@ -39,7 +39,8 @@ def onset(record):
     first = slid[0] if slid.size else record.points
     for fold in folds:
         landed = np.flatnonzero(record["event"][fold:] == "jump")
-        if fold == record.points - 1 or landed.size and first <= fold + landed[0] + 1:
+        if (fold == record.points - 1 or first == fold + 1
+            or landed.size and first <= fold + landed[0] + 1):
             return _at(record, fold, True)
     return _at(record, first, False) if slid.size else None
 

@@ -12,12 +12,12 @@ import functools
 
 import numpy as np
 from beyond import HEIGHT, finer, grid_change, unsheared
-from matplotlib.colors import LogNorm
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from observed import onset
 from runs import PERIOD, Run, half_width, points
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import lambertw
-from style import panels
+from style import panels, shades
 
 from contactsnes import reference
 
@@ -204,22 +204,26 @@ def edges(centres):
     return np.exp(np.concatenate([[2 * logs[0] - inner[0]], inner, [2 * logs[-1] - inner[-1]]]))
 
 
+def shaded(name, levels):
+    """Six shades between levels, as the look of a map."""
+    colours = ListedColormap(shades(len(levels) - 1, name))
+    return {"cmap": colours, "norm": BoundaryNorm(levels, colours.N)}
+
+
 def draw(results):
     """The figure."""
-    found, (figure, axes) = maps(results), panels(2, 3, height=5.2)
+    found, (figure, axes) = maps(results), panels(2, 3, height=6.4)
     nearer = np.fmin(np.abs(found["uniform"]), np.abs(found["front"]))
-    looks = ((found["force"], r"onset force over $\tau_{\max} a_0$", {"cmap": "viridis"}),
+    looks = ((found["force"], r"onset force over $\tau_{\max} a_0$",
+              shaded("viridis", (0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9))),
              (100 * found["share"], "area lost before, % of all lost",
-              {"cmap": "cividis", "vmin": 0, "vmax": 100}), (nearer, "from the nearer estimate, %",
-                                                             {"cmap": "YlOrBr",
-                                                              "norm": LogNorm(0.1, 30)}))
+              shaded("cividis", (-1, 10, 30, 50, 90, 99, 101))),
+             (nearer, "from the nearer estimate, %", shaded("YlOrBr", (0, 0.3, 1, 2, 5, 10, 30))))
     for column, (values, label, look) in enumerate(looks):
-        scale = {"vmin": np.nanmin(values), "vmax": np.nanmax(values),
-                 **look} if "norm" not in look else look
         for line, residual in enumerate(RESIDUALS):
             one = axes[line, column]
             drawn = one.pcolormesh(edges(NORMAL), edges(TANGENTIAL),
-                                   np.ma.masked_invalid(values[line]), **scale)
+                                   np.ma.masked_invalid(values[line]), **look)
             draw_markers(one, results, residual, found["fold"][line])
             one.set(xscale="log", yscale="log", facecolor="0.9", xlim=edges(NORMAL)[[0, -1]],
                     ylim=edges(TANGENTIAL)[[0, -1]], title=f"({'abcdef'[3 * line + column]})  "
@@ -228,7 +232,8 @@ def draw(results):
             one.set_xticks([0.3, 1, 3, 10], ["0.3", "1", "3", "10"], minor=False)
             one.set_yticks([0.1, 1, 10], ["0.1", "1", "10"], minor=False)
             one.set_xticks([], minor=True)
-        figure.colorbar(drawn, ax=axes[:, column], location="bottom", label=label, aspect=25)
+        figure.colorbar(drawn, ax=axes[:, column], location="bottom", label=label, aspect=25,
+                        ticks=look["norm"].boundaries[1:-1])
         axes[1, column].set_xlabel(r"$\lambda_n$")
     for line, one in enumerate(axes[:, 0]):
         one.set_ylabel(r"$\lambda_t$")
@@ -267,8 +272,8 @@ def legend(figure):
     for axes in figure.axes:
         found.update({label: handle for handle, label in zip(*axes.get_legend_handles_labels())})
     order = sorted(found, key=[*MARKERS, *found].index)
-    figure.legend([found[label] for label in order], order, loc="lower center", ncols=4, fontsize=6)
-    figure.get_layout_engine().set(rect=(0, 0.08, 1, 0.92))
+    figure.legend([found[label] for label in order], order, loc="lower center", ncols=3)
+    figure.get_layout_engine().set(rect=(0, 0.12, 1, 0.88))
 
 
 def compressed(symbol, places, holds, known):

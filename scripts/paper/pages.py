@@ -6,10 +6,14 @@ import early
 import numpy as np
 import onsets
 import poisson
+import regimes
 import remnant
 import rough
 import sinusoid
 import statements  # noqa: F401  makes the statements of the table
+import statements_more  # noqa: F401
+import statements_residual  # noqa: F401
+import statements_theory  # noqa: F401
 from errors import figure_table
 from runs import ROOT, Finer
 from statement import evaluated, table
@@ -18,6 +22,8 @@ from contactsnes.output.tables import markdown, write_between
 
 HERE = ROOT / "scripts" / "paper"
 GALLERY = ROOT / "docs" / "gallery.md"
+PAGE = ROOT / "docs" / "incipient-sliding.md"
+MARKS = ("<!-- scripts/paper writes from here -->\n", "<!-- scripts/paper: as far as here -->\n")
 BEGIN, END = "<!-- scripts/reproduce writes from here -->\n", "<!-- as far as here -->\n"
 CAPTIONS = {
     "figure2": "Figure 2: the traction-separation laws",
@@ -32,9 +38,10 @@ CAPTIONS = {
 BESIDE = {"figure2": "Curves and line styles are the paper's; eqs. 3b and "
           "5b are corrected (statements 1 and 2). For eq. 5 the "
           "two curves of the tangential traction without an open gap "
-          "coincide.", "figure3": "The paper's widths converge for large "
-          "thresholds, these go on to grow. The least threshold, whose "
-          "contact is the overlap alone, loses contact before pull-off.",
+          "coincide.", "figure3": "(a) is drawn as the distance from JKR's "
+          "width. The paper's widths converge for large thresholds, "
+          "these go on to grow. The least threshold, whose contact "
+          "is the overlap alone, loses contact before pull-off.",
           "figure4": "Maugis and Dugdale's theory and the inset in (b) are "
           "added; both theories are those of the periodic cell. Curves "
           "end at the fold under a prescribed displacement.",
@@ -48,14 +55,14 @@ BESIDE = {"figure2": "Curves and line styles are the paper's; eqs. 3b and "
           "and profiles for one; this is the other one. Without a "
           "drop of friction sliding begins gradually unless adhesion is "
           "lost at once.", "figure5-long": "The same runs, axes logarithmic.",
-          "figure6": "Onsets, theory, (c) and (d) are added. Power laws "
-          "are fitted where up to a quarter of what is lost is "
-          "lost: the paper does not tell its window.",
-          "figure7": "The paper shows the first row. Open circles are stable "
-          "onsets, crosses an estimate that the paper does not have.",}
+          "figure6": "(a, b) are the paper's, with tau_inf = tau_max; onsets, theory and the rest "
+          "are added. Power laws are fitted where up to a quarter of what is lost is lost: the "
+          "paper does not tell its window.",
+          "figure7": "The paper shows the first row. Lines and onsets are those of all loads, "
+          "curves of six. Crosses are an estimate that the paper does not have.",}
 """Name of a figure -> in what it differs from the paper's, and why."""
-BEYOND = {module.__name__: module for module in (remnant, poisson, cell, sinusoid, rough, early,
-                                                 onsets)}
+BEYOND = {module.__name__: module for module in (regimes, early, remnant, poisson, cell, sinusoid,
+                                                 rough, onsets)}
 """Name -> module of each figure beyond the paper's, in the order of the page: its runs NEEDED,
 draw, CAPTION and says."""
 
@@ -67,9 +74,10 @@ def runs_beyond():
 
 def symbols(text):
     """Greek letters and the like of a text in Markdown."""
-    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"), ("delta_", "δ_"),
-                         ("phi_", "φ_"), ("beta", "β"), ("nu = ", "ν = "), (" +- ", " ± "),
-                         ("<~", "≲"), ("_max", "<sub>max</sub>"), ("_inf", "<sub>∞</sub>"),
+    for plain, shown in (("lambda_t", "λ_t"), ("lambda_n", "λ_n"), ("tau_", "τ_"),
+                         ("rho", "ρ"), ("alpha", "α"), ("delta_", "δ_"), ("phi_", "φ_"),
+                         ("beta", "β"), ("nu = ", "ν = "), (" +- ", " ± "), ("<~", "≲"),
+                         ("_max", "<sub>max</sub>"), ("_inf", "<sub>∞</sub>"),
                          ("_fit", "<sub>fit</sub>"), ("_r", "<sub>r</sub>"), ("_n", "<sub>n</sub>"),
                          ("_t", "<sub>t</sub>"), ("|", "\\|")):
         text = text.replace(plain, shown)
@@ -171,3 +179,6 @@ def write(results, runs, movements):
     gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">'
                 for name, module in BEYOND.items()]
     write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))
+    onsets_told, missing = evaluated(regimes.onset_tables, results)
+    write_between(PAGE, *MARKS, "\n".join([*(onsets_told if missing is None
+                                             else [f"Not told: {missing}."]), ""]))

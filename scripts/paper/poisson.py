@@ -82,7 +82,7 @@ def draw_branch(axes, record, **look):
 
 def draw(results):
     """The figure."""
-    figure, ((high, low, pressed), (half, relative, works)) = panels(2, 3, height=4.8)
+    figure, ((high, low, pressed), (half, relative, works)) = panels(2, 3, height=5.6)
     for ratio, colour in zip(RATIOS, shades(len(RATIOS))):
         for one, force in ((high, 25), (low, 0.8)):
             draw_branch(one, results[run(ratio, force).name], color=colour,
@@ -90,7 +90,7 @@ def draw(results):
         record = results[run(ratio, 25).name]
         for one, point in ((pressed, sheared_part(record).start), (half, half_way(record))):
             x, _, _, _, traction = profile(record, point)
-            one.plot(x, traction, color=colour, linewidth=0.9)
+            one.plot(x, traction, color=colour, linewidth=0.9, label=f"$\\nu = {ratio:g}$")
         x = np.linspace(-1, 1, 2001)[1:-1] * half_width(25)
         pressed.plot(x, bonded_traction(x, 25, ratio), "--", color=colour, linewidth=0.8)
     for work, colour in zip(WORKS, shades(len(WORKS), "plasma")):
@@ -108,12 +108,15 @@ def draw(results):
     for one, letter, title in zip((pressed, half), "cd",
                                   (f"pressed, {loads[0]}", f"half of onset, {loads[0]}")):
         one.set(xlabel=r"$x/\beta$", ylabel=r"$p_t\,\delta_t/\phi_t$", title=f"({letter})  {title}",
-                xlim=(-8, 8), ylim=(-1, 1.2))
+                xlim=(-8, 8), ylim=(-2.6, 1.2))
     relative.set(xlabel=r"$(1-2\nu)/(2(1-\nu))$", ylabel="change from $\\nu = 1/2$, %", title="(e)")
     relative.set_ylim(1.6 * relative.get_ylim()[0], None)
-    pressed.plot([], [], "k--", linewidth=0.8, label="bonded, first order")
-    for one in (low, pressed, relative, works):
-        one.legend(fontsize=6)
+    pressed.plot([], [], "k--", linewidth=0.8, label="bonded")
+    high.set_ylim(10.6, None)
+    low.set_ylim(2.3, None)
+    works.set_ylim(2.4, None)
+    for one in (high, low, pressed, half, relative, works):
+        one.legend(loc="lower left", ncols=1 if one in (low, relative, works) else 2)
     return figure
 
 

@@ -71,7 +71,7 @@ def least_share(force):
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 2, height=4.8)
+    figure, axes = panels(2, 2, height=5.4)
     for one, force, letter in zip(axes.flat, FORCES, "abc"):
         for share, colour in zip(SHARES, shades(len(SHARES))):
             record = results[run(share, force).name]
@@ -84,7 +84,9 @@ def draw(results):
                          markeredgewidth=1.5 if comes_off(record) else 0.3)
         one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$",
                 xlim=(0, None))
-    axes[0, 0].legend(title="remnant adhesion $r$", loc="lower left")
+    for one, least in zip(axes.flat[:3], (11.5, 2.3, 2.1)):
+        one.set_ylim(least, None)
+        one.legend(title="remnant adhesion $r$", loc="lower left", ncols=2)
     last, shares = axes[1, 1], np.linspace(0, 1, 101)
     for number, force in enumerate(FORCES):
         records = [results[run(share, force).name] for share in SHARES]
@@ -100,7 +102,7 @@ def draw(results):
     last.plot([], [], "k--", linewidth=0.9, label=r"JKR, $r\,\phi_n$")
     last.plot([], [], "k-", linewidth=0.7, label=r"JKR, gap $< e\,\delta_n$")
     last.set(xlabel="remnant adhesion $r$", ylabel=AREA + ", sliding", ylim=(0, None), title="(d)")
-    last.legend(loc="center", bbox_to_anchor=(0.52, 0.63), ncols=2, fontsize=6.5)
+    last.legend(loc="center", bbox_to_anchor=(0.55, 0.63), ncols=2)
     return figure
 
 

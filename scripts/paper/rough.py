@@ -163,8 +163,8 @@ def draw_shear(axes, results):
     for marker, label in zip(("ko", "ks", "rx", "r+"), labels):
         begin.plot([], [], marker, markersize=4, markerfacecolor="w", label=label)
     begin.set(xlabel=AREA + ", at the onset", ylabel=FORCE + ", at the onset", xlim=(0, 10),
-              ylim=(0, 11))
-    begin.legend(loc="upper left", fontsize=6.5)
+              ylim=(0, 14))
+    begin.legend(loc="upper left")
     area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), title=f"$w_n/w_{{n,r}} = {FORCES[0]}$")
 
 
@@ -180,8 +180,7 @@ def draw_profiles(axes, results):
     gaps.fill_between(x, 0, 1, where=gap < np.e, transform=gaps.get_xaxis_transform(), color="C0",
                       alpha=0.15, linewidth=0)
     gaps.set(ylabel=r"$g_n/u_{n,r}$", ylim=(-0.5, 8), title=f"slope {SLOPES[-1]}")
-    gaps.legend(loc="upper center", ncols=2, frameon=True, framealpha=0.9, edgecolor="none",
-                fontsize=6.5)
+    gaps.legend(loc="upper center", ncols=2, frameon=True, framealpha=0.9, edgecolor="none")
     forces = record["tangential_force"]
     chosen = [first + int(np.argmin(np.abs(forces[first:last + 1] - share * forces[last])))
               for share in (0.3, 0.6, 0.9, 1.0)]
@@ -190,8 +189,8 @@ def draw_profiles(axes, results):
                        label=f"{forces[point]:.2f}")
     tractions.plot(x, profile(record, record.points - 1)[4], color=GREY, linewidth=0.7,
                    label="sliding")
-    tractions.set(ylabel=r"$p_t/p_{t,r}$", ylim=(0, 1.35))
-    tractions.legend(title=FORCE, ncols=3, fontsize=5.5, title_fontsize=5.5, loc="upper center",
+    tractions.set(ylabel=r"$p_t/p_{t,r}$", ylim=(0, 1.9))
+    tractions.legend(title=FORCE, ncols=2, loc="upper center",
                      columnspacing=0.8)
     for one in axes:
         one.set(xlabel=r"$x/\beta$", xlim=(-6, 6))
@@ -199,7 +198,7 @@ def draw_profiles(axes, results):
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 3, height=5.0)
+    figure, axes = panels(2, 3, height=5.8)
     draw_pressing(axes[0, :2], results)
     draw_shear((axes[0, 2], axes[1, 2]), results)
     draw_profiles(axes[1, :2], results)

@@ -146,12 +146,13 @@ def draw_shear(axes, results):
         traction.plot(x, values, color=colour, label=label)
     area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), ylim=(0, 1.04 * WAVE))
     traction.set(xlabel=r"$x/\beta$", ylabel=r"$p_t/p_{t,r}$", xlim=(-WAVE / 2, WAVE / 2),
-                 ylim=(0, None))
+                 ylim=(0, 1.3))
     for level in (PEAK, 0.5 * PEAK):
         traction.axhline(level, linestyle=":", color="purple", linewidth=0.9)
     area.plot([], [], "--", color=GREY, linewidth=0.7, marker="s", markersize=4,
               markerfacecolor="w", label="cylinder")
     area.legend(title=r"$w_n/w_{n,r}$", loc="center right", bbox_to_anchor=(1.0, 0.42))
+    traction.legend(title=r"$w_n/w_{n,r}$", loc="upper right", ncols=2)
 
 
 def draw_onsets(axes, results):
@@ -173,12 +174,12 @@ def draw_onsets(axes, results):
     axes.plot([], [], "rx", markersize=4, label="slip front")
     axes.set(xlabel=AREA + ", at the onset", ylabel=FORCE + ", at the onset", xlim=(0, 1.05 * WAVE),
              ylim=(0, 1.08 * PEAK * WAVE))
-    axes.legend(loc="upper left", fontsize=6.5)
+    axes.legend(loc="upper left")
 
 
 def draw(results):
     """The figure."""
-    figure, axes = panels(2, 2, height=5.4)
+    figure, axes = panels(2, 2, height=6.2)
     draw_pressing(axes[0, 0], results)
     draw_shear((axes[0, 1], axes[1, 1]), results)
     draw_onsets(axes[1, 0], results)

@@ -8,8 +8,10 @@ import numpy as np
 from contactsnes.output.files import ArchiveError
 
 ALL = []
-"""The statements: functions from (results, results on finer grids) to a Statement, in the order of
-the paper."""
+"""The statements: functions from (results, results on finer grids) to a Statement."""
+ORDER = ("statements_pressed", "statements", "statements_residual", "statements_theory",
+         "statements_more")
+"""Their modules in the order of the table."""
 MISSING = (KeyError, IndexError, ArchiveError)
 """What functions of results raise where a run is missing or too short."""
 
@@ -73,6 +75,7 @@ def statement(place, text, measure):
             again = None if finer is None else evaluated(function, finer)[0]
             return Statement(place, text, measure, told(found, again and again[0]), verdict)
         row.__name__, row.__doc__ = function.__name__, function.__doc__
+        row.__module__ = function.__module__
         ALL.append(row)
         return row
     return wrap
@@ -81,7 +84,7 @@ def statement(place, text, measure):
 def table(results, finer=None):
     """All statements; one whose runs are missing, or did not come far enough, says so."""
     rows = []
-    for one in ALL:
+    for one in sorted(ALL, key=lambda one: ORDER.index(one.__module__)):
         row, error = evaluated(one, results, finer)
         rows.append(row or Statement("", one.__name__.replace("_", " "), "",
                                      f"a run is missing or too short: {error}", "open"))

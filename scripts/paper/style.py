@@ -13,11 +13,17 @@ WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
 """Width of a page and of a column, inches."""
 AREA, FORCE = r"$a_r/\beta$", r"$w_t/w_{t,r}$"
 GREY = "#808080"
+SYMBOLS = {"residual": r"$\rho = \tau_\infty/\tau_{\max}$", "drive": r"$u_{app,t}/u_{t,r}$"}
 LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max}$",
              "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
 
 
-matplotlib.rcParams.update(STYLE)
+matplotlib.rcParams.update({**STYLE, "legend.fontsize": 8, "legend.title_fontsize": 8,
+                            "xtick.labelsize": 8, "ytick.labelsize": 8,
+                            "legend.handlelength": 1.4, "legend.handletextpad": 0.5,
+                            "legend.columnspacing": 0.9, "legend.labelspacing": 0.3,
+                            "legend.borderpad": 0.2, "legend.borderaxespad": 0.4})
+"""Text of 8 points at the printed width."""
 
 
 def panels(rows, columns, width=WIDE, height=None):
@@ -27,11 +33,13 @@ def panels(rows, columns, width=WIDE, height=None):
 
 
 def save(figure, name, folder, pages=None):
-    """Write a figure as PNG and PDF to a folder, and a small PNG to another one."""
-    figure.savefig(Path(folder) / f"{name}.png", dpi=200)
-    figure.savefig(Path(folder) / f"{name}.pdf")
-    if pages is not None:
-        figure.savefig(Path(pages) / f"{name}.png", dpi=110)
+    """Write a figure for print, as PNG of 200 dots an inch and as PDF, to a folder, and copies to
+    another one."""
+    for place in (folder, pages):
+        if place is not None:
+            figure.savefig(Path(place) / f"{name}.png", dpi=200)
+            # The same figure is the same file: no date in it.
+            figure.savefig(Path(place) / f"{name}.pdf", metadata={"CreationDate": None})
 
 
 def branch(axes, record, x, y, part=slice(None), **look):
@@ -49,3 +57,9 @@ def branch(axes, record, x, y, part=slice(None), **look):
 def shades(count, name="viridis"):
     """Colours of a family of curves, dark to light."""
     return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))
+
+
+def lettered(axes, titles=()):
+    """Give each panel its letter, and a title beside it."""
+    for letter, one, title in zip("abcdefghijkl", axes, [*titles, *[""] * 12]):
+        one.set_title(f"({letter})" + f"  {title}" * bool(title), loc="left")

@@ -275,9 +275,9 @@ def same_points(scene, load, **steps):
              and (abs(point.position - other.position) < 1e-12 or point.event in ("fold", "jump"))]
     assert (len(pairs) > len(all_points) / 3 and pairs[0][0] is points[0]
             and pairs[-1] == (points[-1], all_points[-1]))
-    assert [point.event for point in points if point.event != "none"] == [point.event
+    assert [point.event for point in points if point.event] == [point.event
                                                                           for point in all_points
-                                                                          if point.event != "none"]
+                                                                          if point.event]
     for point, other in pairs:
         # Folds are located to 1e-6 in the load, which is their state's distance squared.
         tolerance = 3e-3 if point.event in ("fold", "jump") else 3e-6

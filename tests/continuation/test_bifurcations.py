@@ -481,7 +481,7 @@ def test_unstable_modes_of_a_traced_branch_are_those_of_dense_matrices(spots):
     assert (max(point.unstable_modes for point in points) >= 1
             and events(points).count("bifurcation") == 2)
     for point in points[::3]:
-        if point.event == "none":
+        if not point.event:
             expected = Cell(made.contact, point).eigenvalues()
             assert point.unstable_modes == np.sum(expected.real < -NEUTRAL)
             assert point.leading_eigenvalue.real == pytest.approx(expected[0].real, abs=4e-4)

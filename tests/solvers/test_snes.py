@@ -317,7 +317,7 @@ def two_spots(folder):
 def test_a_second_spot_is_taken_into_the_window(tmp_path):
     points = list(branch(two_spots(tmp_path), "normal_displacement=0", "normal_displacement=6",
                          {"predictor": "tangent"}))
-    assert points[-1].load[0] == 6.0 and all(point.event == "none" for point in points)
+    assert points[-1].load[0] == 6.0 and all(not point.event for point in points)
     assert points[0].state.window.size < 300 < points[-1].state.window.size
 
 
@@ -327,7 +327,7 @@ def test_a_small_spot_does_not_jump_unnoticed(tmp_path, predictor):
     hardly moves."""
     points = list(branch(two_spots(tmp_path), "normal_displacement=0", "normal_displacement=12",
                          {"predictor": predictor, "initial_step": 0.75, "largest_step": 1.5}))
-    assert [point.event for point in points if point.event != "none"] == ["fold", "jump"]
+    assert [point.event for point in points if point.event] == ["fold", "jump"]
     fold = next(point for point in points if point.event == "fold")
     assert fold.load[0] == pytest.approx(9.5197, rel=1e-3)
 

@@ -109,7 +109,7 @@ def test_a_library_made_from_something_else_is_not_taken(tmp_path):
 
 @compiler
 def test_two_processes_build_at_once(tmp_path):
-    code = ("import sys; sys.path.insert(0, sys.argv[2]); from test_laws import *; "
+    code = ("import sys; sys.path.insert(0, sys.argv[2]); from test_compiled_laws import *; "
             "agree(Soft(), with_kernel(Soft(), Path(sys.argv[1])))")
     command = [sys.executable, "-c", code, str(tmp_path), str(Path(__file__).parent)]
     running = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(2)]
