@@ -1,5 +1,5 @@
-/* Damped motion of the force form (solvers/motion.py): m mu v'' = -F(v), F = K v + t, on the waves of
-   the cell or of even fields. */
+/* Damped motion of the force form (solvers/motion.py): m mu v'' = -F(v), F = K v + t, on the waves
+   of the cell or of even fields. */
 #include "kernels.h"
 #include <math.h>
 #include <string.h>
@@ -161,8 +161,8 @@ CLONES int motion_damped(Motion *m, double step, double rate, const double *grad
     return motion_advance(m, step, kept, 0.0, impulse, 0.0);
 }
 
-/* Into found, sums over the waves of the cell: change . v', v' . m mu v' and change . change / (m mu)
-   of the change F - before, or of F where that is null. */
+/* Into found, sums over the waves of the cell: change . v', v' . m mu v' and change . change / (m
+   mu) of the change F - before, or of F where that is null. */
 CLONES void motion_sums(const Motion *m, const double *before, double *found)
 {
     const long n = m->waves, w = m->wide;
@@ -212,8 +212,10 @@ CLONES double motion_squares(const Motion *m)
         } else if (w == 1)
             for (long k = 0; k < n; k++) sum += weight[k] * s[k] * s[k] * f[k] * f[k];
         else
-            for (long k = 0; k < n; k++)
-                sum += weight[k] * s[k] * s[k] * (f[2 * k] * f[2 * k] + f[2 * k + 1] * f[2 * k + 1]);
+            for (long k = 0; k < n; k++) {
+                const double square = f[2 * k] * f[2 * k] + f[2 * k + 1] * f[2 * k + 1];
+                sum += weight[k] * s[k] * s[k] * square;
+            }
     }
     return sum;
 }

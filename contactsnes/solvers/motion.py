@@ -75,6 +75,7 @@ class Motion:
 
     @stiffening.setter
     def stiffening(self, stiffening):
+        """Set mu."""
         if self.kernel:
             self.kernel.structure.stiffening = stiffening
         self._stiffening = stiffening

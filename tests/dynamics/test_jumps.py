@@ -416,8 +416,7 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
         branch.corrector.settle(aside, fold.controls, fold.load, "here")
     monkeypatch.setattr(relaxing, "relaxed", leaves)
     with pytest.raises(NotConverged, match="in the relaxation before the solve"):
-        relaxing.nearer(branch.corrector.run, branch.contact, fold.state, fold.controls,
-                        fold.load, 1e-3)
+        relaxing.nearer(branch.corrector, fold.state, fold.controls, fold.load, 1e-3)
 
 
 def test_an_isolated_contact_jumps_in():
