@@ -72,7 +72,12 @@ class CompiledMotion:
         call(self.library.motion_evaluate, self.counter, self._reference)
 
     def advance(self, time_step, kept, impulse):
-        """As `Motion.advance`."""
+        """As `Motion.advance`.
+
+        Parameters
+        ----------
+        time_step, kept, impulse : as of that
+        """
         if np.ndim(kept) == np.ndim(impulse) == 0:
             factors = None, kept, None, impulse
         else:
@@ -81,7 +86,12 @@ class CompiledMotion:
         call(self.library.motion_advance, self.counter, self._reference, time_step, *factors)
 
     def damped(self, time_step, damping, graded):
-        """As `Motion.damped`."""
+        """As `Motion.damped`.
+
+        Parameters
+        ----------
+        time_step, damping, graded : as of that
+        """
         if self._factors is None:
             self._factors = np.empty((2, *self._shape))
         call(self.library.motion_damped, self.counter, self._reference, time_step,

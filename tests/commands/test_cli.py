@@ -372,7 +372,7 @@ def test_help_shows_every_option(tmp_path):
 
 def test_info_shows_what_would_be_solved(tmp_path):
     done = call("info", *SHEARED, "-scene_points", "128", "-scene_amplitude", "2", folder=tmp_path)
-    assert done.returncode == 0 and len(done.stdout.splitlines()) < 50
+    assert done.returncode == 0 and len(done.stdout.splitlines()) < 55
     for text in ("-scene_amplitude 2\n", "-scene_points 128\n", "others have their defaults",
                  "leg 1: normal_force goes to 2 w_n,r",
                  "leg 2: tangential_displacement goes to 90 u_t,r", "MB", "leg 2: 2 x",

@@ -88,7 +88,7 @@ def test_options_of_a_law_are_checked_as_those_of_a_scene():
 
 
 def test_scenes_before_an_extension_have_its_default():
-    @dataclasses.dataclass(frozen=True)
+    @dataclasses.dataclass(frozen=True, repr=False)
     class Few(Options):
         prefix = "few_"
         one: int = option(1, "one")
@@ -96,7 +96,7 @@ def test_scenes_before_an_extension_have_its_default():
     before = Few()
     extend(Few, {"two": option(2, "two", minimum=2)})
     assert (before.two, Few(two=3).two, Few(1, 4).two) == (2, 3, 4)
-    assert Few(two=2) == before and repr(Few(two=3)).endswith("Few(one=1, two=3)")
+    assert Few(two=2) == before and repr(Few(two=3)).endswith("Few(two=3)")
     with pytest.raises(InputError, match="-few_two is '1'"):
         Few(two=1)
     with pytest.raises(dataclasses.FrozenInstanceError):
