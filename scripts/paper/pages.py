@@ -158,7 +158,11 @@ def write(results, runs, movements):
                                                "the load in which an event lies, "
                                                "or the confidence interval of a "
                                                "fit, whichever is largest; numbers "
-                                               "without one are exact.", "",
+                                               "without one are exact, and ± ? stands "
+                                               "where fronts of stiff interfaces, on "
+                                               "grids of 2^15 points and more, were "
+                                               "not made again. ρ = τ<sub>∞</sub>/"
+                                               "τ<sub>max</sub>.", "",
                                                *statement_table(results, finer), "",
                                                "## Convergence, errors and cost", "",
                                                *convergence(results,

@@ -139,8 +139,10 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     approach = reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)
     return Run(
         name,
-        # Rims that sink under eq. 3 take finer grids than can be doubled at a reasonable cost.
-        finer="points" not in given and not (law == "mcgarry" and maugis >= 10),
+        # Slip fronts of stiff interfaces, and rims that sink under eq. 3, take finer grids than can
+        # be doubled at a reasonable cost everywhere.
+        finer="points" not in given and (maugis < 10 or maugis == 10 and force in LOADS
+                                         and control == "displacement" and law != "mcgarry"),
         options={
             **{f"scene_{key}": value for key, value in scene.items()},
             "scene_points": size,

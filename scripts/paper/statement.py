@@ -108,7 +108,9 @@ def _told(number, other):
     error = number.spread
     if other is not None:
         error = max(error, abs(other.value - number.value))
-    known = number.exact or other is not None or number.spread > 0.0
+    # What does not change at all has not been made again.
+    known = (number.exact or number.spread > 0.0
+             or other is not None and (other.value != number.value or number.value == 0.0))
     return (number.label + ": " * bool(number.label) + with_error(number.value, error, number.unit)
             + ("" if known else " ± ?"))
 
