@@ -189,7 +189,7 @@ def test_a_path_may_stop_there():
 
 
 @pytest.mark.parametrize("problem, branch, event", [(pitchfork, lambda load: np.sqrt(load - 0.5),
-                                                     "none"),
+                                                     None),
                                                     (crossing_subcritical,
                                                      lambda load: np.sqrt(0.5
                                                                           + np.sqrt(load - 0.25)),

@@ -47,6 +47,7 @@ DEFAULTS = {"scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06
             "continuation_largest_step": "", "continuation_smallest_step": "",
             "continuation_predictor": "edge", "continuation_stability": "off",
             "continuation_at_bifurcation": "pass", "archive_file": "", "archive_fields": "none",
+            "archive_precision": "double",
             "archive_errors": "false", "archive_resume": "false", "archive_overwrite": "false"}
 
 
