@@ -43,10 +43,6 @@ KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in
 it."""
 
 
-NO_EVENT = "none"
-"""What archives say of a point without an event."""
-
-
 class Branch:
     """The branch of equilibria of a scene along a load path: iterate over it to get its converged
     points.
@@ -120,9 +116,7 @@ class Branch:
         return branch
 
     def __repr__(self):
-        grid = " x ".join(map(str, self.contact.grid.shape))
-        return (f"<Branch of {self.scene!r} on {grid} nodes, from {self.load.start or 'no load'!r} "
-                f"along {self.load.path!r}>")
+        return f"<Branch of {self.scene!r}, {self.load!r}>"
 
     @property
     def history(self):
@@ -191,7 +185,7 @@ class Branch:
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
-                "event": point.event or NO_EVENT, "displacement": state.displacement,
+                "event": point.event or "none", "displacement": state.displacement,
                 "means": state.means, "window_start": np.array(state.window.start),
                 "window_shape": np.array(state.window.shape),
                 "forced": np.array([control == FORCE for control in point.controls]),
@@ -210,7 +204,7 @@ class Branch:
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                      **{**{name: packed[name] for name in KEPT},
-                        "event": None if packed["event"] == NO_EVENT else packed["event"]})
+                        "event": None if packed["event"] == "none" else packed["event"]})
 
     def _start(self):
         """The first point, at -load_start: without tangential load, then in steps to the one asked
