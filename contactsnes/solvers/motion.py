@@ -235,6 +235,11 @@ class Motion:
             self.velocity *= np.sqrt(self.stiffening / stiffening)
         self.stiffening = stiffening
 
+    def about(self):
+        """What is computed how, for -snes_view."""
+        nodes = f"{self.gap.shape[1]} of {self.form.nodes} nodes"
+        return f"Motion: {nodes}, {'compiled' if self.kernel else 'by NumPy'}"
+
     def closest(self):
         """The smallest normal gap of a node."""
         return self.kernel.structure.closest if self.kernel else self.grid.minimum(self.gap[0])

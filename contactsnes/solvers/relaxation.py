@@ -96,7 +96,7 @@ class Relaxation:
         """
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
-        self.method = self.method_class(motion, self.options)
+        self.motion, self.method = motion, self.method_class(motion, self.options)
         self.escaped = False
         self.escaping = None
         self._since = 0
@@ -146,6 +146,8 @@ class Relaxation:
                        if values.get(name) is None})
         text = ", ".join(f"{name} {as_text(value)}" for name, value in values.items())
         viewer.printfASCII(f"  {self.options.title}: {text}\n")
+        if self.method is not None:
+            viewer.printfASCII(f"    {self.motion.about()}\n")
 
 
 class Verlet(Relaxation):
