@@ -100,7 +100,7 @@ def _operator(name, swapped=False):
 
 def _refused(why):
     """A method of nodes that says why there is none."""
-    def method(self, *others):
+    def method(self, *others, **named):
         raise Untraceable(f"{why}: {_USE}")
     return method
 

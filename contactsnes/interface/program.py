@@ -1,6 +1,7 @@
 """Programs: graphs of formulas as lists of NumPy's operations on memory that is kept."""
 
 import threading
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -152,6 +153,8 @@ class Program:
                 if second is not out:
                     steps.append((np.copyto, (out, second)))
                 steps.append((np.putmask, (out, condition, first)))
+            elif node.operation in ("minimum", "maximum"):  # newer NumPy wants its name here
+                steps.append((partial(OPERATIONS[node.operation].function, out=out), arguments))
             else:
                 steps.append((OPERATIONS[node.operation].function, (*arguments, out)))
         results = []

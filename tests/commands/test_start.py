@@ -6,8 +6,8 @@ import sys
 import pytest
 from processes import ENVIRONMENT
 
-UNUSED = ("scipy.optimize", "scipy.interpolate", "h5py", "matplotlib", "tqdm", "argparse",
-          "slepc4py", "contactsnes.compare", "contactsnes.reference", "contactsnes.output.figures",
+UNUSED = ("scipy.optimize", "scipy.interpolate", "h5py", "matplotlib", "tqdm", "slepc4py",
+          "contactsnes.compare", "contactsnes.reference", "contactsnes.output.figures",
           "contactsnes.interface.unbounded")
 """What is slow to import and serves no plain run."""
 RUN = ["run", "-scene_points", "256", "-scene_normal_maugis", "1", "-load_path",
