@@ -20,7 +20,8 @@ _HOMES = {"Scene": "scene.settings", "Load": "scene.load", "Steps": "scene.setti
           "Body": "interface.bodies.body", "Contact": "contact.problem", "Branch": "branch.branch",
           "NotConverged": "continuation.points", "NoEquilibrium": "continuation.points",
           "observe": "contact.observables", "table": "contact.observables",
-          "Archive": "output.archive", "read": "output.reading", "plot": "output.figures.plot",}
+          "Archive": "output.archive", "read": "output.reading", "plot": "output.figures.plot",
+          "sweep": "branch.sweep",}
 
 __all__ = ["reference", *_HOMES]
 

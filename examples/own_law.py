@@ -17,7 +17,7 @@ class Saturating(Coupled):
     decoupled_in_overlap, gap_corners, slip_peak = True, (0.0,), 1.0
 
     def friction(self, slip):
-        return self.strength / (1 + slip**2)**0.5, self.strength / (1 + slip**2)**1.5
+        return self.strength / (1 + slip**2)**0.5  # T(b)/b, from which the tangent is made
 
     def friction_energy(self, slip):
         return self.strength * ((1 + slip**2)**0.5 - 1)

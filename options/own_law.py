@@ -18,9 +18,8 @@ class Saturating(Coupled):
     slip_peak = 1.0
 
     def friction(self, slip):
-        """T(b)/b and T'(b)."""
-        root = np.sqrt(1 + slip ** 2)
-        return self.saturating_strength / root, self.saturating_strength / root ** 3
+        """T(b)/b, the friction over the slip; its derivative is made from it."""
+        return self.saturating_strength / np.sqrt(1 + slip ** 2)
 
     def friction_energy(self, slip):
         """Integral of T(b), of which energies are made where the surfaces overlap."""

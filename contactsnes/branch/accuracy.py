@@ -202,11 +202,12 @@ def finer_contact(contact, ratio):
     points = tuple(ratio * n for n in contact.grid.shape)
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
     if contact.isolated:
-        return IsolatedContact(scene, law=contact.law)
+        return IsolatedContact(scene, law=contact.law, kernels=contact.kernels)
     if not shapes.of(scene).gridded:
-        return Contact(scene, law=contact.law)
+        return Contact(scene, law=contact.law, kernels=contact.kernels)
     return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods),
-                                        contact.initial_gap[None])[0], law=contact.law)
+                                        contact.initial_gap[None])[0], law=contact.law,
+                   kernels=contact.kernels)
 
 
 class Watch:

@@ -6,8 +6,7 @@ import numpy as np
 
 from ..contact import energies, observables
 from ..contact.even_form import refuse
-from ..contact.isolated import IsolatedContact, lay_out
-from ..contact.problem import DISPLACEMENT, FORCE, Contact
+from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
@@ -17,18 +16,17 @@ from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid.boxes import of_boxes
 from ..interface import shapes
-from ..interface.gap import refuse_contact_at_edge
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
-from ..scene.isolation import check_form, largest_force
 from ..scene.load import controls_along, names, quantities
 from ..scene.parts import check_law, sources, with_parts
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
-from . import failures, first_points
+from . import failures, first_points, restarting
+from .contacts import contact_of
 from .grid_choice import chosen
 from .remarks import Remarks
 from .too_large import refuse_too_large
@@ -60,6 +58,7 @@ class Branch:
         of one's own, perhaps; a geometry may be a function gap(x) or gap(x, y) of the coordinates
     history : points of an earlier run along this path to go on from, oldest first; its last leg may
         end farther ahead
+    first : State near which the first point is, in place of what the undeformed body reaches
 
     Raises
     ------
@@ -69,7 +68,7 @@ class Branch:
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(),
-                 law=None, geometry=None, body=None):
+                 law=None, geometry=None, body=None, first=None):
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
         scene = with_parts(scene, law, geometry, body)
@@ -80,14 +79,8 @@ class Branch:
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
-        shape = shapes.of(scene)
-        self._heights = shape.heights(scene)
-        if scene.isolated:
-            check_form(form)
-            self.contact = IsolatedContact(lay_out(scene, largest_force(scene, load)))
-        else:
-            self.contact = Contact(scene, self._heights)
-            refuse_contact_at_edge(shape, self.contact)
+        self._heights = shapes.of(scene).heights(scene)
+        self.contact = contact_of(scene, load, form, self._heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, form, self.method)
         refuse_without_tangent(self.steps.stability, form)
@@ -102,8 +95,28 @@ class Branch:
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
         self.history = history
-        self._log = log
+        self.first, self._log = first, log
         self._remarks, self._predictor = None, PREDICTORS[self.steps.predictor]
+
+    @classmethod
+    def restart(cls, archive, path, point=-1, *, stop="none", **options):
+        """The branch that begins at a point of an archive, with other legs.
+
+        Parameters
+        ----------
+        archive : path of an archive, or a Record; its scene is taken
+        path : str, legs as of ``Load``
+        point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+        stop : str, as of ``Load``
+        options : steps, form, log as of the class
+        """
+        record, point, scene, load = restarting.beginning(archive, point, path, stop)
+        branch = cls(scene, load, **options)
+        branch.first = restarting.state_at(branch, record, point)
+        return branch
+
+    def __repr__(self):
+        return f"<Branch of {self.scene!r}, {self.load!r}>"
 
     @property
     def history(self):
@@ -163,14 +176,16 @@ class Branch:
             last = self.corrector.adapted(last, leg.controls, leg.start)
         return Stability(self.corrector, SIGN).modes(last, None)
 
-    def observe(self, point):
-        """Name -> value of everything that a point can tell (``observables.table``)."""
-        return observables.observe(self.contact, point)
+    def observe(self, point, names=None):
+        """Name -> value of everything that a point can tell (``observables.table``), or of some
+        names only."""
+        return observables.observe(self.contact, point, names)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
-        return {**{name: getattr(point, name) for name in KEPT}, "displacement": state.displacement,
+        return {**{name: getattr(point, name) for name in KEPT},
+                "event": point.event or "none", "displacement": state.displacement,
                 "means": state.means, "window_start": np.array(state.window.start),
                 "window_shape": np.array(state.window.shape),
                 "forced": np.array([control == FORCE for control in point.controls]),
@@ -188,7 +203,8 @@ class Branch:
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
-                     **{name: packed[name] for name in KEPT})
+                     **{**{name: packed[name] for name in KEPT},
+                        "event": None if packed["event"] == "none" else packed["event"]})
 
     def _start(self):
         """The first point, at -load_start: without tangential load, then in steps to the one asked
@@ -199,6 +215,10 @@ class Branch:
         initial = self.scene.initial(self.load)
         count = self.scene.components if self._sheared[0] else 1
         at_once = count if first_points.ambiguous(self.corrector) else 1
+        if self.first is not None:
+            controls, values = zip(*(initial[component] for component in range(count)))
+            point = self.corrector.solve(self.first, controls, np.array(values))
+            return self._certified(replace(point, spent=self.corrector.account()))
         controls = (*[initial[component].control for component in range(at_once)],
                     *[self._resting] * (count - at_once))
         values = np.array([initial[component].value if component < at_once else 0.0
@@ -214,7 +234,7 @@ class Branch:
         for point in NaturalSteps(self.corrector, leg, [(0.0, point)], self._predictor,
                                   "jump"):
             spent = {name: spent[name] + point.spent[name] for name in spent}
-        point = replace(point, position=0.0, step=0.0, origin=None, event="none", fold_kind="",
+        point = replace(point, position=0.0, step=0.0, origin=None, event=None, fold_kind="",
                         fold_precision=0.0, spent=spent)
         return self._certified(point)
 

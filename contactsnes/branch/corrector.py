@@ -8,12 +8,13 @@ from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
-from ..contact.even_form import EvenForm, Symmetry
+from ..contact.even_form import Symmetry
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
+from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.snes import WARM, create_snes
 
@@ -55,6 +56,7 @@ class Corrector:
         self.tolerance = tolerance
         self.form = None
         self.snes = None
+        self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                      "function_evaluations", "jacobian_products"), 0)
@@ -85,7 +87,7 @@ class Corrector:
         """
         guess = states.with_components(finite(guess), len(controls))
         if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
-            guess = self.symmetry.checked(nearer(self.run, self.contact, guess, controls, load,
+            guess = self.symmetry.checked(nearer(self, guess, controls, load,
                                                  self.settings.first_tolerance))
         for _ in range(6):
             guess = self.fitted(guess)
@@ -130,6 +132,9 @@ class Corrector:
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            self.arc = None
+        if kind.whole_cell:
+            self.form.even = self.symmetry.holds(len(controls))
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
@@ -153,7 +158,7 @@ class Corrector:
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
         before, products = form.evaluations, form.products
-        snes.solve(None, solution)
+        callbacks.solve(snes, solution)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None
@@ -195,7 +200,7 @@ class Corrector:
                 pass
             finally:
                 snes.setTolerances(atol=tolerance)
-        if own <= tolerance < found.norm and isinstance(form, EvenForm):
+        if own <= tolerance < found.norm and form.even:
             self.symmetry.leave(
                 f"the residual of all nodes is {found.norm:.2e}, that of half of them {own:.2e}")
             found = None
@@ -224,8 +229,7 @@ class Corrector:
         contact = self.contact
         grid = self.contact.grid
         components = form.components
-        gap = state.displacement.copy()
-        gap[0] = states.normal_gap(contact, state)
+        gap, traction = contact.evaluated(state)
         tolerance = self.snes.getTolerances()[1]
         deepest = grid.minimum(gap[0])
         if not imbalance.norm <= tolerance:
@@ -235,7 +239,6 @@ class Corrector:
             raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
-        traction = contact.law.traction(gap)
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
         forces = factor * grid.sum(traction)
         far = state.means + contact.rigid_compliance(components) * grid.mean(traction)

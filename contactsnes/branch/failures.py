@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy import ndimage
@@ -56,13 +57,14 @@ class Resolution:
         self.log = log
         self.last = last
         self._said = set()
+        self._bound = cache(lambda sheared: max(resolution(contact.scene, sheared)))
 
     def marked(self, point):
         """The point with ``resolved``."""
         sheared = slips(self.contact, point)
         scene = self.contact.scene
-        bound, found = (max(resolution(scene, len(point.controls) > 1, soft))
-                        for soft in (None, steepest(self.contact, point)))
+        bound = self._bound(len(point.controls) > 1)
+        found = max(resolution(scene, True, steepest(self.contact, point)))
         jumped = (point.event == "jump" and self.last is not None and max(bound, found) > ROOMY
                   and narrow(self.contact, self.last.state, point.state))
         # Also on fine grids: a region that sticks may vanish over few nodes.
@@ -72,7 +74,7 @@ class Resolution:
         sharpened = found > max(1.0, 1.05 * bound)
         alternating = short_waves(self.contact, point) if point.in_contact else 0.0
         coarse = alternating > SHORT_WAVES
-        pinned = max(resolution(scene, sheared)) > PINNING or sharpened
+        pinned = self._bound(sheared) > PINNING or sharpened
         self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
                    alternating)
         self.last = point
@@ -126,12 +128,14 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    scene, gap = contact.scene, point.state.displacement.copy()
-    gap[0] = states.normal_gap(contact, point.state)
-    tangent = np.zeros((2, 2, gap.shape[1]))
+    scene, (gap, _) = contact.scene, contact.evaluated(point.state)
     full = contact.law.tangent(gap)
-    tangent[0, 0] = full[0, 0]
-    if len(gap) > 1:
+    if len(gap) == 1:
+        return max(-float(contact.grid.minimum(full)) * scene.normal_maugis ** 2, 0.0)
+    tangent = full  # where slip is to one side or the other its direction changes nothing
+    if len(gap) > 2:
+        tangent = np.empty((2, 2, gap.shape[1]))
+        tangent[0, 0] = full[0, 0]
         slip = np.linalg.norm(gap[1:], axis=0)
         along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5),
                           where=slip > 0.0)
@@ -148,10 +152,8 @@ def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
     window = point.state.window
-    gap = point.state.displacement.copy()
     found = 0.0
-    gap[0] = states.normal_gap(contact, point.state)
-    for component in contact.law.traction(gap):
+    for component in contact.evaluated(point.state)[1]:
         boxes, largest = component.reshape(-1, *window.parts[0].shape), np.abs(component).max()
         for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
             # A window that fills a direction closes on itself; beyond others the law does not act.

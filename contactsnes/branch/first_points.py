@@ -15,7 +15,7 @@ from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
 from ..dynamics.jumps import settle
-from ..grid.transfer import extent, interpolation, resampled
+from ..grid.transfer import extent, interpolated, resampled
 from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.capabilities import asked
@@ -251,7 +251,7 @@ def refined(contact, finer, state):
                      for n, total in zip(coarse.shape, coarse.grid.shape)])
     smooth = contact.law.regularised(states.normal_gap(contact, state),
                                      stiffness / ratio ** 2) / ratio
-    smooth = interpolation(window) @ smooth
+    smooth = interpolated(window, smooth)
     gap = finer.law.gap_of_regularised(smooth, stiffness)
     # The sharper law reaches less far.
     within = window.box(gap) < finer.law.range

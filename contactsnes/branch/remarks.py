@@ -84,7 +84,7 @@ class Remarks:
                      for control, way in zip(leg.controls, leg.direction))
         if self.certified or last.leg == leg.number or not (freed and pulled and self.has_tangent):
             return
-        begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event="none",
+        begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event=None,
                         tangents=())
         found = (self.corrector.examiner or Stability(self.corrector, SIGN, told=True))(begun)
         if found.unstable_modes > 0:
@@ -101,7 +101,7 @@ class Remarks:
         if (self.certified or examiner is None or not point.softest < 0.0
             or not (point.leg == 0 or point.event == "jump")):
             return point
-        modes = examiner(replace(point, event="none", tangents=())).unstable_modes
+        modes = examiner(replace(point, event=None, tangents=())).unstable_modes
         if modes <= 0:
             return point
         what = "the end of a jump" if point.event == "jump" else "the first point"

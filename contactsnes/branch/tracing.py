@@ -1,5 +1,6 @@
 """Along a branch: its tangent at a point, and points by arc length, for a corrector."""
 
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
+from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.snes import WARM, create_snes, kept
 from .corrector import KSP_REASONS, Corrector, finite
@@ -21,6 +23,20 @@ EXACT = 1e-8
 TIGHT = 1e-11
 """Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the
 residual a hundredfold."""
+
+
+@contextmanager
+def tightened(snes, form):
+    """Let a SNES and its linear solver go to a residual of `TIGHT`."""
+    ksp = snes.getKSP()
+    outer, inner = snes.getTolerances()[1], ksp.getTolerances()[1]
+    snes.setTolerances(atol=min(TIGHT, outer))
+    ksp.setTolerances(atol=0.5 * TIGHT * form.linear_tolerance)
+    try:
+        yield
+    finally:
+        snes.setTolerances(atol=outer)
+        ksp.setTolerances(atol=inner)
 
 
 class Tracer(Corrector, Neighbours, Ends):
@@ -60,12 +76,8 @@ class Tracer(Corrector, Neighbours, Ends):
         length, guess = share * length + rate * position, finite(guess)
         for _ in range(6):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
-            tolerance = snes.getTolerances()[1]
-            if tight:
-                snes.setTolerances(atol=min(TIGHT, tolerance))
-                snes.getKSP().setTolerances(atol=0.5 * TIGHT * form.linear_tolerance)
-            unknown, iterations = self.run(arc, start, WARM, snes)
-            snes.setTolerances(atol=tolerance)
+            with tightened(snes, form) if tight else nullcontext():
+                unknown, iterations = self.run(arc, start, WARM, snes)
             arc.set_position(unknown[-1])
             state = form.state(unknown[:-1])
             if not states.covers(self.contact, state):
@@ -166,10 +178,15 @@ class Tracer(Corrector, Neighbours, Ends):
         row, way = states.chord(self.contact, *chord, form.window)
         row = form.pack(row, none)
         row *= border[0] * way / max(form.grid.inner(row, last - first), 1e-300)
-        arc = ArcLength(form, leg.start, leg.direction, first, row, length, border[1])
+        aim = leg.start, leg.direction, first, row, length, border[1]
+        if self.arc is None or self.arc[0].form is not form:
+            arc = ArcLength(form, *aim)
+            self.arc = arc, create_snes(arc, "" if own else "arc_")
+        arc, snes = self.arc
+        arc.aim(*aim)
         unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]),
                             position)
-        return form, arc, create_snes(arc, "" if own else "arc_"), unknown
+        return form, arc, snes, unknown
 
     def _linear(self, snes, form, right, tolerance):
         """J^-1 right at the last linearisation of the form of a SNES, by its KSP."""
@@ -189,7 +206,7 @@ class Tracer(Corrector, Neighbours, Ends):
             ksp.setType("fgmres")
         source = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
         change = PETSc.Vec().createSeq(form.size)
-        ksp.solve(source, change)
+        callbacks.solve(ksp, (source, change))
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         snes.setUseEW(forcing)

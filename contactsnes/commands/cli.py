@@ -6,19 +6,15 @@ exists, or what was computed or told cannot be written, 2 bad input, 128 + the s
 an interrupted command.
 """
 
-import argparse
 import dataclasses
-import errno
 import gc
 import os
 import signal
 import sys
-import traceback
 from functools import partial
 
 from .. import __version__
 from ..branch.failures import uncomputable
-from ..compare.methods import CompareOptions
 from ..contact.balance import CONVERGENCE
 from ..options.database import (
     database,
@@ -29,6 +25,7 @@ from ..options.database import (
 )
 from ..options.fields import InputError, nearest
 from ..options.help import help_text
+from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS
@@ -38,6 +35,7 @@ from .run import Run
 from .session import (
     begin_petsc,
     create_branch,
+    settled,
     solver_options,
     start_comparison,
     start_petsc,
@@ -50,10 +48,16 @@ contactsnes: adhesive frictional contact of elastic bodies
 
   contactsnes run [FILE.opts or -option value] ...    solve a scene along its load path
   contactsnes info [FILE.opts or -option value] ...   what would be solved, without solving it
-  contactsnes plot RUN.h5 ...                         figures of archives (contactsnes plot --help)
+  contactsnes plot RUN.h5 ...                         figures of archives
+  contactsnes plot SCENE.opts [-option value] ...     the surface of a scene, before it is solved
+  contactsnes report RUN.h5 ...                       curves, fields and certificates as a page
+  contactsnes movie RUN.h5 ...                        profiles or maps along the load path
+  contactsnes table RUN.h5 ...                        numbers of archives: CSV, Parquet
+  contactsnes export RUN.h5 ...                       fields for ParaView
   contactsnes compare SCENE.opts [METHOD.opts ...] [-option value] ...
                                                       methods on one scene: cost, accuracy, failures
   contactsnes run -help                               every option: meaning, unit, default, range
+  contactsnes plot -help                              options of plot; as of the four below it
   contactsnes --version
 
 Files are read from left to right, then the options of the command line; the later value
@@ -95,6 +99,8 @@ def _ended(words, interrupts):
         return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
     # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
     except Exception:
+        import traceback
+
         traceback.print_exc()
         return 1
     finally:
@@ -111,7 +117,10 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
-    return run(arguments, interrupts) if command == "run" else COMMANDS[command](arguments)
+    if command == "run":
+        return run(arguments, interrupts)
+    settled()
+    return COMMANDS[command](arguments)
 
 
 def _no_command(command):
@@ -133,9 +142,10 @@ def _no_command(command):
 
 def run(arguments, interrupts):
     """``contactsnes run``: follow the load path, show and keep its points."""
-    if _asks_for_help(arguments):
+    if asks_for_help(arguments):
         return _help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
+    settled()
     status = task.follow()
     return status if task.archive else status or told()
 
@@ -149,13 +159,9 @@ def _words(arguments):
         return []
 
 
-def _asks_for_help(arguments):
-    return any(argument in ("-h", "-help", "--help") for argument in arguments)
-
-
 def _help_on_options(arguments, more=()):
     begin_petsc([])
-    words = _words([argument for argument in arguments if not _asks_for_help([argument])])
+    words = _words([argument for argument in arguments if not asks_for_help([argument])])
     named = {name[1:].lower(): value for name, value in zip(words, words[1:])}
     scenes.Scene.prepare(lambda: named)
     return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
@@ -167,33 +173,48 @@ def _help_on_options(arguments, more=()):
 
 def info(arguments):
     """``contactsnes info``: what would be solved."""
-    if _asks_for_help(arguments):
+    if asks_for_help(arguments):
         return _help_on_options(arguments)
-    settings = start_petsc(arguments)
+    settings = start_petsc(arguments, _advise)
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
     # Without a path there is still a contact to tell of.
     still = dataclasses.replace(load, path="normal_force=hold" if scene.isolated
                                 else "normal_displacement=hold")
-    branch = create_branch(settings if legs else settings._replace(load=still,
-                                                                   steps=scenes.Steps()))
+    try:
+        branch = create_branch(settings if legs else settings._replace(load=still,
+                                                                       steps=scenes.Steps()))
+    except InputError:
+        _advise(settings)
+        raise
     sections = {"Scene": summary.about_scene(settings),
+                "Before solving": summary.advised(settings),
                 "Load path": summary.about_path(settings, legs),
                 "Unknowns": summary.about_unknowns(settings, branch),
                 "Left out": summary.skipped(settings, branch),
-                "Method": summary.about_method(settings),
+                "Method": [*summary.about_method(settings), summary.about_kernels(branch.contact)],
                 "Without effect": [f"-{name}: {why}"
                                    for name, why in scenes.ineffective(scene, load, database(),
                                                                        settings.form,
                                                                        settings.output,
                                                                        settings.estimates)],
-                "All options": summary.all_options([*settings, *map(read, solver_options())])}
-    for title, lines in sections.items():
-        if lines:
-            print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
+                "Options": summary.options_in_use([*settings, *map(read, solver_options())])}
+    _print(sections)
     for sentence in summary.resolution_warnings(settings):
         complain("warning", sentence)
     return told()
+
+
+def _print(sections):
+    """Print lines under their titles."""
+    for title, lines in sections.items():
+        if lines:
+            print(title, *(f"  {line}" for line in lines), sep="\n", end="\n\n")
+
+
+def _advise(settings):
+    """Print what is known of a scene that is then refused."""
+    _print({"Before solving": summary.advised(settings)})
 
 
 # compare
@@ -201,7 +222,9 @@ def info(arguments):
 
 def compare(arguments):
     """``contactsnes compare``: methods on one scene, measured on equal terms."""
-    if _asks_for_help(arguments):
+    from ..compare.methods import CompareOptions
+
+    if asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
     # files are written: no backend has a say, and an unknown one would end the import
@@ -223,48 +246,18 @@ def compare(arguments):
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
 
-# plot
+# commands on archives
 
 
-def plot(arguments):
-    """``contactsnes plot``: figures of archives."""
-    parser = argparse.ArgumentParser(prog="contactsnes plot",
-                                     description="Figures of archives, beside them.")
-    parser.add_argument("archives", nargs="+", metavar="RUN.h5")
-    parser.add_argument("--pdf", action="store_true", help="each figure as PDF, too")
-    parser.add_argument("--output", metavar="FOLDER", help="folder of the figures")
-    parser.add_argument("--points", metavar="0,5,-1", type=_numbers,
-                        help="points of profiles and maps, from 0 or from the end")
-    if "--points" in arguments[:-1]:
-        # A list that begins with a negative number would be taken for an option.
-        place = arguments.index("--points")
-        arguments = [*arguments[:place], f"--points={arguments[place + 1]}", *arguments[place + 2:]]
-    try:
-        asked = parser.parse_args(arguments)
-    except SystemExit as stop:
-        return stop.code
-    os.environ.pop("MPLBACKEND", None)  # as in a comparison
-    from ..output.figures import plot as figures
+def _shown(name):
+    """A command of ``showing``, which is imported when it is wanted."""
+    def command(arguments):
+        from . import showing
 
-    for path in asked.archives:
-        try:
-            drawn = figures.plot(path, asked.output, asked.pdf, asked.points)
-        except OSError as error:
-            kind = WriteError if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG,
-                                                 errno.EIO) else InputError
-            raise kind(f"the figures of {path} cannot be written: {error}") from None
-        print(*drawn.files, *(f"no figure {name} of {path}: {why}"
-                              for name, why in drawn.skipped.items()), sep="\n")
-    return 0
+        return getattr(showing, name)(arguments)
+
+    return command
 
 
-def _numbers(text):
-    """Whole numbers with commas."""
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"'{text}' is no list of whole numbers, for instance 0,5,-1") from None
-
-
-COMMANDS = {"run": run, "plot": plot, "info": info, "compare": compare}
+COMMANDS = {"run": run, "plot": _shown("plot"), "info": info, "compare": compare,
+            **{name: _shown(name) for name in ("report", "movie", "table", "export")}}

@@ -4,14 +4,18 @@ closing table."""
 import math
 import time
 
-from tqdm import tqdm
-
 from ..contact.energies import energy_unit
+from ..scene.load import names, quantities
 from ..scene.settings import tangential_legs
+from ..scene.units import prefix, prefixed
 
 INEXACT = 0.01
 """Part of the largest work of the loads by which the balance of energies may miss without a
 word."""
+
+ROUNDING = 1e-13
+"""Part of the scale of a quantity, or of the largest value of its kind, below which it is shown as
+0."""
 
 
 class Progress:
@@ -37,7 +41,13 @@ class Progress:
             for end in plane:
                 self.loads |= {f"tangential_displacement{end}": f"U{end}",
                                f"tangential_force{end}": f"T{end}"}
-        self.columns = {"leg": "leg", **self.loads, "contact_area": "area",
+        self.handy = self._units(scene, load) if scene.units == "si" else {}
+        self.largest = {}
+        self.loads = {name: "/".join([heading, *self.handy.get(name, (1.0,))[1:]])
+                      for name, heading in self.loads.items()}
+        self.columns = {"leg": "leg", **self.loads,
+                        "contact_area": "/".join(["area", *self.handy.get("contact_area",
+                                                                          (1.0,))[1:]]),
                         "nonlinear_iterations": "nonlinear", "linear_iterations": "linear",
                         "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
@@ -54,6 +64,38 @@ class Progress:
         self.energy_unit = scene.scale(energy_unit(scene))[1]
         self.bar, self.legs = None, load.path.count(";") + 1
 
+    @property
+    def taken(self):
+        """Names of the numbers that it takes of a point."""
+        return {*self.columns, *self.counts, "dissipated_work", "energy_imbalance",
+                "external_work", "stable", "fold_kind"}
+
+    def _units(self, scene, load):
+        """Name -> (size, name of the unit with a prefix) of a column: in which the largest value
+        that the load names is a handy number or, where it names none, the scale of the scene."""
+        known, largest = quantities(scene.dimension), {}
+        legs = scene.legs(load) if load.path else ()
+        for controls in (scene.initial(load), *(leg.controls for leg in legs)):
+            for component, (control, value) in controls.items():
+                name = names(scene.dimension)[component, control]
+                largest[name] = max(largest.get(name, 0.0), abs(value or 0.0))
+        found = {}
+        for name in (*self.loads, "contact_area"):
+            size, unit = scene.scale(known[name].unit if name in known
+                                     else ("beta", "beta^2")[scene.dimension - 1])
+            found[name] = prefix((largest.get(name) or 1.0) * size, unit)
+        return found
+
+    def _shown(self, row):
+        """A row with loads and area in handy units, and 0 for what is rounding."""
+        shown = dict(row)
+        for name in (*self.loads, "contact_area"):
+            kind = name.removesuffix("_x").removesuffix("_y")
+            value = row[name] / self.handy.get(name, (1.0,))[0]
+            self.largest[kind] = max(self.largest.get(kind, 1.0), abs(value))
+            shown[name] = 0.0 if abs(value) < ROUNDING * self.largest[kind] else value
+        return shown
+
     def log(self, sentence):
         """Print a sentence without tearing the bar."""
         if self.bar is None:
@@ -63,8 +105,10 @@ class Progress:
 
     def point(self, row, position):
         """Show a point that was accepted."""
-        row = {**row, "event": _event(row)}
-        loads = ", ".join(f"{heading} {row[name]:.6g}" for name, heading in self.loads.items())
+        row = self._shown({**row, "event": _event(row)})
+        loads = ", ".join(" ".join([heading.partition("/")[0], f"{row[name]:.6g}",
+                                    *self.handy.get(name, (1.0,))[1:]])
+                          for name, heading in self.loads.items())
         if not self.live:
             if not self.points:
                 self.show(self._line(self.columns))
@@ -83,6 +127,8 @@ class Progress:
     def _advance(self, row, position, loads):
         """Move the bar, which begins with the first point."""
         if self.bar is None:
+            from tqdm import tqdm  # where there is a terminal only
+
             self.bar = tqdm(total=self.legs,
                             bar_format="{bar:30}| {n:.2f}/{total} legs, {elapsed}{postfix}",
                             miniters=0, leave=False)
@@ -120,7 +166,9 @@ class Progress:
                 f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
         lines += [f"  {'event':13} {event}" for event in self.events]
         if any(event.startswith("jump") for event in self.events):
-            lost = "not known" if math.isnan(self.lost) else f"{self.lost:.6g} {self.energy_unit}"
+            lost = ("not known" if math.isnan(self.lost)
+                    else prefixed(self.lost, self.energy_unit, 6) if self.handy
+                    else f"{self.lost:.6g} {self.energy_unit}")
             lines.append(f"  {'dissipated':13} {lost} in jumps")
         if self.missing > INEXACT * self.work:
             lines.append(f"  {'works':13} {self.missing:.2g} of at most "

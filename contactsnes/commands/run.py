@@ -18,9 +18,7 @@ from ..continuation.points import (
 )
 from ..options.database import database, database_text, unused_options
 from ..output import resuming
-from ..output.archive import Archive
 from ..output.files import ArchiveError
-from ..output.layout import Column
 from ..scene import settings as scenes
 from . import summary
 from .progress import Progress
@@ -28,6 +26,7 @@ from .session import (
     create_branch,
     create_watch,
     solver_options,
+    unread_options,
     versions,
 )
 from .speech import complain
@@ -60,6 +59,7 @@ class Run:
         self.archive = None
         self.waiting = 0
         self.known = 0
+        self.unread = []
         if settings.output.file:
             self.archive = self._open_archive()
             self.known = self.archive.points
@@ -67,11 +67,15 @@ class Run:
     def _open_archive(self):
         """The archive to append to, created or resumed; the branch gets the history it goes on
         from."""
+        from ..output.archive import Archive  # runs without one need not import it
+        from ..output.layout import Column
+
         scene, output = self.settings.scene, self.settings.output
         content = {"scene": self.branch.attributes(), "options": database_text(),
                    "versions": versions(), "columns": {name: Column(row.unit, row.kind, row.names)
                                                        for name, row in self.table.items()},
-                   "fields": output.fields, "components": scene.components,
+                   "fields": output.fields, "precision": output.precision,
+                   "components": scene.components,
                    "warnings": self.warnings}
         if output.fields != "none":
             content |= (observables.frame(self.branch.contact)
@@ -99,6 +103,8 @@ class Run:
                 self.progress.log(f"from point {self.known + 1} on {change}")
         status, reason = self._settled(*self._points())
         for name in unused_options(solver_options()):
+            if name in self.unread:
+                continue  # this was told before
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
         if status == 2 and self.archive and not self.archive.points:
@@ -185,8 +191,8 @@ class Run:
         """Keep and show a point."""
         measurement = observables.Measurement(self.branch.contact, point)
         row = self.watch.row(point) if self.watch else {}
-        row |= {name: observable.function(measurement) for name, observable in self.table.items()
-                if name not in row}
+        wanted = self.table if self.archive else self.table.keys() & self.progress.taken
+        row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
             fields = measurement.fields() if self.settings.output.fields != "none" else ()
             self.archive.append(row, self.branch.packed(point), *fields)
@@ -205,6 +211,9 @@ class Run:
             self.progress.log(sentence)
         for sentence in self.warnings:
             complain("warning", sentence)
+        self.unread = unread_options(self.branch, solver_options())
+        for name in self.unread:
+            complain("warning", f"{name} is not used: the solver of this scene does not ask for it")
 
     def _way_on(self):
         """What became of the points of a path that was not followed to its end, in words."""

@@ -1,6 +1,7 @@
 """PETSc started with the arguments of a command, and what its database asks for: settings, branch,
 versions."""
 
+import gc
 import importlib
 import os
 import platform
@@ -13,12 +14,10 @@ import numpy as np
 
 from .. import __version__
 from ..branch.grid_choice import chosen, on
-from ..compare import methods
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError
 from ..options.files import refuse_circles
-from ..output.reading import read as read_archive
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
@@ -49,6 +48,19 @@ def solver_options():
     from ..branch.branch import SOLVER_OPTIONS
 
     return SOLVER_OPTIONS
+
+
+def unread_options(branch, classes):
+    """Names of PETSc's options that the solver of a branch does not ask for (it imports PETSc).
+
+    Parameters
+    ----------
+    branch : Branch
+    classes : dataclasses of options of our own types
+    """
+    from ..branch.unread import unread_options as unread
+
+    return unread(branch, classes)
 
 
 LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
@@ -98,8 +110,19 @@ def _refuse_several(size, rank):
                          "or with -n 1")
 
 
-def start_petsc(arguments):
-    """Initialise PETSc with the arguments of a command and read the settings from its database."""
+def settled():
+    """Collect garbage from now on, where that has been left out since the program began, without a
+    look at what is there."""
+    if not gc.isenabled():
+        gc.freeze()
+        gc.enable()
+
+
+def start_petsc(arguments, refused=lambda settings: None):
+    """Initialise PETSc with the arguments of a command and read the settings from its database.
+
+    ``refused`` is called with settings whose scene has no grid in memory, before the InputError.
+    """
     try:
         os.getcwd()
     except OSError as error:
@@ -114,7 +137,11 @@ def start_petsc(arguments):
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
     scenes.check(scene, load, steps)
     settings = Settings(scene, form, load, steps, output)
-    return settings._replace(scene=_with_points(settings))
+    try:
+        return settings._replace(scene=_with_points(settings))
+    except InputError:
+        refused(settings)
+        raise
 
 
 def _with_points(settings):
@@ -122,6 +149,8 @@ def _with_points(settings):
     its archive."""
     scene, output = settings.scene, settings.output
     if settings.auto and output.resume and Path(output.file).is_file():
+        from ..output.reading import read as read_archive
+
         archive = read_archive(output.file)
         if archive.points and scene.isolated:
             return replace(scene, points=None,
@@ -138,11 +167,13 @@ def _with_points(settings):
 def start_comparison(arguments, log):
     """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the
     stem of its files."""
+    from ..compare import methods
+
     scene, paths, words = methods.split(arguments)
     settings = start_petsc([scene, *words])
     check_names((methods.CompareOptions,))
     asked, given = read(methods.CompareOptions), database()
-    stem = Path(asked.file or f"comparison-{Path(scene).stem}")
+    stem = Path(asked.file or f"comparison-{methods.variant(scene, words)}")
     _check_files(stem, asked.overwrite)
     branch = create_branch(settings)
     typed = {name: given[name] for name in methods.entries(words) if name in given}
@@ -156,7 +187,7 @@ def start_comparison(arguments, log):
             read(scenes.Form)
         except InputError as error:
             raise InputError(f"method {method.name}: {error}") from None
-    from ..compare.comparison import Comparison
+    from ..compare.comparison import Comparison  # PETSc has its options now
 
     return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
 
@@ -195,11 +226,16 @@ def create_branch(settings, log=lambda sentence: None):
     from ..branch.branch import Branch
 
     try:
-        return Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
+        branch = Branch(settings.scene, settings.load, settings.steps, settings.form, log=log)
     except InputError:
         raise
     except (OSError, ValueError) as error:
         raise InputError(str(error)) from None
+    if "log_view" in database():
+        from ..branch.timings import log_events
+
+        log_events(branch.contact)
+    return branch
 
 
 def create_watch(settings, branch, progress, missed):
@@ -213,9 +249,11 @@ def create_watch(settings, branch, progress, missed):
     progress : Progress, which is told
     missed : tuple, coarser grids that have missed the accuracy
     """
+    if not settings.estimates:
+        return None
     from ..branch.accuracy import Watch
 
-    return Watch(branch, settings.auto, progress, missed) if settings.estimates else None
+    return Watch(branch, settings.auto, progress, missed)
 
 
 def versions():
@@ -223,6 +261,7 @@ def versions():
     import petsc4py
     from petsc4py import PETSc
 
-    packages = {name: sys.modules[name].__version__ for name in ("numpy", "pyfftw", "h5py")}
+    packages = {name: importlib.import_module(name).__version__
+                for name in ("numpy", "pyfftw", "h5py")}
     return {"contactsnes": __version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             "petsc4py": petsc4py.__version__, **packages, "python": platform.python_version()}

@@ -19,7 +19,8 @@ from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
 from ..scene.load import names, quantities
-from ..scene.parts import about_law
+from ..scene.measured import INSTEAD
+from ..scene.parts import about_law, peaks
 from ..scene.units import DERIVED, Units, prefixed
 
 
@@ -27,15 +28,16 @@ def resolution_warnings(settings):
     """Sentences on a grid that is too coarse, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()), *_seams(settings.scene))
+    return (*((sentence,) if sentence else ()), *seam_sentences(settings.scene))
 
 
-def _seams(scene):
+def seam_sentences(scene):
     """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     size, unit = scene.scale("u_n,r")
     heights = shapes.of(scene).gridded
     what = "the heights are" if heights else "the gap is"
-    remedy = ("take out the trend of the heights, or taper them towards the edges" if heights
+    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides"
+              if heights
               else "make the gap periodic, or the period longer than matters")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
     return [f"{what} not periodic: along {names[axis]} they step "
@@ -125,6 +127,14 @@ def _by(shape):
     return " x ".join(map(str, shape))
 
 
+def about_kernels(contact):
+    """What computes, in a sentence."""
+    if contact.kernels.compiled:
+        law = contact.kernels.law_reason
+        return "kernels: compiled" + (f", but the law by NumPy, since {law}" if law else "")
+    return f"kernels: NumPy, since {contact.kernels.reason}"
+
+
 def about_scene(settings):
     """Body, interface and grid in words and dimensionless groups."""
     scene = settings.scene
@@ -145,6 +155,17 @@ def about_scene(settings):
         f"cohesive zone: the spacing is {finest} of the largest that resolves it"
         + (" (0: no edge of contact in that direction)" if 0.0 in resolved else ""),
     ]
+
+
+def advised(settings):
+    """What is known before solving: contact by theory, cohesive lengths, costs, and what to
+    change."""
+    from ..branch.advice import advice  # only `info` needs it, with all analytic solutions
+
+    scene = settings.scene
+    if scene.points == "auto":  # no grid in memory reaches the accuracy
+        scene = dataclasses.replace(scene, points=None)
+    return advice(scene, settings.load, settings.output, partial(_one, scene), settings.steps)
 
 
 def _size(scene, values, unit, digits=8):
@@ -173,7 +194,10 @@ def _scales(scene):
     forces = ("w_n,r", "w_t,r") if scene.dimension == 1 else ("R phi_n", "R sqrt(phi_n phi_t)")
     units = (f"{unit} {prefixed(*scene.scale(unit))}" for unit in ("beta", "u_n,r", "u_t,r",
                                                                    *forces, "p_n,r", "p_t,r"))
-    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and"),
+    strengths = " and ".join(prefixed(peak * scene.scale(unit)[0], "Pa")
+                             for peak, unit in zip(peaks(scene), ("p_n,r", "p_t,r")))
+    return ["in SI: " + ", ".join(quantity.values()).replace(", and", " and")
+            + f", strengths {strengths}",
             "SI scales: " + ", ".join(units)]
 
 
@@ -247,22 +271,22 @@ def about_method(settings):
             f"{settings.steps.at_fold}"]
 
 
-def all_options(instances):
-    """Every option of dataclasses with its value, as in a file of options, where # marks
-    defaults."""
-    given, lines = database(), []
+def options_in_use(instances):
+    """The options of dataclasses that are given, as in a file of options, and how many others have
+    their defaults."""
+    given, lines, others = database(), [], 0
     in_si = given.get("scene_units") == "si"
     for values in instances:
         for field in dataclasses.fields(values):
-            if in_si and field.name in DERIVED:
+            if in_si and (field.name in DERIVED
+                          or f"scene_{INSTEAD.get(field.name)}" in given):
                 continue  # what it follows from stands for it
-            name, value = f"-{values.prefix}{field.name}", getattr(values, field.name)
+            name, value = values.option_name(field.name), getattr(values, field.name)
+            if name[1:].lower() not in given:
+                others += 1
+                continue
             text = as_text(values.as_typed(field.name) if isinstance(values, Units) else value)
             if in_si and field.name != "points":
                 text = given.get(name[1:]) or text  # of loads and steps the values in SI
-            if not text:
-                lines.append(f"# {name}: {field.metadata['default_text'] or 'none'}")
-                continue
-            text = f'"{text}"' if " " in text else text
-            lines.append(f"{name} {text}" + ("" if name[1:] in given else "  # default"))
-    return lines
+            lines.append(f'{name} "{text}"' if " " in text else f"{name} {text}".rstrip())
+    return [*lines, f"# {others} others have their defaults, which contactsnes run -help tells"]

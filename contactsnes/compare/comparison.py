@@ -133,8 +133,8 @@ class Comparison:
 
     def _follow(self, method, timed):
         """Solve the targets by a method, in a timed pass those that it is known to find."""
-        # What symmetry saves is no merit of a method: only Newton's have it, so that it has to be
-        # asked for.
+        # What symmetry saves is no merit of a method: Newton's and relaxation have it, others not,
+        # so that it has to be asked for.
         install({"contact_symmetry": "off", **self.given, **method.entries})
         form = read(Form)
         failures = 0

@@ -6,6 +6,8 @@ process: to change the method is to make the database hold the scene's options, 
 command line's, the later winning, as if all had been given to one run.
 """
 
+import re
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, NamedTuple
@@ -33,7 +35,8 @@ class CompareOptions(Options):
     failures: int = option(3, "failed points of a method, after which it is not tried any more",
                            minimum=1)
     file: str = option("", "name of the files: FILE.csv, FILE.h5 and FILE.png",
-                       default_text="comparison-SCENE")
+                       default_text="comparison-SCENE, with the options of the scene and the load "
+                       "that the command line has")
     overwrite: bool = option(False, "replace existing files")
 
 
@@ -70,6 +73,21 @@ def split(arguments):
                              "scene or a load; only the first file may "
                              "have those")
     return scene, paths or files_at_hand(), options
+
+
+LONGEST = 80
+"""Characters of a name made of options, beyond which it is cut, and a checksum tells it apart."""
+
+
+def variant(scene, words):
+    """The name of a scene's variant: that of its file, and the options of scene and load on the
+    command line, in letters that suit the name of a file."""
+    changed = [f"{name}={value}" for name, value in sorted(entries(words).items())
+               if name.startswith(("scene_", "load_"))]
+    name = re.sub(r"[^\w.,=+-]+", "_", "-".join([Path(scene).stem, *changed]))
+    if len(name) <= LONGEST:
+        return name
+    return f"{name[:LONGEST - 9]}-{zlib.crc32(' '.join(changed).encode()):08x}"
 
 
 def files_at_hand():

@@ -18,9 +18,10 @@ RELEASED = 0.05
 come up to."""
 ABRUPT = 0.15
 """The same for a step that is too long to tell, whatever the tangent behind it says."""
-RULE = tuple(zip(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0],
-                 0.5 * np.polynomial.legendre.leggauss(5)[1]))
-"""Places on the way, and weights, of a quadrature along it."""
+PLACES = np.array([0.0, 1.0, *(0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0])])
+SHARES = np.array([0.5, 0.5, *(-0.5 * np.polynomial.legendre.leggauss(5)[1])])
+"""Places on the way, its ends first, and shares of what tractions do there in the work of linear
+ones less their own, by a quadrature along it."""
 TRIFLE = 1e-6
 """Traction, in units of the law, that counts as none."""
 HELD = 1.0
@@ -49,29 +50,31 @@ def strayed(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    gap, change, aside, allowed = _compared(contact, guess, last, found)
-    if _made_or_lost(contact.grid, gap[0], gap[0] + change[0]):
+    grid, gap, change, aside, allowed = _compared(contact, guess, last, found)
+    if _made_or_lost(grid, gap[0], gap[0] + change[0]):
         return np.inf
     touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
-    if contact.grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
-                                                       contact.law.slip_peak)):
+    if grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
+                                               contact.law.slip_peak)):
         return np.inf
-    return float(contact.grid.maximum(aside - allowed, initial=-STRAYS))
+    return float(grid.maximum(aside - allowed, initial=-STRAYS))
 
 
-def doubtful(contact, guess, last, found):
+def doubtful(contact, guess, last, found, half=None):
     """Whether nodes release so much energy on the way that a jump may be a part of it
     (``_suspects``).
 
     Parameters
     ----------
     contact : Contact
-    guess, last, found : State, as of `strayed`
+    guess, last, found : as of `strayed`
+    half : function (window, components) -> EvenWindow of it where all states are even, else None;
+        optional
     """
-    return _suspects(contact, *_compared(contact, guess, last, found)) is not None
+    return _suspects(contact, *_compared(contact, guess, last, found, half)) is not None
 
 
-def detached(contact, guess, last, found, back):
+def detached(contact, guess, last, found, back, half=None):
     """Whether the branch where a step ended hardly leads back to where it began, for the nodes that
     are doubtful.
 
@@ -80,21 +83,23 @@ def detached(contact, guess, last, found, back):
     contact : Contact
     guess, last, found : State, predicted, where the step began, and where it ended
     back : State, predicted by the tangent at ``found`` for where ``last`` is
+    half : as of `doubtful`
     """
-    compared = _compared(contact, guess, last, found)
-    nodes = _suspects(contact, *compared)
+    compared = _compared(contact, guess, last, found, half)
+    nodes, released = _suspects(contact, *compared)
     window = max(guess.window, found.window, key=lambda window: window.size)
-    inner = contact.grid.inner
-    gap, change, returned = (field[:, nodes] for field in (*compared[:2],
-                                                           onto(found, window)
-                                                           - onto(back, window)))
-    return _released(contact, gap, change) > ABRUPT or inner(returned,
-                                                             change) < LEFT * inner(change, change)
+    folded = half(window, len(found.displacement)) if half else None
+    returned = onto(found, window) - onto(back, window)
+    returned = folded.fold(returned) if folded else returned
+    grid, _, change, *_ = compared
+    change = change * nodes
+    return released > ABRUPT or (np.sum(grid.sum(returned * change))
+                                 < LEFT * np.sum(grid.sum(change * change)))
 
 
-def _suspects(contact, gap, change, aside, allowed):
-    """Nodes that release more energy than smooth steps do: of those aside of their prediction, or
-    of all; None where none do.
+def _suspects(contact, grid, gap, change, aside, allowed):
+    """Mask of the nodes that release more energy than smooth steps do, and that over what linear
+    springs do: of those aside of their prediction, or of all; None where none do.
 
     A prediction next to a fold, where the branch turns ever faster, may by chance lead to what lies
     beyond the jump.
@@ -102,22 +107,29 @@ def _suspects(contact, gap, change, aside, allowed):
     near = np.minimum(gap[0], gap[0] + change[0]) < REACH
     moved = np.abs(change).max(axis=0) * near
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
-    most = moved > 0.5 * contact.grid.maximum(moved, initial=0.0)
-    for nodes in (np.any(aside > DOUBTFUL * allowed, axis=0), near, most):
-        if contact.grid.count(nodes) and _released(contact, gap[:, nodes],
-                                                   change[:, nodes]) > RELEASED:
-            return nodes
+    most = moved > 0.5 * grid.maximum(moved, initial=0.0)
+    sets = np.array([np.any(aside > DOUBTFUL * allowed, axis=0), near, most])
+    kept = np.flatnonzero(near | sets[0])
+    works = np.zeros((2, 1, len(near)))
+    works[:, 0, kept] = _works(contact, gap[:, kept], change[:, kept])
+    for nodes, released, springs in zip(sets, *grid.sum(works * sets)):
+        if released > RELEASED * springs and _soften(contact, grid, gap, change, nodes):
+            return nodes, released / springs
     return None
 
 
-def _compared(contact, guess, last, found):
-    """Gaps before a step, their changes, how far they are from the guess where the law acts, and
-    how far they may be."""
+def _compared(contact, guess, last, found, half=None):
+    """Grid that sums over nodes, gaps before a step, their changes, how far they are from the guess
+    where the law acts, and how far they may be; of even states at half of the nodes."""
     window = max(guess.window, found.window, key=lambda window: window.size)
     aside, near = way(contact, guess, found, window)
     gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
     gap[0] += window.take(contact.initial_gap)
-    return gap, change, np.abs(aside) * near, STRAYS + SHARE * np.minimum(np.abs(change), LONG)
+    grid, folded = contact.grid, half(window, len(change)) if half else None
+    if folded:
+        grid, (gap, change, aside, near) = folded.grid, map(folded.fold, (gap, change, aside, near))
+    return grid, gap, change, np.abs(aside) * near, STRAYS + SHARE * np.minimum(np.abs(change),
+                                                                                LONG)
 
 
 def _made_or_lost(grid, begin, end):
@@ -148,27 +160,37 @@ def _through_sticking(begin, end, peak):
     return (begins > peak) & (ends > peak) & (least < peak)
 
 
-def _released(contact, gap, change):
-    """Energy that nodes release on the straight way from one equilibrium to the next, over what
-    linear springs do there.
+def _works(contact, gap, change):
+    """What each node releases on the straight way from one equilibrium to the next, and what linear
+    springs do there, array (2, nodes).
 
     The body balances the law's tractions at both ends and linearly in between; what the law does
     beyond that is of third order in the step on a smooth branch, but the energy that a jump
-    dissipates where its barrier, a softening law, is crossed. -inf where that is little, or nothing
-    softens.
+    dissipates where its barrier, a softening law, is crossed.
     """
-    first, last = contact.law.traction(gap), contact.law.traction(gap + change)
-    inner, weighted = contact.grid.inner, weights(contact, len(change))[:, None] * change
+    way = gap[:, None] + PLACES[:, None] * change[:, None]
+    tractions = contact.law.traction(way.reshape(len(gap), -1)).reshape(way.shape)
+    weighted = weights(contact, len(change))[:, None] * change
     # Where a body slides freely tractions change by rounding.
-    springs = inner(np.maximum(np.abs(last - first), TRIFLE), np.abs(weighted))
-    work = 0.0
-    softest = np.inf
-    for place, share in RULE:
-        work += share * inner(contact.law.traction(gap + place * change) - first
-                              - place * (last - first), weighted)
-    if -work <= RELEASED * springs:
-        return -np.inf
-    for place, _ in RULE:
+    springs = np.maximum(np.abs(tractions[:, 1] - tractions[:, 0]), TRIFLE) * np.abs(weighted)
+    return np.array([np.sum(SHARES @ tractions * weighted, axis=0), np.sum(springs, axis=0)])
+
+
+def _soften(contact, grid, gap, change, nodes):
+    """Whether the law of some nodes together softens somewhere on their straight way.
+
+    Parameters
+    ----------
+    contact : Contact
+    grid : Grid of the nodes
+    gap, change : arrays (components, nodes), ranges of the law
+    nodes : mask
+    """
+    gap, change, density = gap[:, nodes], change[:, nodes], np.zeros(len(nodes))
+    weighted = weights(contact, len(change))[:, None] * change
+    for place in PLACES[2:]:
         softening = np.einsum("ijn,jn->in", contact.law.tangent(gap + place * change), change)
-        softest = min(softest, inner(softening, weighted))
-    return -work / springs if softest < 0.0 else -np.inf
+        density[nodes] = np.sum(softening * weighted, axis=0)
+        if grid.sum(density) < 0.0:
+            return True
+    return False

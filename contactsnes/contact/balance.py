@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..grid.boxes import convolution
+from ..grid.cell import Transform
 from ..grid.even import asymmetry
 from .even_form import EvenForm
 from .forms import DisplacementForm
@@ -45,10 +46,11 @@ class Response:
     operator : Operator on the cell
     count : number of components
     half : EvenConvolution with the same operator on half of the window, or None
+    make : what makes a transform, as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, half):
-        self._given, self._whole = (window, operator, count), None
+    def __init__(self, window, operator, count, half, make=Transform):
+        self._given, self._whole = (window, operator, count, make), None
         self._half = half if all(i == j for i, j in operator.blocks) else None
 
     def apply(self, values, out):
@@ -74,7 +76,8 @@ class FullForm(DisplacementForm):
     """
 
     def __init__(self, contact, window, controls, half):
-        self.convolution_class = lambda *given: Response(*given, half)
+        self.convolution_class = lambda window, operator, count, make: Response(
+            window, operator, count, half, make)
         super().__init__(contact, window, controls)
 
 

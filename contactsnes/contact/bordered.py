@@ -1,6 +1,10 @@
 """A form whose load is one more unknown, fixed by the length of the step along the branch."""
 
+from functools import cached_property
+
 import numpy as np
+
+from ..kernels.forms import CompiledArc
 
 
 class ArcLength:
@@ -22,12 +26,7 @@ class ArcLength:
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form
-        self.start = start
-        self.direction = direction
-        self.anchor = anchor
-        self.tangent = tangent
-        self.length = length
-        self.rate = rate
+        self.aim(start, direction, anchor, tangent, length, rate)
         self.name = form.name
         self.in_displacements = form.in_displacements
         self.contact = form.contact
@@ -40,6 +39,27 @@ class ArcLength:
         self.size = form.size + 1
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
+
+    @cached_property
+    def kernel(self):
+        """The same rows on the same memory in the library, or None."""
+        return CompiledArc(self) if getattr(self.form, "kernel", None) else None
+
+    def aim(self, start, direction, anchor, tangent, length, rate=0.0):
+        """Take another length, or another direction to go; parameters as of the class.
+
+        Parameters
+        ----------
+        start, direction, anchor, tangent, length, rate : as of `ArcLength`
+        """
+        self.start = start
+        self.direction = direction
+        self.anchor = anchor
+        self.tangent = tangent
+        self.length = length
+        self.rate = rate
+        if vars(self).get("kernel"):
+            self.kernel.aim(self)
 
     @property
     def evaluations(self):
@@ -61,6 +81,8 @@ class ArcLength:
 
     def residual(self, unknown, out):
         """F of the form and of the arc length."""
+        if self.kernel:
+            return self.kernel.residual(unknown, out)
         self.set_position(unknown[-1])
         self.form.residual(unknown[:-1], out[:-1])
         out[-1] = (self.grid.inner(self.tangent, unknown[:-1] - self.anchor)
@@ -80,6 +102,8 @@ class ArcLength:
 
     def apply_jacobian(self, vector, out):
         """out = J vector."""
+        if self.kernel:
+            return self.kernel.apply_jacobian(vector, out)
         self.form.apply_jacobian(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.load_column
         out[-1] = self.grid.inner(self.tangent, vector[:-1]) + self.rate * vector[-1]
@@ -87,6 +111,8 @@ class ArcLength:
 
     def apply_transpose(self, vector, out):
         """out = J^T vector."""
+        if self.kernel:
+            return self.kernel.apply_transpose(vector, out)
         self.form.apply_transpose(vector[:-1], out[:-1])
         out[:-1] += vector[-1] * self.tangent
         out[-1] = self.grid.inner(self.load_column, vector[:-1]) + self.rate * vector[-1]

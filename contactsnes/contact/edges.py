@@ -1,6 +1,8 @@
 """Predictions that follow the edges of spots of contact: states extrapolated in coordinates in
 which the edges stay in place."""
 
+import weakref
+
 import numpy as np
 from scipy import ndimage
 
@@ -17,6 +19,9 @@ FAR = 0.3
 """Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
 front has to move in a step to be followed: wider ones, and the gradual ones of full residual
 friction, are predicted better in place."""
+
+_KNOWN = weakref.WeakKeyDictionary()
+"""State -> contact, and places in it (`_kept_places`)."""
 
 
 def edges(contact, state):
@@ -64,16 +69,25 @@ def slip_fronts(contact, state, ends):
     return places[None, within] if list(signs[within]) == [-1, 1] else None
 
 
+def _kept_places(contact, state):
+    """`edges` and `slip_fronts` of a state, which are asked for step after step."""
+    found = _KNOWN.get(state)
+    if found is None or found[0]() is not contact:
+        ends = edges(contact, state)
+        fronts = None if ends is None else slip_fronts(contact, state, ends)
+        found = _KNOWN[state] = weakref.ref(contact), ends, fronts
+    return found[1:]
+
+
 def followed_places(contact, states):
     """Places of each state that stay in place in the stretched coordinates, in order: the ends of
     its spot of contact and, where all have them, the slip fronts; an array (directions, places) for
     each state, or None without such a spot."""
-    ends = [edges(contact, state) for state in states]
+    ends, fronts = zip(*(_kept_places(contact, state) for state in states))
     if any(end is None for end in ends):
         return None
-    fronts = [slip_fronts(contact, state, end) for state, end in zip(states, ends)]
     if any(front is None for front in fronts):
-        return ends
+        return list(ends)
     return [np.concatenate((end[:, :1], front, end[:, 1:]), axis=1)
             for end, front in zip(ends, fronts)]
 
@@ -122,7 +136,6 @@ def _follow_spot(contact, states, weights, half=False):
     part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
     if half:
         part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
-    states = [wider(state, window) for state in states]
     far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     far[0] += window.take(contact.initial_gap)
     window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place,
@@ -177,9 +190,10 @@ def carried(contact, change, origin, state):
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= change.window.take(contact.initial_gap)
-    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact,
-                                                                      wider(change, window), window,
-                                                                      places, known[1], part)
+    change = wider(change, window)
+    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, change, window,
+                                                                      places, known[1], part,
+                                                                      widened=True)
     return fixed
 
 
@@ -192,11 +206,12 @@ def _near_boxes(gap):
             for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
 
 
-def _stretched(contact, state, window, places, target, part):
+def _stretched(contact, state, window, places, target, part, widened=False):
     """Normal gap and tangential displacements (components, *part) of a state whose ``places`` have
     been moved to ``target``.
 
-    Both are counted from the first node of ``window``, of whose box ``part`` is a part.
+    Both are counted from the first node of ``window``, of whose box ``part`` is a part. A state
+    that is not known so far is ``widened`` to it.
     """
     known, sources = [], []
     for here, there, wanted, begin, count in zip(places, target, part,
@@ -206,8 +221,10 @@ def _stretched(contact, state, window, places, target, part):
         scale = (here[-1] - here[0]) / (there[-1] - there[0])
         source = np.interp(node, there, here) - begin
         source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
-        low, high = (min(max(place, 0), count) for place in (int(source[0]) - SUPPORT,
-                                                             int(source[-1]) + SUPPORT + 2))
+        low, high = int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2
+        if not widened and (low < 0 or high > count):
+            return _stretched(contact, wider(state, window), window, places, target, part, True)
+        low, high = (min(max(place, 0), count) for place in (low, high))
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
     field = state.window.box(state.displacement)[(slice(None), *known)].copy()
@@ -234,12 +251,16 @@ def spline(values, places, axis):
     t = places - first
     along = [1] * values.ndim
     along[axis] = len(places)
+    mirrored = first.min() < 1 or first.max() > count - 3
     total = 0.0
-    for shift, weight in zip(range(-1, 3), ((1 - t) ** 3, 4 + t ** 2 * (3 * t - 6),
-                                            1 + 3 * t * (1 + t - t ** 2), t ** 3)):
-        # Mirrored beyond the ends, as the coefficients are.
-        node = np.abs(first + shift)
-        node = np.where(node > count - 1, 2 * (count - 1) - node, node)
+    square, left = t * t, 1.0 - t
+    # (NumPy's third powers take longer than all the rest)
+    for shift, weight in zip(range(-1, 3), (left * left * left, 4.0 + square * (3.0 * t - 6.0),
+                                            1.0 + 3.0 * t * (1.0 + t - square), square * t)):
+        node = first + shift
+        if mirrored:  # beyond the ends, as the coefficients are
+            node = np.abs(node)
+            node = np.where(node > count - 1, 2 * (count - 1) - node, node)
         total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
     return total
 

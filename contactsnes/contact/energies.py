@@ -18,13 +18,14 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
+import math
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from .states import normal_gap, onto
+from .states import onto
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -78,16 +79,15 @@ def stored(contact, point):
     rigid compliance included. The second is zero where the surfaces are apart, nan where the law
     has no potential (`laws.Law.potential`).
     """
-    gap = point.state.displacement.copy()
-    gap[0] = normal_gap(contact, point.state)
+    gap, tractions = contact.evaluated(point.state)
     parts, grid = weights(contact, len(gap)), contact.grid
-    tractions = contact.law.traction(gap)
     work = [grid.inner(traction, field) for traction, field in zip(tractions,
                                                                    point.state.displacement)]
     elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point)
                              - grid.node_area * np.array(work))
-    gap[1:] = np.where((gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING),
-                       gap[1:], 0.0)
+    if len(gap) > 1:
+        acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
+        gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
     potential = contact.law.potential(gap, contact.scene.work_ratio)
     return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(
         potential))
@@ -135,15 +135,18 @@ def line_rule(places, first):
     """
     points, shares = gauss(len(places))
     half = 0.5 * (places[-1] - places[first])
-    points = places[first] + half * (1.0 + points)
-    basis, slopes = np.empty((len(places), len(points))), np.zeros((len(places), len(points)))
+    # numbers so few that arrays of them would take longer
+    points, places = (places[first] + half * (1.0 + points)).tolist(), list(map(float, places))
+    basis, slopes = [], []
     for i, own in enumerate(places):
-        others = np.delete(places, i)
-        factors = (points - others[:, None]) / (own - others)[:, None]
-        basis[i] = factors.prod(axis=0)
-        for j, other in enumerate(others):
-            slopes[i] += np.delete(factors, j, axis=0).prod(axis=0) / (own - other)
-    return basis, half * shares * slopes
+        others = places[:i] + places[i + 1:]
+        apart = [own - other for other in others]
+        factors = [[(point - other) / below for other, below in zip(others, apart)]
+                   for point in points]
+        basis.append([math.prod(row) for row in factors])
+        slopes.append([sum(math.prod(row[:j] + row[j + 1:]) / below
+                           for j, below in enumerate(apart)) for row in factors])
+    return np.array(basis), half * shares * np.array(slopes)
 
 
 class PathEnergies:
@@ -159,34 +162,34 @@ class PathEnergies:
     def __init__(self, contact, history=()):
         self.contact, self.trail = contact, []
         for point in history:
-            self._keep(point)
+            self._keep(self._entry(point))
 
     def completed(self, point):
         """The point with its energies, and its works since the path began."""
         elastic, interfacial = stored(self.contact, point)
         point = replace(point, elastic_energy=elastic, interfacial_energy=interfacial)
+        entry = self._entry(point)
         if not self.trail:
             point = replace(point, **dict.fromkeys(WORKS, 0.0))
         else:
-            entry, last = self._entry(point), self.trail[-1]
+            last = self.trail[-1]
             if self._same(entry, last):
                 return replace(point, smooth_steps=last.point.smooth_steps,
                                **{name: getattr(last.point, name) for name in WORKS})
             out_of_range = point.event == "fold" and not (point.in_contact or point.tangents)
             point = self._after_jump(entry, last) if point.event == "jump" else \
                 self._after_release(entry, last) if out_of_range else self._after_step(entry, last)
-        self._keep(point)
+        self._keep(entry._replace(point=point))
         return point
 
     def _entry(self, point):
         """The point with displacements and forces of all components."""
-        missing = (0, self.contact.scene.components - len(point.forces))
-        return Entry(point, np.pad(far_displacements(self.contact, point), missing),
-                     np.pad(point.forces, missing))
+        loads, count = np.zeros((2, self.contact.scene.components)), len(point.forces)
+        loads[:, :count] = far_displacements(self.contact, point), point.forces
+        return Entry(point, *loads)
 
-    def _keep(self, point):
-        """Keep a point, unless it is a further event at the last one."""
-        entry = self._entry(point)
+    def _keep(self, entry):
+        """Keep an entry, unless it is a further event at the last one."""
         if not (self.trail and self._same(entry, self.trail[-1])):
             self.trail = [*self.trail[-3:], entry]
 

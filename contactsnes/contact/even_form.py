@@ -1,10 +1,13 @@
 """The displacement form on half a line or a quarter of a plane, for states that are even about the
 apex, and when it serves."""
 
+from functools import cached_property
+
 import numpy as np
 
 from ..grid.boxes import cost
 from ..grid.even import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
+from ..kernels.forms import twin
 from ..options.fields import InputError
 from .force_form import FORMS
 from .forms import DisplacementForm
@@ -53,7 +56,7 @@ class EvenForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell = True, False
+    in_displacements, whole_cell, even = True, False, True
     linear_tolerance = DisplacementForm.linear_tolerance
 
     def __init__(self, contact, window, controls):
@@ -71,8 +74,14 @@ class EvenForm:
         self.forced, self.rigid_compliance = half.forced, half.rigid_compliance
         scale = np.sqrt(even.grid.weights)
         self.root = half.root / scale
+        self.node_scale = scale
         self._scale = np.append(np.tile(scale, self.components), np.ones(len(half.forced)))
         self._plain = np.empty(self.size)
+
+    @cached_property
+    def kernel(self):
+        """The same equations on the same memory in the library, or None."""
+        return twin(self, self.half, self.node_scale)
 
     @property
     def load(self):
@@ -80,14 +89,19 @@ class EvenForm:
         return self.half.load
 
     @property
+    def far(self):
+        """Far displacements of the controlled values, ranges of the law."""
+        return self.half.far
+
+    @property
     def evaluations(self):
         """Number of residuals evaluated so far."""
-        return self.half.evaluations
+        return self.half.evaluations + (self.kernel.structure.evaluations if self.kernel else 0)
 
     @property
     def products(self):
         """Number of products with the Jacobian so far."""
-        return self.half.products
+        return self.half.products + (self.kernel.structure.products if self.kernel else 0)
 
     def set_load(self, load):
         """Set the controlled values."""
@@ -122,19 +136,28 @@ class EvenForm:
 
     def residual(self, unknown, out):
         """F, whose norm is that of the full form."""
+        if self.kernel:
+            return self.kernel.residual(unknown, out)
         return self.scaled(self.half.residual(self.plain(unknown), out))
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""
+        if self.kernel:
+            self.kernel.linearise(unknown)
+            return
         self.half.linearise(self.plain(unknown))
 
     def apply_jacobian(self, vector, out):
         """out = J vector at the last linearisation."""
+        if self.kernel:
+            return self.kernel.apply_jacobian(vector, out)
         return self.scaled(self.half.apply_jacobian(self.plain(vector), out))
 
     def apply_transpose(self, vector, out):
         """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner
         product with weights."""
+        if self.kernel:
+            return self.kernel.apply_transpose(vector, out)
         return self.scaled(self.half.apply_transpose(self.plain(vector), out))
 
     def load_derivative(self, direction, out):
@@ -158,6 +181,7 @@ class Symmetry:
         self.contact = contact
         self.log = log
         self.asked = settings.symmetry == "even"
+        self._half = None  # the last window of states made even
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
 
     def holds(self, components):
@@ -208,8 +232,20 @@ class Symmetry:
         if state is None or not self.holds(len(state.displacement)):
             return state
         window = centred(state.window)
-        half = EvenWindow(window)
+        half = self._folded(window)
         return State(window, half.unfold(half.fold(onto(state, window))), state.means)
+
+    def half_of(self, window, components):
+        """The EvenWindow of a window on which states with so many components are taken for even;
+        None of another."""
+        return (self._folded(window) if self.holds(components) and centred(window) == window
+                else None)
+
+    def _folded(self, window):
+        """The EvenWindow of a centred window; the last one is kept."""
+        if self._half is None or self._half.full != window:
+            self._half = EvenWindow(window)
+        return self._half
 
     def form(self, components):
         """The class of displacement forms for states with so many components."""
@@ -219,10 +255,10 @@ class Symmetry:
 def method_obstacle(settings, method):
     """Why a form of the equations, or a type of SNES on it, does not use even states, in words;
     None if it does."""
-    if FORMS[settings.form].whole_cell:
-        return f"the {settings.form} form is solved on the whole cell"
+    if FORMS[settings.form].whole_cell and not method.is_relaxation:
+        return f"the {settings.form} form is solved on the whole cell, but by dynamic relaxation"
     return (None if method.keeps_evenness
-            else f"the method (-snes_type {method.name}) is none of Newton's")
+            else f"the method (-snes_type {method.name}) is neither Newton's nor a relaxation")
 
 
 def refuse(contact, sheared, settings, method):

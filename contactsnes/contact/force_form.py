@@ -1,8 +1,12 @@
 """The contact problem as a balance of forces on the whole cell (`forms` has the equations)."""
 
+import math
+from functools import cached_property
+
 import numpy as np
 
 from ..grid.cell import Convolution
+from ..grid.even import EvenWindow
 from .forms import DisplacementForm
 from .problem import DISPLACEMENT, FORCE
 from .states import State
@@ -20,10 +24,15 @@ class ForceForm:
     ----------
     contact : Contact
     controls : 'displacement' or 'force' for each component
+
+    Attributes
+    ----------
+    even : whether states are taken for even about the apex, so that a motion may be followed on
+        half of the nodes; the form's own unknowns are those of the whole cell
     """
 
-    name = "force"
-    in_displacements, whole_cell = False, True
+    name, kernel = "force", None
+    in_displacements, whole_cell, even = False, True, False
     linear_tolerance = 0.0
 
     def __init__(self, contact, controls):
@@ -40,10 +49,11 @@ class ForceForm:
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.factor = contact.load_factor(self.components)
         self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"),
-                                       self.components)
+                                       self.components, contact.kernels.real)
         self.compliance = Convolution(self.window, contact.operator(self.components),
-                                      self.components)
-        self.load = np.zeros(self.components)
+                                      self.components, contact.kernels.real)
+        self.load, self.far, self.row_scale, self.row_target = np.zeros((4, self.components))
+        self.set_load(self.load)
         self.tangent = np.zeros((self.components, *self.shape))
         self.work = np.empty(self.shape)
         self.evaluations = 0
@@ -62,6 +72,11 @@ class ForceForm:
     stiffen = DisplacementForm.stiffen
     forces = DisplacementForm.forces
 
+    @cached_property
+    def half(self):
+        """The EvenWindow of the cell."""
+        return EvenWindow(self.window)
+
     def pack(self, displacement, scalars=()):
         """The unknown from displacements (components, nodes of the cell); the mean displacements
         are among them."""
@@ -78,7 +93,7 @@ class ForceForm:
 
     def target(self):
         """What the zero mode of F is balanced against, for each component."""
-        target = self.mean_stiffness * self.contact.far_displacement(self.components, self.load)
+        target = self.mean_stiffness * self.far
         target[self.forced] = (self.load / (self.factor * self.grid.size))[self.forced]
         return target
 
@@ -142,16 +157,26 @@ class ForceForm:
     def spectral_norm(self, spectrum, within):
         """The same from the transform of F (components, *half spectrum), which is overwritten;
         ``within``: nodes in range."""
-        zero = self.root * spectrum[(slice(None),
-                                     *[0] * len(self.grid.shape))].real / self.grid.size
+        zero = self.root * spectrum[(slice(None), *[0] * len(self.grid.shape))].real
         self.compliance.multiply(spectrum)
-        spectrum *= self.grid.size
-        field = np.sqrt(self.grid.parseval(spectrum) * self.grid.size / max(within, 1))
-        rigid = np.where(self._kept > 0.0, self.rigid_compliance, 1.0) * zero
-        rows = self.factor * self.grid.size * zero / np.maximum(1.0, np.abs(self.load))
-        rigid[self.forced] = 0.0
-        return float(np.hypot(field + np.sqrt(np.sum(rigid ** 2) / self.components),
-                              np.linalg.norm(rows[self.forced])))
+        squares = self.root ** 2 * self.grid.size * self.grid.parseval(spectrum)
+        return self.norm_function()(squares, zero, within)
+
+    def norm_function(self):
+        """``residual_norm`` at the present load, a function of the sum over the cell's waves of the
+        squares of C F / N (ranges squared), of the zero mode of F (components; N times the mean
+        traction), and of the number of nodes in range; N nodes, F in tractions."""
+        size, forced = self.grid.size, np.isin(np.arange(self.components), self.forced)
+        field = size / self.count ** 0.5
+        rigid = np.where(self._kept > 0.0, self.rigid_compliance, 1.0) * ~forced / size
+        rigid /= np.sqrt(self.components)
+        rows = self.factor * forced / np.maximum(1.0, np.abs(self.load))
+
+        def norm(squares, zero, within):
+            return math.hypot(field * math.sqrt(squares / max(within, 1.0))
+                              + math.hypot(*(rigid * zero)), *(rows * zero))
+
+        return norm
 
 
 FORMS = {form.name: form for form in (DisplacementForm, ForceForm)}

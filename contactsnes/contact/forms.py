@@ -11,9 +11,12 @@ force form, whole cell:     K v + t(a + v) = 0 for q != 0, and the balance of th
                             or force for q = 0
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from ..grid.boxes import convolution
+from ..kernels.forms import twin
 from .problem import APPROACH, FORCE
 from .states import State
 
@@ -38,6 +41,7 @@ class DisplacementForm:
     in_displacements : whether F is an imbalance of displacements, whose 2-norm is
         ``residual_norm``; else one of tractions
     whole_cell : whether it is solved on the whole cell, mean displacements among its unknowns
+    even : whether states are taken for even about the apex, and half of them is solved for
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
@@ -45,7 +49,7 @@ class DisplacementForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell = True, False
+    in_displacements, whole_cell, even = True, False, False
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 
@@ -62,24 +66,51 @@ class DisplacementForm:
         self.size = self.count + len(self.forced)
         self.root = np.sqrt(self.count)
         self.initial_gap = window.take(contact.initial_gap)
+        make = contact.kernels.even if window.even else contact.kernels.real
         self.convolution = self.convolution_class(window, contact.operator(self.components),
-                                                  self.components)
+                                                  self.components, make)
         self.rigid_compliance = contact.rigid_compliance(self.components)
         self.rigid_compliance[[control == APPROACH for control in controls]] = 0.0
         self.factor = contact.load_factor(self.components)
         self._free = np.array([control != FORCE for control in controls], dtype=float)
-        self.load = np.zeros(self.components)
+        self.load, self.far, self.row_scale, self.row_target = np.zeros((4, self.components))
+        self.set_load(self.load)
         self.tangent = np.zeros((self.components, *self.shape))
         self.work = np.empty(self.shape)
         self.drag = np.zeros(self.components)
-        self.evaluations = 0
-        self.products = 0
+        self._evaluations = self._products = 0
+
+    @cached_property
+    def kernel(self):
+        """The same equations on the same memory in the library, or None."""
+        return twin(self, self)
+
+    @property
+    def evaluations(self):
+        """Number of residuals evaluated so far."""
+        return self._evaluations + (self.kernel.structure.evaluations if self.kernel else 0)
+
+    @property
+    def products(self):
+        """Number of products with the Jacobian so far."""
+        return self._products + (self.kernel.structure.products if self.kernel else 0)
+
+    def count_evaluation(self):
+        """Count a residual that is made of the form's parts."""
+        self._evaluations += 1
+
+    def count_product(self):
+        """Count a product that is made of the form's parts."""
+        self._products += 1
 
     def set_load(self, load):
         """Set the controlled values: D, U in u_n,r, u_t,r or W, T in w_n,r, w_t,r, by
         ``controls``."""
-        self.load = np.array(load, dtype=float)
-        self.row_scale = self.factor / np.maximum(1.0, np.abs(self.load))
+        self.load[...] = load
+        sizes = np.maximum(1.0, np.abs(self.load))
+        np.divide(self.factor, sizes, out=self.row_scale)
+        np.divide(self.load, sizes, out=self.row_target)
+        self.far[...] = self.contact.far_displacement(self.components, self.load)
 
     def pack(self, displacement, scalars):
         """The unknown from displacements (components, nodes) and the means of the force-controlled
@@ -98,8 +129,7 @@ class DisplacementForm:
         """The State of an unknown: its displacements, and means by the load and the tractions."""
         displacement = self.displacement(unknown).copy()
         traction = self.contact.law.traction(self.gap(unknown))
-        means = (self.contact.far_displacement(self.components, self.load) - self.rigid_compliance
-                 * self.grid.mean(traction))
+        means = self.far - self.rigid_compliance * self.grid.mean(traction)
         means[self.forced] = self.scalars(unknown)
         return State(self.window, displacement, means)
 
@@ -112,24 +142,27 @@ class DisplacementForm:
     def residual(self, unknown, out):
         """F: the imbalance of displacements over sqrt(M), then of prescribed forces over max(1,
         |force|)."""
-        self.evaluations += 1
+        if self.kernel:
+            return self.kernel.residual(unknown, out)
+        self._evaluations += 1
         traction = self.contact.law.evaluate(self.gap(unknown), self.work)
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
-        mean = self.contact.far_displacement(self.components, self.load) \
-            - self.rigid_compliance * total / self.grid.size
+        mean = self.far - self.rigid_compliance * total / self.grid.size
         mean[self.forced] = unknown[self.count:]
         traction -= mean[:, None]
         field = out[:self.count].reshape(self.shape)
         np.multiply(traction, 1.0 / self.root, out=field)
         field += unknown[:self.count].reshape(self.shape)
         for row, i in enumerate(self.forced):
-            out[self.count + row] = (self.row_scale[i] * total[i]
-                                     - self.load[i] / max(1.0, abs(self.load[i])))
+            out[self.count + row] = self.row_scale[i] * total[i] - self.row_target[i]
         return out
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""
+        if self.kernel:
+            self.kernel.linearise(unknown)
+            return
         self.contact.law.evaluate(self.gap(unknown), self.work, self.tangent)
 
     def stiffen(self, field, out):
@@ -141,7 +174,9 @@ class DisplacementForm:
     def apply_jacobian(self, vector, out):
         """out = J vector at the last linearisation: two transforms of the padded window a
         component."""
-        self.products += 1
+        if self.kernel:
+            return self.kernel.apply_jacobian(vector, out)
+        self._products += 1
         field = vector[:self.count].reshape(self.shape)
         work = self.stiffen(field, self.work)
         total = self.grid.sum(work)
@@ -158,7 +193,9 @@ class DisplacementForm:
 
     def apply_transpose(self, vector, out):
         """out = J^T vector at the last linearisation (trust regions ask for it)."""
-        self.products += 1
+        if self.kernel:
+            return self.kernel.apply_transpose(vector, out)
+        self._products += 1
         field = vector[:self.count].reshape(self.shape)
         sums = self.grid.sum(field)
         work = self.convolution.apply(field, self.work, transposed=True)

@@ -12,16 +12,14 @@ from functools import cached_property
 
 import numpy as np
 from scipy.fft import next_fast_len
-from scipy.optimize import brentq
 
 from ..continuation.points import NotConverged
 from ..grid.cell import Operator
 from ..grid.counter import Counter
+from ..grid.roots import bracketed_root
 from ..grid.windows import Window
 from ..interface import laws, shapes
-from ..interface.unbounded import free_space
 from ..options.fields import InputError
-from ..reference import jkr_line_half_width, jkr_sphere_radius
 from .problem import Contact
 
 ROOM = {1: 10.0, 2: 5.2}
@@ -41,6 +39,9 @@ def half_width(scene, force):
     r/a, is (a^2/2) (s sqrt(s^2 - 1) - arcosh s) on a line and (a^2/pi) (sqrt(s^2 - 1) + (s^2 - 2)
     arccos(1/s)) in the plane. Of curvature c: lengths are beta c^(-2/3), gaps u_n,r c^(-1/3).
     """
+    # most runs are of cells, and do without
+    from ..reference import jkr_line_half_width, jkr_sphere_radius
+
     curvature = shapes.of(scene).parabola[scene.dimension]
     force = force * curvature ** (1 / 3 if scene.dimension == 1 else 1)
     if scene.dimension == 1:
@@ -52,7 +53,7 @@ def half_width(scene, force):
                                                  + (s * s - 2) * math.acos(1 / s))
     wanted = laws.of(scene).range / scene.normal_maugis * curvature ** (1 / 3)
     farthest = 10.0 + 10.0 * math.sqrt(wanted) / radius
-    reach = radius * brentq(lambda s: gap(s) - wanted, 1.0, farthest)
+    reach = radius * bracketed_root(lambda s: gap(s) - wanted, 1.0, farthest)
     return curvature ** (-2 / 3) * reach
 
 
@@ -75,15 +76,16 @@ class IsolatedContact(Contact):
     cell : Scene of the periodic cell on its nodes (`lay_out`)
     counter : the grid that counts transforms, if not this contact's: one transform is that of the
         window's nodes. A contact on a coarser grid has it, whose states are guesses
-    gap, law : in place of the scene's, as of `Contact`
+    gap, law, kernels : in place of the scene's, as of `Contact`
     """
 
     isolated = True
 
-    def __init__(self, cell, counter=None, gap=None, law=None):
+    def __init__(self, cell, counter=None, gap=None, law=None, kernels=None):
         self._guesses, self._rigid = counter is not None, np.zeros(cell.components)
         own = Counter(math.prod(n // 2 for n in cell.shape))
-        super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law)
+        super().__init__(cell, counter=own if counter is None else counter, gap=gap, law=law,
+                         kernels=kernels)
 
     @property
     def datum(self):
@@ -95,7 +97,8 @@ class IsolatedContact(Contact):
     @cached_property
     def periodic(self):
         """The contact on the same nodes in a cell, with neighbours."""
-        return Contact(self.scene, gap=self.initial_gap, law=self.law, grid=self.grid)
+        return Contact(self.scene, gap=self.initial_gap, law=self.law, grid=self.grid,
+                       kernels=self.kernels)
 
     @cached_property
     def widest(self):
@@ -113,6 +116,8 @@ class IsolatedContact(Contact):
                              "a cell, which an isolated contact (-scene_period "
                              "inf) has not; allowed are displacement and none")
         if (components, kind) not in self._operators:
+            from ..interface.unbounded import free_space  # needed here only, and slow to import
+
             symbols = free_space(self.body, self.grid, components)
             for i in range(components):
                 self._rigid[i], symbols[i, i].flat[0] = symbols[i, i].flat[0], 0.0
@@ -150,4 +155,4 @@ class IsolatedContact(Contact):
 
     def _coarser(self, scene, gap):
         """The contact of a scene on every other node, with its gap there."""
-        return IsolatedContact(scene, self.grid.counter, gap, self.law)
+        return IsolatedContact(scene, self.grid.counter, gap, self.law, self.kernels)

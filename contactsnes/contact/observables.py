@@ -1,15 +1,11 @@
 """Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function,
 label, unit."""
 
-from functools import cached_property
 from typing import Callable, NamedTuple
 
-import numpy as np
-
-from ..grid.cell import Convolution
-from ..grid.contours import first_largest
-from . import states
+from . import contact_shape
 from .energies import BALANCES, energy_unit
+from .measurement import Measurement
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
@@ -24,148 +20,6 @@ class Observable(NamedTuple):
     unit: str
     kind: str = "f8"
     names: tuple = ()
-
-
-class Measurement:
-    """A point in its contact, with gap and traction on its window evaluated once (ranges of the
-    law).
-
-    Parameters
-    ----------
-    contact : Contact
-    point : Point
-    """
-
-    def __init__(self, contact, point):
-        self.contact = contact
-        self.point = point
-        self.grid = contact.grid
-        self.state, self.window = point.state, point.state.window
-        self.components = len(point.controls)
-
-    @cached_property
-    def gap(self):
-        """Gap (components, nodes): normal a, tangential b."""
-        gap = self.state.displacement.copy()
-        gap[0] = states.normal_gap(self.contact, self.state)
-        return gap
-
-    @cached_property
-    def traction(self):
-        """Traction (components, nodes)."""
-        return self.contact.law.traction(self.gap)
-
-    @cached_property
-    def in_contact(self):
-        """Mask of the nodes in contact."""
-        return self.gap[0] < self.contact.scene.contact_threshold
-
-    def component(self, values, index):
-        """The value of a component, 0 where the leg has no such unknown."""
-        return float(values[index]) if index < self.components else 0.0
-
-    def mean(self, index):
-        """Mean displacement over the cell, u_n,r or u_t,r; around an isolated contact that is the
-        displacement far away."""
-        if self.contact.isolated:
-            return self.component(self.contact.signs(self.components) * self.point.displacements,
-                                  index)
-        return self.component(self.state.means, index) / self.contact.ranges[index]
-
-    def energy(self, name):
-        """An energy or work of the point; nan where it is that of a displacement which is not
-        defined."""
-        undefined = self.contact.datum if name in ("elastic_energy", "external_work") else 0.0
-        return getattr(self.point, name) + undefined
-
-    def contact_area(self):
-        """Length or area where the gap is below the contact threshold."""
-        return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
-
-    def minimum_gap(self):
-        """Smallest normal gap of the cell, u_n,r."""
-        smallest = self.grid.minimum(self.gap[0])
-        if smallest >= self.contact.law.range and not self.window.is_whole:
-            smallest = self.grid.minimum(self.contact.extended(self.state)[0]
-                                         + self.contact.initial_gap)
-        return float(smallest / self.contact.ranges[0])
-
-    def maximum_pressure(self):
-        """Largest compressive normal traction, p_n,r."""
-        return float(self.grid.maximum(-self.traction[0], initial=0.0))
-
-    def maximum_tangential_gap(self):
-        """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
-        if self.components == 1:
-            return 0.0
-        inside = np.linalg.norm(self.gap[1:, self.in_contact], axis=0)
-        edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
-        largest = max(self.grid.maximum(slip, initial=0.0)
-                      for slip in (inside, np.linalg.norm(edge, axis=0)))
-        return float(largest / self.contact.ranges[1])
-
-    def maximum_tangential_traction(self):
-        """Largest tangential traction, p_t,r."""
-        if self.components == 1:
-            return 0.0
-        return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
-
-    def fields(self):
-        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest
-        window, (components of the scene, *box)."""
-        scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
-        displacement, traction = np.zeros((2, scene.components, *self.grid.shape))
-        displacement[:self.components] = self.contact.extended(self.state)
-        displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
-        self.window.put(self.traction, traction[:self.components])
-        traction *= np.reshape(_sizes(scene, "p"), each)
-        fields = ((displacement, traction) if self._null_or_leading() is None
-                  else (displacement, traction, self._mode()))
-        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
-
-    def _null_or_leading(self):
-        """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode
-        was looked for, or None."""
-        point = self.point
-        if point.mode is not None:
-            return point.mode, point.leading_eigenvalue
-        return (point.tangents[0].state, 0j) if len(point.tangents) == 1 else None
-
-    def _mode(self):
-        """The leading mode (real part of a complex one), ranges of the law over its largest value,
-        (components of the scene, *cell).
-
-        Beyond the window no traction changes: there (s - 1) v = C D v, but for a constant.
-        """
-        contact = self.contact
-        grid = self.grid
-        (mode, eigenvalue) = self._null_or_leading()
-        rate = eigenvalue - 1.0
-        field = np.zeros((contact.scene.components, *grid.shape))
-        window, inside = mode.window, field[:self.components]
-        gap = states.onto(self.state, window).copy()
-        tangent = np.zeros((self.components, self.components, window.size))
-        gap[0] += window.take(contact.initial_gap)
-        contact.law.evaluate(gap, np.empty_like(gap), tangent)
-        if not window.is_whole and rate.imag == 0.0 and abs(rate) > 1e-6:
-            window.put(np.einsum("ijn,jn->in", tangent, mode.displacement), inside)
-            flat = inside.reshape(self.components, -1)
-            Convolution(grid.whole, contact.operator(self.components),
-                        self.components).apply(flat, flat)
-            inside /= rate.real
-            rim = window.rim()
-            inside += np.mean((mode.displacement - window.take(inside))[:, rim],
-                              axis=1).reshape(-1, *[1] * len(grid.shape))
-        window.put(mode.displacement, inside)
-        return field / np.copysign(np.max(np.abs(field)),
-                                   field.flat[first_largest(field.reshape(-1))])
-
-
-def _sizes(scene, symbol):
-    """Sizes of the units of displacement ('u') or traction ('p') of each component in what the
-    scene is told in."""
-    return np.array([scene.scale(f"{symbol}_n,r")[0],
-                     *[scene.scale(f"{symbol}_t,r")[0]] * scene.dimension])
 
 
 def frame(contact):
@@ -196,7 +50,8 @@ def _in_units(row, size, unit):
 def _scaled_table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the scene's own
     units."""
-    return {**_loads(scene), **_energies(scene), **_contact(scene), **_costs(scene),
+    shape = {name: Observable(*row) for name, row in contact_shape.rows(scene).items()}
+    return {**_loads(scene), **_energies(scene), **_contact(scene), **shape, **_costs(scene),
             **_CERTIFICATES}
 
 
@@ -280,7 +135,7 @@ _CERTIFICATES = {
                                      "leading eigenvalue", ""),
     "leading_eigenvalue_imaginary": Observable(lambda m: m.point.leading_eigenvalue.imag,
                                                "its imaginary part", ""),
-    "event": _told("event", "event", names=EVENTS),
+    "event": Observable(lambda m: m.point.event or "none", "event", "", "i8", EVENTS),
     "fold_kind": _told("fold_kind", "kind of fold", names=FOLD_KINDS),
     "fold_tangents": Observable(lambda m: len(m.point.tangents),
                                 "tangents of a fold (2: in a corner of the branch)", "", "i8"),
@@ -290,7 +145,14 @@ _CERTIFICATES = {
 """Rows of what is known of a point besides its balance."""
 
 
-def observe(contact, point):
-    """Name -> value of every observable of a point."""
-    measurement = Measurement(contact, point)
-    return {name: row.function(measurement) for name, row in table(contact.scene).items()}
+def observe(contact, point, names=None):
+    """Name -> value of every observable of a point, or of those of some names: others cost nothing.
+
+    Parameters
+    ----------
+    contact : Contact
+    point : Point
+    names : iterable of str, optional
+    """
+    measurement, rows = Measurement(contact, point), table(contact.scene)
+    return {name: rows[name].function(measurement) for name in (rows if names is None else names)}

@@ -11,11 +11,12 @@ import numpy as np
 
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform
-from ..grid.even import Cosines, asymmetry
+from ..grid.even import asymmetry
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, initial_gap, is_convex
 from ..interface.own_shapes import check_own
+from ..kernels.choice import chosen
 from ..options.fields import InputError
 from ..scene.parts import with_parts
 
@@ -38,10 +39,12 @@ class Contact:
     law, geometry, body : Law, Shape (or a function of the coordinates) and Body in place of the
         scene's
     grid : Grid to share in place of one of its own
+    kernels : what computes, of `kernels.choice.chosen`; None: the compiled ones where they are
 
     Attributes
     ----------
     grid : Grid
+    kernels : as given, or chosen
     law : Law
     ranges : (lambda_n, lambda_t, ...), one a component of the scene
     initial_gap : array over the cell, delta_n
@@ -57,19 +60,21 @@ class Contact:
     datum, isolated = 0.0, False
 
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
-                 geometry=None, body=None):
+                 geometry=None, body=None, kernels=None):
         scene = with_parts(scene, law, geometry, body)
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
-        self.law = laws.of(scene) if law is None else law
+        self.kernels = chosen() if kernels is None else kernels
+        self.law = self.kernels.law(laws.of(scene) if law is None else law)
         if gap is None:
             gap = self.ranges[0] * self._initial_gap(heights)
         self.initial_gap = np.array(gap, dtype=float, order="C")
         self.body = bodies.of(scene)
         self._operators = {}
-        self.circle = lru_cache(maxsize=12)(self._circle)
+        self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
+        self.evaluated = lru_cache(maxsize=2)(self._evaluated)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
@@ -156,7 +161,7 @@ class Contact:
         For ``even`` fields the points of each direction are those from the axis outwards.
         Transforms are of ``count`` fields.
         """
-        transform = (Cosines if even else Transform)(self.grid, shape, count)
+        transform = (self.kernels.even if even else self.kernels.real)(self.grid, shape, count)
         vectors = (transform.wavevectors(self.grid.spacings) if even
                    else self.grid.wavevectors(shape))
         block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component,
@@ -179,7 +184,8 @@ class Contact:
 
     def _coarser(self, scene, gap):
         """The contact of a scene on every other node, with its gap there."""
-        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law)
+        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law,
+                       kernels=self.kernels)
 
     def couples(self):
         """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin
@@ -195,6 +201,16 @@ class Contact:
         """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t
         U."""
         return self.signs(components) * self.ranges[:components] * values
+
+    def _evaluated(self, state):
+        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
+        changed: the last states are asked for by whatever tells of a point."""
+        gap = state.displacement.copy()
+        gap[0] += state.window.take(self.initial_gap)
+        traction = self.law.traction(gap)
+        for array in (gap, traction):
+            array.flags.writeable = False
+        return gap, traction
 
     def extended(self, state):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one

@@ -7,11 +7,11 @@ here solves.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
 from ..grid.nearest import nearest
+from ..grid.roots import bracketed_root
 from .problem import APPROACH, FORCE
 
 NEAR = 15.0
@@ -19,10 +19,11 @@ NEAR = 15.0
 below 1e-5 of its peak."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class State:
     """Displacements on a window, array (components, nodes), and their means over the cell
-    (components)."""
+    (components). A state is equal to itself only, so that what is made of it can be kept with
+    it."""
 
     window: object
     displacement: np.ndarray
@@ -77,8 +78,8 @@ def _depth(contact, controls, load):
     # Each trial of what the flat carries is a transform of the cell; a start need not be exact in
     # that.
     precision = 1e-12 if control != FORCE and not compliance else 1e-3
-    return highest if above is None else brentq(excess, tried[above - 1], tried[above],
-                                                rtol=precision)
+    return highest if above is None else bracketed_root(excess, tried[above - 1], tried[above],
+                                                        rtol=precision)
 
 
 def apart(contact):

@@ -4,7 +4,6 @@ limit there, and what follows."""
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from .points import NotConverged, lagrange_weights
 
@@ -219,6 +218,8 @@ def _root(system, stability, leg, ends, index):
     if first * last > 0.0:
         raise NotConverged(f"the eigenvalue is {first:.2g} and {last:.2g} there")
     precision = min(_precision(leg, position) for position, _ in ends)
+    from scipy.optimize import brentq  # needed here only, and slow to import
+
     place = brentq(value, ends[0][0], ends[1][0], xtol=precision, maxiter=60)
     value(place)
     if abs(values[place]) > VANISHED * max(abs(first), abs(last)):

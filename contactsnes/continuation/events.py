@@ -69,7 +69,7 @@ def with_events(previous, point):
     """The point, then a copy for every further event at the same load; a point without an event
     takes the first."""
     names = events_between(previous, point)
-    if point.event == "none" and names:
+    if not point.event and names:
         point = replace(point, event=names[0])
     yield point
     yield from further_events(previous, point)

@@ -21,6 +21,9 @@ FASTER = 4.0
 prediction."""
 FIRST = 1.0
 """Way of a first step, ranges of the law, from which on the tangent at its end has to lead back."""
+FURTHEST = 1.5
+"""Way of a first step under a force by its tangent, ranges of the law, beyond which it is shortened
+at once: solves that begin farther off mostly end on another branch."""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that
 they stay in place."""
@@ -73,10 +76,23 @@ class LoadSteps:
         """Loads at a position, in words."""
         return self.system.told(self.leg.controls, self.leg.load(position))
 
-    def _step(self, target, predictor):
+    def _foreseen(self, target, predictor):
+        """(place, predictor, prediction) of a step; nearer than asked for where a first one under a
+        force, which holds no displacement, would lead too far."""
+        guess = predict(self.system, self.history, self.leg, target, predictor)
+        here, last = self.history[-1]
+        first = len(self.history) == 1 and self.leg.controls[self.leg.moving] == "force"
+        far = self.system.missed(last.state, guess) / FURTHEST if first else 0.0
+        if 1.0 < far < np.inf:
+            target = here + (target - here) / far
+            guess = predict(self.system, self.history, self.leg, target, predictor)
+        return target, predictor, guess
+
+    def _step(self, target, predictor, guess=None):
         """Predict and correct; a correction as long as the step itself is another branch's, not a
         neighbour."""
-        guess = predict(self.system, self.history, self.leg, target, predictor)
+        if guess is None:
+            guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         here, last = self.history[-1]
         missed = self.system.missed(guess, point.state)

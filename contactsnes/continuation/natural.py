@@ -60,8 +60,8 @@ class NaturalSteps(LoadSteps):
             step, target = shared(step, position)
             try:
                 point, critical = self._examined(
-                    self._step(target, after_failure(self.predictor) if failures
-                               else self.predictor))
+                    self._step(*self._foreseen(target, after_failure(self.predictor) if failures
+                                               else self.predictor)))
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
@@ -80,7 +80,8 @@ class NaturalSteps(LoadSteps):
                         searched = None
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
-            shortest, failures = min(step, self.leg.initial), 0
+            step, failures = point.position - position, 0
+            shortest = min(step, self.leg.initial)
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
             yield from self._arrive(replace(point, step=step), critical)
             if self.stopped:

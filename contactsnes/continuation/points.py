@@ -1,7 +1,9 @@
 """Points of a branch, legs of its path, and what goes wrong: what continuation and its solvers hand
 to each other."""
 
+import math
 from dataclasses import dataclass, field
+from typing import Optional
 
 import numpy as np
 
@@ -45,7 +47,7 @@ class Direction:
     rate: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Point:
     """A converged point of a branch.
 
@@ -64,7 +66,7 @@ class Point:
         law's peak
     residual_norm, largest_residual : of the archive; the second nan where nobody looked at it
     spent : name -> count of iterations, evaluations, transforms and time since the point before
-    event, fold_kind : as in the archive
+    event, fold_kind : as in the archive, the event None where there is none
     elastic_energy, interfacial_energy : stored in body and interface, phi_n beta (nan where the law
         has no potential)
     external_work, interface_work, dissipated_work : done by the loads, on the interface, and lost
@@ -104,7 +106,7 @@ class Point:
     arc: float = 0.0
     origin: np.ndarray = None
     spent: dict = field(default_factory=dict)
-    event: str = "none"
+    event: Optional[str] = None
     fold_kind: str = ""
     elastic_energy: float = np.nan
     interfacial_energy: float = np.nan
@@ -124,6 +126,16 @@ class Point:
     unstable_modes: int = -1
     leading_eigenvalue: complex = complex(np.nan, np.nan)
     mode: object = None
+
+    def __repr__(self):
+        """Place, loads in the system's own units (controlled ones marked), and what is special."""
+        told = [f"{name}[{i}] {value:.6g}{'*' * (self.controls[i] == name)}"
+                for name, values in (("displacement", self.displacements), ("force", self.forces))
+                for i, value in enumerate(values)]
+        event = f", {self.event}{f' ({self.fold_kind})' * bool(self.fold_kind)}" * bool(self.event)
+        return (f"<Point: leg {self.leg} at {self.position:.4g}, {', '.join(told)}, "
+                f"{'in' if self.in_contact else 'no'} contact{', sliding' * bool(self.sliding)}"
+                f"{event}, residual {self.residual_norm:.1e}>")
 
 
 @dataclass(frozen=True)
@@ -151,10 +163,12 @@ class Leg:
 
 
 def lagrange_weights(nodes, target):
-    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``."""
-    nodes = np.asarray(nodes, dtype=float)
-    return np.array([np.prod((target - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k)))
-                     for k in range(len(nodes))])
+    """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``; nan
+    where two nodes are one."""
+    nodes = [float(node) for node in nodes]
+    return np.array([math.prod((target - other) / (node - other or math.nan)
+                               for place, other in enumerate(nodes) if place != k)
+                     for k, node in enumerate(nodes)])
 
 
 def unfinished_fold(history):

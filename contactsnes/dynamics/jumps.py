@@ -134,8 +134,9 @@ def by_creep(system, state, controls, load, origin, options):
     contact, state = system.contact, system.fitted(state)
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
                               options)
+    motion.measured = origin is not None and states.missed(contact, origin, state) <= BESIDE
     point = at_rest(system, motion, controls, load)
-    if origin is None or states.missed(contact, origin, state) > BESIDE:
+    if not motion.measured:
         return point
     motion.works[0] += straight(contact, origin, state)
     works = contact.grid.node_area * motion.works @ weights(contact, len(controls))

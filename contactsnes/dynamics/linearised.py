@@ -63,7 +63,7 @@ class Overdamped:
     def apply(self, vector):
         """J vector: two transforms of the padded window a component."""
         form, result = self.form, np.empty(self.size)
-        form.products += 1
+        form.count_product()
         field, means = vector[:form.count].reshape(form.shape), vector[form.count:]
         work = form.stiffen(field, form.work)
         total = form.grid.sum(work) * form.root / form.grid.size

@@ -63,11 +63,14 @@ class Leaving(RuntimeError):
 
 
 class Moment(NamedTuple):
-    """The unknown of the equations at a time, and tau (components, nodes)."""
+    """The unknown of the equations at a time, tau, gap and tractions of the law (components,
+    nodes)."""
 
     time: float
     unknown: np.ndarray
     elastic: np.ndarray
+    gap: np.ndarray
+    traction: np.ndarray
 
 
 class OverdampedMotion:
@@ -86,6 +89,7 @@ class OverdampedMotion:
     Attributes
     ----------
     steps : linear systems solved
+    measured : whether works are summed up
     works : array (2, components), done on the interface and against viscosity: sums over nodes,
         phi_i
     """
@@ -98,6 +102,7 @@ class OverdampedMotion:
         self.totals = totals
         self.options = options
         self.steps = 0
+        self.measured = True
         self.works = np.zeros((2, len(controls)))
         self._begin(0.0, state)
 
@@ -107,10 +112,14 @@ class OverdampedMotion:
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load)
         unknown = equations.pack(state.displacement, state.means)
-        elastic = equations.traction(unknown) if elastic is None else equations.folded(elastic)
+        gap, traction = equations.gap(unknown), equations.traction(unknown)
+        elastic = traction if elastic is None else equations.folded(elastic)
         unknown[equations.form.count:] += equations.response(elastic)
-        self.history, self.rate = [Moment(time, unknown, elastic)], equations.rate(unknown)
-        self._next = min(1.0, 0.5 * self.options.tolerance / max(self._size(self.rate), RESTING))
+        self.history, self.rate = [Moment(time, unknown, elastic, gap,
+                                          traction)], equations.rate(unknown)
+        self._near = equations.near(gap)
+        self._next = min(1.0, 0.5 * self.options.tolerance
+                         / max(equations.size(self.rate, self._near), RESTING))
 
     def state(self):
         """Where the motion is now."""
@@ -129,7 +138,7 @@ class OverdampedMotion:
         """
         options = self.options
         last = np.inf
-        speed = self._size(self.rate)
+        speed = self.equations.size(self.rate, self._near)
         step = self._next
         self._exactness, begun = min(1e-4 * options.tolerance, rest), self.history[-1].time
         while self.steps < options.steps and self.history[-1].time < LATEST:
@@ -139,15 +148,17 @@ class OverdampedMotion:
                 if step < SHORTEST:
                     raise Unsettled("its time steps became too short")
                 continue
-            self._account(moment, step)
+            if self.measured:
+                self._account(moment, step)
             change = moment.unknown - self.history[-1].unknown
-            self.history = [*self.history[-2:], moment]
-            last, speed = speed, self._size(change) / step
+            self.history, self._near = [*self.history[-2:], moment], self.equations.near(moment.gap)
+            last, speed = speed, self.equations.size(change, self._near) / step
             covered = self._covered()
             if covered and speed < rest and (speed <= last or speed < 1e-3 * rest):
                 self._next = step
                 return
-            lost = self.equations.leaving(moment.unknown, change[self.equations.form.count:] / step)
+            lost = self.equations.leaving(moment.unknown, moment.gap,
+                                          change[self.equations.form.count:] / step)
             begun = moment.time if lost is None else begun
             if lost == 0 or moment.time - begun > ENDLESS:
                 raise Leaving
@@ -156,17 +167,6 @@ class OverdampedMotion:
                 self._widen()
                 step *= 0.3
         raise Unsettled(f"it has not come to rest after {self.steps} steps")
-
-    def _size(self, change, relative=False):
-        """How large a change of the unknown is where the law acts: in ranges, or parts of gap and
-        slip where these are larger."""
-        gap = self.equations.gap(self.history[-1].unknown)
-        near, scale = gap[0] < states.NEAR, 1.0
-        if relative:
-            scale = np.maximum(1.0,
-                               np.vstack([gap[:1], np.repeat(np.linalg.norm(gap[1:], axis=0)[None],
-                                                             len(gap) - 1, axis=0)]))
-        return self.equations.size(change, near, scale)
 
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
@@ -177,10 +177,9 @@ class OverdampedMotion:
         now = history[-1]
         shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)
         guess = self._predicted(step)
-        known = 0.0
-        elastic = 0.0
-        for weight, moment in zip(weights, history[-2:]):
-            known, elastic = known + weight * moment.unknown, elastic + weight * moment.elastic
+        known, elastic = (sum(weight * value for weight, value in zip(weights, values))
+                          for values in zip(*((moment.unknown, moment.elastic)
+                                              for moment in history[-2:])))
         before = equations.spent()
         unknown, solved = equations.newton(guess, shift, known, self._exactness)
         self.steps += 1
@@ -189,11 +188,15 @@ class OverdampedMotion:
         if not (solved and np.isfinite(unknown).all()):
             return np.inf, None
         aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
-        turned = self._size(aside) / max(self._size(unknown - now.unknown), STILL)
-        error = max(share * self._size(aside, relative=True) / tolerance, turned / TURNING)
+        turned = (equations.size(aside, self._near)
+                  / max(equations.size(unknown - now.unknown, self._near), STILL))
+        error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
+                    turned / TURNING)
+        gap = equations.gap(unknown)
+        traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.
-        return error, Moment(now.time + step, unknown,
-                             (equations.traction(unknown) + elastic) / (1.0 + shift))
+        return error, Moment(now.time + step, unknown, (traction + elastic) / (1.0 + shift), gap,
+                             traction)
 
     def _predicted(self, step):
         """The unknown after a step by the parabola through the last three, or less where the motion
@@ -207,32 +210,35 @@ class OverdampedMotion:
     def _account(self, moment, step):
         """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the
         parabola through the last moments."""
-        equations, past = self.equations, [*self.history[-2:], moment]
+        equations, last = self.equations, self.history[-1]
         grid, count = equations.form.grid, equations.form.count
-        places = [1.0 + (other.time - moment.time) / step for other in past]
-        for place, weight in ((0.0, step / 6.0), (0.5, 4.0 * step / 6.0), (1.0, step / 6.0)):
-            values, slopes = _interpolation(places, place)
-            unknown, speed, creep = (sum(w * other for w, other in zip(weights, others))
-                                     for weights, others in ((values,
-                                                              [other.unknown for other in past]),
-                                                             (slopes / step,
-                                                              [other.unknown for other in past]),
-                                                             (slopes / step,
-                                                              [other.elastic for other in past])))
-            velocity, drift = equations.displacement(speed), np.zeros(len(self.controls))
-            drift[equations.moving] = speed[count:]
-            self.works[0] += weight * grid.sum(equations.traction(unknown) * velocity)
-            self.works[1] -= weight * grid.sum(creep * (velocity - drift[:, None]))
-            self.works[1, equations.moving] += (weight * self.contact.grid.size * equations.mass
-                                                * speed[count:] ** 2)
+        # rates in the middle, and what they differ by at either end
+        rates = [(moment.unknown - last.unknown) / step, (moment.elastic - last.elastic) / step]
+        bends = [np.zeros_like(rate) for rate in rates]
+        if len(self.history) > 1:
+            first = self.history[-2]
+            apart, share = last.time - first.time, step / (moment.time - first.time)
+            bends = [(rate - (here - there) / apart) * share for rate, here, there in
+                     zip(rates, (last.unknown, last.elastic), (first.unknown, first.elastic))]
+        (speed, creep), (bend, creep_bend) = rates, bends
+        middle = 0.5 * (last.unknown + moment.unknown) - 0.25 * step * bend
+        velocity, turn = equations.displacement(speed), equations.displacement(bend)
+        tractions = last.traction + 4.0 * equations.traction(middle) + moment.traction
+        self.works[0] += step / 6.0 * grid.sum(tractions * velocity
+                                               + (moment.traction - last.traction) * turn)
+        moving, means, bent = equations.moving, speed[count:], bend[count:]
+        velocity[moving] -= means[:, None]
+        turn[moving] -= bent[:, None]
+        self.works[1] -= step * grid.sum(creep * velocity + creep_bend * turn / 3.0)
+        self.works[1, moving] += (step * self.contact.grid.size * equations.mass
+                                  * (means ** 2 + bent ** 2 / 3.0))
 
     def _covered(self):
         """Whether every node outside the window is certainly out of the law's range."""
         window, contact = self.equations.window, self.contact
         if window in (contact.grid.whole, contact.widest):
             return True
-        gap = self.equations.unfolded(self.equations.gap(self.history[-1].unknown)[0])
-        if contact.grid.minimum(gap, where=window.rim()) < contact.law.certain:
+        if self.equations.rim_gap(self.history[-1].gap) < contact.law.certain:
             return False
         if contact.convex:
             return True
@@ -274,13 +280,3 @@ def _formula(times, step):
     return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step,
                                                         (1.0 + ratio) / step]
 
-
-def _interpolation(places, place):
-    """Weights of values at places for the polynomial through them, and for its slope, at another
-    place."""
-    powers = np.arange(len(places))
-    transposed = np.vander(places, increasing=True).T
-    return np.linalg.solve(transposed, place ** powers), np.linalg.solve(transposed,
-                                                                         powers
-                                                                         * place ** np.maximum(
-        powers - 1, 0))

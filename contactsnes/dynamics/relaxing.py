@@ -40,13 +40,12 @@ def relaxed(run, form, unknown, tolerance, where, prefix="jump_"):
         raise NotConverged(f"the motion {where} did not settle: {error}") from None
 
 
-def nearer(run, contact, guess, controls, load, tolerance):
+def nearer(system, guess, controls, load, tolerance):
     """The state to which dynamic relaxation on the cell brings a guess, for Newton to finish.
 
     Parameters
     ----------
-    run : as of `relaxed`
-    contact : Contact
+    system : Corrector, for its contact, its symmetry and its ``run``
     guess : State
     controls, load : of each component
     tolerance : of ``residual_norm``, ranges of the law
@@ -55,10 +54,12 @@ def nearer(run, contact, guess, controls, load, tolerance):
     ------
     NotConverged : where the body leaves, or does not settle
     """
-    form = ForceForm(contact, controls)
+    system.symmetry.checked(guess)
+    form = ForceForm(system.contact, controls)
+    form.even = system.symmetry.holds(form.components)
     form.set_load(load)
     try:
-        unknown = relaxed(run, form, form.pack(contact.extended(guess)), tolerance,
+        unknown = relaxed(system.run, form, form.pack(system.contact.extended(guess)), tolerance,
                           "of the relaxation", "first_")
     except Leaving:
         raise NotConverged(f"{ENDLESS} in the relaxation before the solve") from None

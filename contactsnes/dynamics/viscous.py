@@ -11,19 +11,35 @@ Linear systems (c + J) of implicit steps are those of Newton's method with the t
 form, operator and preconditioner serve as they are.
 """
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from petsc4py import PETSc
 
 from ..contact.even_form import HalfForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
+from ..contact.states import NEAR
 from ..grid.even import EvenWindow
 from ..options.database import read
-from ..solvers.motion import LEVELLED, slides
-from ..solvers.snes import NewtonOptions, RegularisedStep, create_snes, kept
+from ..solvers import callbacks
+from ..solvers.leaving import LEVELLED, slides
+from ..solvers.linear import create_ksp
+from ..solvers.snes import NewtonOptions, RegularisedStep
 
 EXACTNESS = 1e-4
 """Relative tolerance of the linear solves of a step, unless -jump_ksp_rtol gives one."""
+
+
+class Near(NamedTuple):
+    """Nodes at which changes count: 1 where the law acts, or everywhere where it does so nowhere,
+    else 0 (nodes); for how many they stand; gap and slip there over one range, at least 1
+    (components, nodes)."""
+
+    mask: np.ndarray
+    count: int
+    scale: np.ndarray
 
 
 class Equations:
@@ -60,17 +76,14 @@ class Equations:
         load[sprung] = 0.0
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
-        self.snes = create_snes(self.form, "jump_")
-        self.matrix = kept(self.snes.getJacobian()[0])
-        # Else the SNES would set the tolerance of these solves by how its own last one went.
-        self.snes.setUseEW(False)
-        self.snes.getKSP().setOperators(self.matrix)
+        self.ksp, self.matrix = create_ksp(self.form, "jump_")
         self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size)
                                                 for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
         self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", EXACTNESS)
         self._iterations = 0
+        self._rim = np.flatnonzero(self.folded(window.rim()))
 
     def spent(self):
         """What the solves on this window cost: name -> count."""
@@ -96,12 +109,26 @@ class Equations:
         return self.form.displacement(unknown)
 
     def gap(self, unknown):
-        """Gap (components, nodes of the equations), ranges of the law, in memory of the form."""
-        return self.form.gap(unknown)
+        """Gap (components, nodes of the equations), ranges of the law."""
+        return self.form.gap(unknown).copy()
 
     def traction(self, unknown):
         """Tractions of the law (components, nodes of the equations)."""
-        return self.contact.law.traction(self.gap(unknown))
+        return self.contact.law.traction(self.form.gap(unknown))
+
+    def near(self, gap):
+        """`Near` of a gap (components, nodes of the equations)."""
+        grid, mask = self.form.grid, gap[0] < NEAR
+        mask = mask if mask.any() else np.ones_like(mask)
+        scale = np.maximum(gap, 1.0)
+        if len(gap) > 1:
+            slip = np.abs(gap[1]) if len(gap) == 2 else np.linalg.norm(gap[1:], axis=0)
+            np.maximum(slip, 1.0, out=scale[1:])
+        return Near(mask.astype(float), grid.count(mask), scale)
+
+    def rim_gap(self, gap):
+        """Smallest normal gap on the border of the window; inf where it has none."""
+        return self.form.grid.minimum(gap[0, self._rim])
 
     def mean(self, tractions):
         """Mean over the cell, for each component."""
@@ -145,57 +172,76 @@ class Equations:
         shift : float > 0, per unit of time
         tolerance : float, norm of what the linear solve may leave of x'
         """
-        form = self.form
-        count = self.form.count
-        scale = 1.0 + shift
-        field, pull = self.imbalance(guess)
-        form.linearise(guess)
-        form.tangent /= scale
-        # A mean that moves with the body's response to it: x stands for m less that response.
-        share = 1.0 + shift * self.inner * self.mass / scale
-        drag = self.contact.grid.size * self.mass / scale / share
-        form.drag[self.moving] = drag * (shift + self.stiffness / self.mass)
-        right, means = self._right.getArray(), guess[count:]
-        free, start = (vector[:count] - self._spread(vector[count:]) for vector in (guess, known))
-        right[:count] = (field + shift * free - start) / scale
-        right[count:] = form.row_scale[self.moving] * drag * (shift * means - known[count:] - pull)
-        ksp = kept(self.snes.getKSP())
+        form, ksp, count = self.form, self.ksp, self.form.count
+        self._linearise(guess, shift, known)
         self.matrix.assemble()
-        ksp.setTolerances(rtol=self._exactness, atol=tolerance / scale)
-        ksp.solve(self._right, self._step)
+        ksp.setTolerances(rtol=self._exactness, atol=tolerance / (1.0 + shift))
+        callbacks.solve(ksp, (self._right, self._step))
         self._iterations += ksp.getIterationNumber()
         step = self._step.getArray()
-        response = self.response(form.stiffen(form.displacement(step), form.work))
+        response = 0.0
+        if self.inner.any():
+            response = self.response(form.stiffen(form.displacement(step), form.work))
         if self._regularised:
             self._guess.setArray(guess)
             self._regularised(self._guess, self._step)
         step[count:] += response
         return guess - step, ksp.getConvergedReason() > 0
 
-    def size(self, change, near, scale=1.0):
-        """How large a change of the unknown is at nodes, ranges times ``scale``: root mean square,
-        or a third of the largest.
+    def _linearise(self, guess, shift, known):
+        """Take the tangent of a step's system at a guess, and its right side, from one evaluation
+        of the law; parameters as of `newton`."""
+        form, count, moving = self.form, self.form.count, self.moving
+        scale, work = 1.0 + shift, form.gap(guess)
+        self.contact.law.evaluate(work, work, form.tangent)
+        form.count_evaluation()
+        traction = self.mean(work)
+        form.convolution.apply(work, work)
+        form.tangent /= scale
+        means, before = guess[count:], known[count:]
+        # A mean that moves with the body's response to it: x stands for m less that response.
+        share = 1.0 + shift * self.inner * self.mass / scale
+        drag = self.contact.grid.size * self.mass / scale / share
+        form.drag[moving] = drag * (shift + self.stiffness / self.mass)
+        shifts = form.rigid_compliance * traction - self.far
+        shifts[moving] = self.inner * traction[moving] + before - scale * means
+        work += shifts[:, None]
+        right = self._right.getArray()
+        field = right[:count]
+        np.multiply(work.reshape(-1), 1.0 / (form.root * scale), out=field)
+        field += guess[:count]
+        field -= known[:count] / scale
+        right[count:] = form.row_scale[moving] * drag * (shift * means - before
+                                                         - self._pull(means, traction))
 
-        At all nodes where the law acts at none.
+    def size(self, change, near, relative=False):
+        """How large a change of the unknown is at nodes, ranges: root mean square, or a third of
+        the largest.
 
         Parameters
         ----------
         change : array of the form's size, an unknown
-        near : bool array (nodes of the equations), where the law acts
-        scale : float, dimensionless
+        near : Near, the nodes that count
+        relative : bool, whether in parts of gap and slip where these are larger than a range
         """
-        grid, change = self.form.grid, np.abs(self.displacement(change)) / scale
-        near = near if grid.count(near) else np.ones_like(near)
-        change = change * near
-        mean = np.sum(grid.sum(change ** 2)) / (len(change) * grid.count(near))
-        return max(float(np.sqrt(mean)), float(grid.maximum(change)) / 3.0)
+        grid, field = self.form.grid, np.abs(self.displacement(change))
+        field *= near.mask
+        if relative:
+            field /= near.scale
+        largest = float(grid.maximum(field))
+        mean = float(grid.sum(np.square(field, out=field)).sum()) / (len(field) * near.count)
+        return max(math.sqrt(mean), largest / 3.0)
 
-    def leaving(self, unknown, velocity):
+    def leaving(self, unknown, gap, velocity):
         """The component that is pulled and that no traction will balance as it is, or None.
 
-        At a velocity of the means that move.
+        Parameters
+        ----------
+        unknown : array of the form's size
+        gap : array (components, nodes of the equations), ranges of the law
+        velocity : of the means that move
         """
-        gap, grid = self.gap(unknown), self.form.grid
+        grid = self.form.grid
         for place in np.flatnonzero(self.pulled):
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:

@@ -147,12 +147,13 @@ class SpotsConvolution:
     window : Spots
     operator : Operator on the cell
     count : number of components
+    make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count):
+    def __init__(self, window, operator, count, make=Transform):
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
-        self.transform = plan = Transform(window.grid, circle, count * boxes)
+        self.transform = plan = make(window.grid, circle, count * boxes)
         self._real = plan.real.reshape(count, boxes, *circle)
         self._spectrum = plan.spectrum.reshape(count, boxes, -1)
         self._product = np.empty_like(self._spectrum[0])
@@ -184,6 +185,7 @@ class SpotsConvolution:
         transposed : bool, whether the transpose is meant
         """
         self._real[self._inside] = self.window.box(values)
+        clear_padding(self.transform.real, self.window.shape)
         self.transform.forward()
         self._sums[...] = 0.0
         for (i, j), block in self.blocks.items():
@@ -196,20 +198,19 @@ class SpotsConvolution:
         self._spectrum[...] = self._sums
         self.transform.backward()
         self.window.box(out)[...] = self._real[self._inside]
-        clear_padding(self.transform.real, self.window.shape)
         return out
 
 
-def convolution(window, operator, count):
+def convolution(window, operator, count, make=Transform):
     """The product of an operator with fields on a window, of one box or several.
 
     Parameters
     ----------
     window : Window or Spots
-    operator : Operator on the cell
-    count : int, number of components
+    operator, count, make : as of `cell.Convolution`
     """
-    return (SpotsConvolution if len(window.parts) > 1 else Convolution)(window, operator, count)
+    several = len(window.parts) > 1
+    return (SpotsConvolution if several else Convolution)(window, operator, count, make)
 
 
 def cost(window):
@@ -239,8 +240,7 @@ def fitting(grid, mask, margin):
     if np.count_nonzero(mask) > 0.5 * one.size:
         return one
     boxes = _clusters(mask)
-    best = one
-    least = WORTH * cost(one)
+    best, least = one, WORTH * cost(one)
     while len(boxes[0]) > 1:
         first, extent = _widened(*boxes, margin, grid.shape)
         touching = np.triu(_overlap(first, extent, grid.shape), 1)

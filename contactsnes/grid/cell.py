@@ -51,6 +51,12 @@ class Transform:
         self._backward.execute()
 
 
+def _counted(values, where):
+    """Values (..., nodes) where a mask, of all their axes or the last ones, holds: picking them
+    takes a third of a reduction under a mask."""
+    return values[(slice(None),) * (np.ndim(values) - np.ndim(where)) + (where,)]
+
+
 def transform_cost(points, size):
     """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m /
     (N log N)."""
@@ -111,7 +117,8 @@ class Grid(Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.max(values, initial=initial, where=where)
+        return np.maximum.reduce(values if where is True else _counted(values, where),
+                                 axis=None, initial=initial)
 
     def minimum(self, values, where=True, initial=np.inf):
         """Smallest value over all nodes and components.
@@ -122,7 +129,8 @@ class Grid(Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.min(values, initial=initial, where=where)
+        return np.minimum.reduce(values if where is True else _counted(values, where),
+                                 axis=None, initial=initial)
 
     def inner(self, first, second):
         """Inner product over nodes and components."""
@@ -216,11 +224,12 @@ class Convolution:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
+    make : what makes its transform, as `Transform` of a grid, a shape and a count
     """
 
-    def __init__(self, window, operator, count):
+    def __init__(self, window, operator, count, make=Transform):
         self.window, self.count = window, count
-        self.transform = Transform(window.grid, window.circle(), count)
+        self.transform = make(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
@@ -237,11 +246,11 @@ class Convolution:
         """
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
+        clear_padding(plan.real, self.window.shape)
         plan.forward()
         self.multiply(plan.spectrum, transposed)
         plan.backward()
         self.window.box(out)[...] = plan.real[self._inside]
-        clear_padding(plan.real, self.window.shape)
         return out
 
     def multiply(self, spectrum, transposed=False):

@@ -2,7 +2,11 @@
 largest."""
 
 import numpy as np
-from scipy.optimize import brentq
+
+from .roots import bracketed_root
+
+FEW = 16
+"""Roots up to which one after the other is faster than all at once."""
 
 
 def first_largest(values):
@@ -30,8 +34,9 @@ def crossings(values, level):
         # sign.
         rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
         twist = (fall - rise) / 3
-        places[k] = i + brentq(lambda t: (1 - t) * left + t * right
-                               + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0, xtol=1e-14)
+        places[k] = i + bracketed_root(lambda t: (1 - t) * left + t * right
+                                       + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
+                                       xtol=1e-14)
     return places, np.where(above[first + 1], 1, -1)
 
 
@@ -79,6 +84,10 @@ def _at_places(place):
 def _roots(*nodes):
     """Places where the cubics through four values vanish between the middle two, of unequal
     signs."""
+    if nodes[0].size <= FEW:
+        return np.array([bracketed_root(lambda place, values=values: sum(
+            weight * value for weight, value in zip(_at_places(place), values)), 0.0, 1.0,
+            xtol=1e-15) for values in zip(*(node.tolist() for node in nodes))])
     low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
     for _ in range(48):
         middle = 0.5 * (low + high)
@@ -96,13 +105,27 @@ def area_below(box, level):
     what is left of these falls with the square of the division, which two divisions tell. Fourth
     order.
     """
-    corners = _corners(box[1:-1, 1:-1])
-    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    cut = np.nonzero((lowest < level) & (highest >= level))
+    whole, _, patches = cut_patches(box, level)
+    coarse, fine = (_triangles_below(refined(patches, parts)) / parts ** 2 for parts in (4, 8))
+    return whole + (4.0 * fine - coarse) / 3.0
+
+
+def cut_patches(box, level):
+    """Squares of a box of nodes without its outermost ring: how many lie below a level; of those
+    that it cuts the first corners (x, y), counted within the ring, and values less the level on
+    4 x 4 nodes around each."""
+    below = _corners(box[1:-1, 1:-1] < level)
+    every = np.logical_and.reduce(below)
+    cut = np.nonzero(np.logical_or.reduce(below) & ~every)
     patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
-    coarse, fine = (_triangles_below(weights @ patches @ weights.T) / (len(weights) - 1) ** 2
-                    for weights in map(_cubic, (4, 8)))
-    return np.count_nonzero(highest < level) + (4.0 * fine - coarse) / 3.0
+    return np.count_nonzero(every), cut, patches
+
+
+def refined(patches, parts):
+    """Values at the corners of parts^2 squares within the middle one of patches (..., 4, 4),
+    bicubic."""
+    weights = _cubic(parts)
+    return weights @ patches @ weights.T
 
 
 def _cubic(parts):

@@ -10,21 +10,35 @@ class Counter:
     Attributes
     ----------
     limit : count beyond which every transform raises RuntimeError
+    numbers : array (2,), transforms so far and the limit, which compiled transforms share
     """
 
     def __init__(self, size):
         self.size = size
-        self.limit = np.inf
-        self._transforms = 0.0
+        self.numbers = np.array([0.0, np.inf])
+
+    @property
+    def limit(self):
+        """The count that is allowed."""
+        return float(self.numbers[1])
+
+    @limit.setter
+    def limit(self, limit):
+        """Set the count that is allowed."""
+        self.numbers[1] = limit
 
     @property
     def transforms(self):
         """Transforms counted so far."""
-        return self._transforms
+        return float(self.numbers[0])
 
     @transforms.setter
     def transforms(self, count):
         """Set the count; RuntimeError beyond the limit."""
-        self._transforms = count
-        if count > self.limit:
+        self.numbers[0] = count
+        self.check()
+
+    def check(self):
+        """RuntimeError beyond the limit."""
+        if self.numbers[0] > self.numbers[1]:
             raise RuntimeError("too many transforms")

@@ -219,6 +219,10 @@ class Cosines:
         """``spectrum`` to ``real``, times ``gain``."""
         self._execute(self._plans[1])
 
+    def ordered(self, symbol):
+        """A symbol on these waves in their order, which is that of their numbers."""
+        return np.ascontiguousarray(symbol)
+
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast."""
         axes = [np.pi / h * (np.arange(m) / (m - 1) if closed else (np.arange(m) + 0.5) / m)
@@ -235,23 +239,22 @@ class EvenConvolution:
     window : EvenWindow
     operator : Operator on the cell, even
     count : int, number of components
+    make : what makes its transform, as `Cosines` of a grid, a shape and a count
     """
 
-    def __init__(self, window, operator, count):
+    def __init__(self, window, operator, count, make=Cosines):
         self.window = window
         circle = tuple(limit if closed else fft.next_fast_len(2 * n - 1, real=True)
                        for n, limit, closed in zip(window.shape, window.limits, window.closed))
-        self.transform = Cosines(window.grid, circle, count)
-        self.symbols = [self._symbol(operator, (i, i)) for i in range(count)]
-        self.transform.real[...] = 0.0
+        self.transform = make(window.grid, circle, count)
+        self.blocks = {(i, i): self._symbol(operator, (i, i)) for i in range(count)}
         self._inside = (slice(None), *(slice(0, n) for n in window.shape))
 
     def _symbol(self, operator, key):
         """The block on the waves of the circle."""
         plan, window = self.transform, self.window
         if all(window.closed):
-            return np.ascontiguousarray(operator.blocks[key][tuple(slice(0, m)
-                                                                   for m in plan.shape)])
+            return plan.ordered(operator.blocks[key][tuple(slice(0, m) for m in plan.shape)])
         lags = tuple(slice(0, m if closed else 2 * n - 1)
                      for n, m, closed in zip(window.shape, plan.shape, window.closed))
         plan.real[0] = 0.0
@@ -269,10 +272,10 @@ class EvenConvolution:
         """
         plan = self.transform
         plan.real[self._inside] = self.window.box(values)
+        clear_padding(plan.real, self.window.shape)
         plan.forward()
-        for field, symbol in zip(plan.spectrum, self.symbols):
-            field *= symbol
+        for (i, _), symbol in self.blocks.items():
+            plan.spectrum[i] *= symbol
         plan.backward()
         self.window.box(out)[...] = plan.real[self._inside]
-        clear_padding(plan.real, self.window.shape)
         return out

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from scipy import ndimage, sparse
+from scipy import ndimage
 
 from .cell import Transform
 
@@ -11,14 +11,51 @@ from .cell import Transform
 def interpolation(window):
     """Cubic interpolation from the nodes of even number in a window to all of them, a sparse
     matrix."""
+    from scipy import sparse
+
     lines = [_line(*sizes) for sizes in zip(window.start, window.shape, window.grid.shape)]
     return lines[0] if len(lines) == 1 else sparse.kron(*lines, format="csr")
+
+
+def interpolated(window, values):
+    """Values at the nodes of a window, from those at its nodes of even number: `interpolation`
+    without its matrix."""
+    sizes = list(zip(window.start, window.shape, window.grid.shape))
+    box = values.reshape([(start + extent + 1) // 2 - (start + 1) // 2
+                          for start, extent, _ in sizes])
+    for axis, (start, extent, total) in enumerate(sizes):
+        odd = np.arange(1 - start % 2, extent, 2)
+        columns = [_columns((start + odd) // 2 + shift, start, extent, total)
+                   for shift in range(-1, 3)]
+        before, left, right, after = (box.take(nodes, axis) for nodes in columns)
+        fine = np.empty([*box.shape[:axis], extent, *box.shape[axis + 1:]])
+        lines = np.moveaxis(fine, axis, 0)
+        lines[start % 2::2] = np.moveaxis(box, axis, 0)
+        lines[1 - start % 2::2] = np.moveaxis(0.5625 * (left + right) - 0.0625 * (before + after),
+                                              axis, 0)
+        box = fine
+    return box.reshape(-1)
+
+
+def _columns(places, start, extent, total):
+    """Numbers, among a direction's nodes of even number in a window, of those at places, or of the
+    nearest ones.
+
+    Parameters
+    ----------
+    places : array of int, half the numbers of nodes
+    start, extent, total : first node of the window, and nodes of it and of the cell
+    """
+    first, after = (start + 1) // 2, (start + extent + 1) // 2
+    return (places % (total // 2) if extent == total else np.clip(places, first, after - 1)
+            - first)
 
 
 def _line(start, extent, total):
     """Cubic interpolation along a direction, from the nodes of even number in a window to all of
     them, sparse."""
-    first, after = (start + 1) // 2, (start + extent + 1) // 2
+    from scipy import sparse
+
     nodes = np.arange(extent)
     below, odd = np.divmod(start + nodes, 2)
     rows = []
@@ -27,11 +64,11 @@ def _line(start, extent, total):
     for shift, weight in zip(range(-1, 3), (-0.0625, 0.5625, 0.5625, -0.0625)):
         place = below + shift
         rows.append(nodes)
-        columns.append(place % (total // 2) if extent == total else np.clip(place, first, after - 1)
-                       - first)
+        columns.append(_columns(place, start, extent, total))
         weights.append(np.where(odd, weight, float(shift == 0)))
     entries = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
-    matrix = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, after - first)))
+    count = (start + extent + 1) // 2 - (start + 1) // 2
+    matrix = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(extent, count)))
     matrix.eliminate_zeros()
     return matrix
 
@@ -75,8 +112,8 @@ def smooth(window, values, width):
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
     reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
                for points, spacing in zip(window.shape, window.grid.spacings)]
-    # Zeros far from all other values stay zeros.
-    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach)
+    # Zeros far from all other values stay zeros; a mirror beyond them shows zeros, too.
+    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach + 1)
                                           for axis, reach in enumerate(reaches, first))
     blurred, out = box[part].astype(float), np.zeros(box.shape)
     negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)

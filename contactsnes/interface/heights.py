@@ -1,25 +1,33 @@
-"""Heights on the grid from files, and steps at the seam of their cell."""
+"""Heights on the grid from files: cropped, their holes filled, their edges mended, fitted to the
+grid; and steps at the seam of their cell."""
 
-import warnings
-from pathlib import Path
+import os
+from functools import lru_cache
 
 import numpy as np
 
-from ..options.fields import LARGEST
-from ..system.devices import failure
+from ..options.fields import LARGEST, InputError
+from . import height_files
+from .height_files import Heights
 
 JUMP = 4.0
 """Step at the seam of a cell over those between neighbours from which on heights are told to be not
 periodic."""
+TAPER = 0.1
+"""Part of the size at each edge over which a window takes heights to their mean."""
+MARGIN = 8
+"""A margin is a part of one over this of the map on each side."""
+FILLS = ("none", "mean", "nearest", "interpolate")
+EDGES = ("warn", "detrend", "window", "pad")
 
 
 def read_heights(specification, shape=None):
-    """Read heights on the grid from a file, in units of u_n,r, the highest nearest to the flat.
+    """Read heights on the grid from a file, the highest nearest to the flat.
 
     Parameters
     ----------
     specification : str
-        ``FILE.npy``, ``FILE.txt`` (numbers separated by blanks) or ``FILE.h5:dataset``.
+        ``FILE.npy``, ``FILE.txt``, ``FILE.csv``, ``FILE.xyz`` or ``FILE.h5:dataset``.
     shape : tuple of int, optional
         Points of the grid in each direction; by default those of the file.
 
@@ -36,21 +44,95 @@ def read_heights(specification, shape=None):
         If the suffix is unknown, the file or its dataset cannot be read, or the
         heights are not real and finite numbers of the grid's shape.
     """
+    return fitted(specification, prepared(specification).values, shape)
+
+
+def prepared(specification, crop="", fill="none", edges="warn"):
+    """`Heights` of a file, cropped, without holes, and with its edges mended; their size is that
+    of what is left.
+
+    Parameters
+    ----------
+    specification : str, as of `read_heights`
+    crop : str, ``first:last`` nodes of each direction with a comma, empty for all
+    fill : one of `FILLS`
+    edges : one of `EDGES`
+    """
+    filename = height_files.split(str(specification))[0]
+    try:
+        known = os.stat(filename)
+        version = known.st_mtime_ns, known.st_size
+    except OSError:
+        version = None
+    return _prepared(str(specification), crop, fill, edges, version)
+
+
+@lru_cache(maxsize=2)
+def _prepared(specification, crop, fill, edges, version):
+    """`prepared`, once for each version of a file."""
     option = f"-scene_geometry_file {specification}"
-    heights = _as_stored(option, *_split(str(specification)))
-    if shape is not None and heights.shape != tuple(shape):
-        raise ValueError(f"{option}: the heights have shape {heights.shape}, the "
-                         f"grid has {tuple(shape)}; set -scene_points and "
-                         "-scene_dimension to those of the file.")
-    return _usable(option, heights)
+    found = height_files.read(specification)
+    values = _usable(option, _filled(option, _cropped(crop, found.values), fill))
+    values = MENDED[edges](values)
+    values.flags.writeable = False
+    size = found.size and tuple(length * n / whole for length, n, whole
+                                in zip(found.size, values.shape, found.values.shape))
+    return Heights(values, size, found.unit)
+
+
+def _cropped(crop, values):
+    """What is left of heights; InputError for a crop that leaves nothing, or is none."""
+    if not crop:
+        return values
+    pieces = [piece.strip() for piece in crop.split(",")]
+    chosen = []
+    for piece, count in zip(pieces, values.shape):
+        first, colon, last = piece.partition(":")
+        try:
+            ends = slice(int(first or 0), int(last or count))
+        except ValueError:
+            colon = ""
+        if not colon or not 0 <= ends.start < ends.stop <= count:
+            raise InputError(f"-scene_heights_crop is '{crop}': allowed is first:last, from 0 to "
+                             f"{count} here, one per direction with a comma")
+        chosen.append(ends)
+    if len(pieces) != values.ndim:
+        raise InputError(f"-scene_heights_crop is '{crop}': the heights have {values.ndim} "
+                         "directions; give first:last for each, with a comma")
+    return values[tuple(chosen)]
+
+
+def _filled(option, values, fill):
+    """Heights with values where there were none; ValueError where that is not wanted."""
+    if values.dtype.kind != "f" or not np.isnan(values).any():
+        return values
+    holes = np.isnan(values)
+    share = f"{np.count_nonzero(holes)} of {holes.size} heights are missing"
+    if fill == "none" or holes.all():
+        raise ValueError(f"{option}: some heights are not finite (nan or inf), {share}; fill the "
+                         "missing points first: -scene_heights_fill interpolate, nearest or mean.")
+    values = np.array(values, dtype=float)
+    if fill == "mean":
+        values[holes] = np.nanmean(values)
+        return values
+    from scipy import ndimage  # as in `fitted`: many scenes need none of it, and it takes time
+    from scipy.interpolate import griddata
+
+    nearest = ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
+    values[holes] = values[tuple(nearest)][holes]
+    if fill == "interpolate":
+        # Only what is around the holes matters.
+        rim = ndimage.binary_dilation(holes, iterations=2) & ~holes
+        between = griddata(np.argwhere(rim), values[rim], np.argwhere(holes), "linear") \
+            if values.ndim == 2 else np.interp(np.argwhere(holes)[:, 0], np.argwhere(rim)[:, 0],
+                                               values[rim])
+        values[holes] = np.where(np.isfinite(between), between, values[holes])
+    return values
 
 
 def _usable(option, heights):
-    """Heights as numbers to compute with; ValueError, which names the option, where they are
-    none."""
-    if heights.size == 0 or heights.ndim not in (1, 2):
-        raise ValueError(f"{option}: holds an array of shape {heights.shape} "
-                         "instead of heights on a line or a plane.")
+    """Heights as numbers to compute with, a new array; ValueError, which names the option, where
+    they are none."""
     if not np.all(np.isfinite(heights)):
         raise ValueError(
             f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
@@ -62,28 +144,57 @@ def _usable(option, heights):
     return heights
 
 
-def _as_stored(option, filename, suffix, dataset):
-    """The array of a file; FileNotFoundError or ValueError, which name the option, where it cannot
-    be had."""
-    if suffix not in _READERS:
-        raise ValueError(
-            f"{option}: unknown kind of file; use FILE.npy, FILE.txt or FILE.h5:dataset.")
-    if not Path(filename).is_file():
-        raise FileNotFoundError(
-            f"{option}: there is no file {filename}; check the name and the directory.")
-    read = _READERS[suffix]
-    why = failure(lambda: read(filename, dataset)) if suffix == ".h5" else ""
-    try:
-        if why:
-            raise ValueError(why)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of files without a number
-            heights = np.asarray(read(filename, dataset))
-    except Exception as error:  # a damaged file: whatever it makes of itself
-        raise ValueError(f"{option}: cannot be read ({error}).") from None
-    if heights.dtype.kind not in "fiu":
-        raise ValueError(f"{option}: holds {heights.dtype} instead of real numbers.")
-    return heights
+def detrended(values):
+    """Heights less the plane (or line) of least squares."""
+    axes = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in values.shape), indexing="ij",
+                       sparse=True)
+    # On a grid the slopes are orthogonal to each other and to the mean.
+    return values - values.mean() - sum(np.mean(values * x) / np.mean(x ** 2) * x for x in axes)
+
+
+def windowed(values):
+    """Detrended heights, taken to their mean towards the edges by half a cosine."""
+    values = detrended(values)
+    for axis, count in enumerate(values.shape):
+        place = (np.arange(count) + 0.5) / count
+        ramp = np.clip(np.minimum(place, 1.0 - place) / TAPER, 0.0, 1.0)
+        values *= np.expand_dims(0.5 - 0.5 * np.cos(np.pi * ramp),
+                                 tuple(i for i in range(values.ndim) if i != axis))
+    return values
+
+
+def padded(values):
+    """Heights with a margin of their lowest height around them."""
+    return np.pad(values, [(n // MARGIN, n // MARGIN) for n in values.shape],
+                  constant_values=values.min())
+
+
+MENDED = dict(zip(EDGES, (np.array, detrended, windowed, padded)))
+
+
+def fitted(specification, values, shape, fit="exact"):
+    """Heights on a grid; ValueError where these are other nodes and that is not wanted.
+
+    Parameters
+    ----------
+    specification : str, of the file
+    values : array, heights
+    shape : tuple of int, points of the grid, or None for those of the heights
+    fit : 'exact' or 'interpolate', cubic, around the cell
+    """
+    if shape is None or values.shape == tuple(shape):
+        return values
+    if fit == "exact" or values.ndim != len(shape):
+        raise ValueError(f"-scene_geometry_file {specification}: the heights have shape "
+                         f"{values.shape}, the grid has {tuple(shape)}; set -scene_points and "
+                         "-scene_dimension to those of the file"
+                         + ("." if values.ndim != len(shape)
+                            else ", or -scene_heights_fit interpolate."))
+    from scipy import ndimage
+
+    places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2
+                           for n, count in zip(shape, values.shape)), indexing="ij")
+    return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap")
 
 
 def seams(heights):
@@ -103,28 +214,3 @@ def seams(heights):
         if size > JUMP * max(typical, beside) and size > 1e-9 * np.ptp(heights):
             found.append((axis, size, typical))
     return found
-
-
-def _split(specification):
-    """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
-    stem, separator, dataset = specification.partition(".h5:")
-    filename = stem + ".h5" if separator else specification
-    return filename, Path(filename).suffix, dataset
-
-
-def _read_dataset(filename, dataset):
-    """A dataset of an HDF5 file."""
-    import h5py  # needed for this kind of file only
-
-    with h5py.File(filename, "r") as file:
-        if not isinstance(file.get(dataset or "/"), h5py.Dataset):
-            raise KeyError(f"there is no dataset '{dataset}'; write FILE.h5:dataset, "
-                           f"at the top level there are: {', '.join(file) or 'none'}")
-        return file[dataset][()]
-
-
-_READERS = {
-    ".npy": lambda filename, _: np.load(filename, allow_pickle=False),
-    ".txt": lambda filename, _: np.loadtxt(filename, encoding="utf-8-sig"),
-    ".h5": _read_dataset,
-}

@@ -6,6 +6,8 @@ from numbers import Real
 import numpy as np
 
 from ..options.fields import InputError
+from .formula import NORMAL, SHEARED, Tractions
+from .program import fault
 
 STEP = 1e-5
 """Step of the differences, ranges of the law."""
@@ -24,12 +26,49 @@ def check(law, name, in_file=True):
     name : what the sentence calls it
     in_file : whether it is of a file
     """
+    _check_numbers(law, name)
+    if law.formula is not None:
+        _check_formula(law, name)
     _check_tangent(law, name)
     if in_file:
         _check_signs(law, name)
     _check_jumps(law, name)
     _check_declared(law, name)
     _check_potential(law, name)
+
+
+def _check_numbers(law, name):
+    """InputError where a law declares what is no number; ``name`` for the sentence."""
+    for what in ("range", "deepest", "repulsion", "opening_range", "slip_range"):
+        if not isinstance(value := getattr(law, what), Real) or not np.isfinite(value):
+            raise InputError(f"the law {name} declares {what} = {value!r}: allowed is a number")
+
+
+def _check_formula(law, name):
+    """InputError where tractions or their derivatives are not finite, or tractions are others than
+    their formula's.
+
+    Looked at are places as of the tangent, and the corners themselves.
+    """
+    corners = itertools.product((0.0, law.deepest, *law.gap_corners), (0.0, *law.slip_corners, 1.0))
+    gaps = np.hstack([np.abs(places(law, 2)) * [[-1.0], [1.0]], places(law, 2),
+                      np.array([*corners]).T])
+    a, b = np.maximum(gaps[0], law.deepest), np.abs(gaps[1])
+    made = Tractions(law.formula)
+    for results, values in ((NORMAL, (a,)), (SHEARED, (a, b * b))):
+        found = fault(made.program(results is SHEARED, False, True), *values)
+        if found:
+            place = _place((found.values[0], *np.sqrt(found.values[1:])))
+            of = ", ".join(f"{value:.6g}" for value in found.arguments)
+            raise InputError(f"the law {name} has no finite {results[found.result]} at {place}: "
+                             f"{found.operation} has the arguments {of}; choose by np.where "
+                             "what holds there")
+    with np.errstate(all="ignore"):
+        plain = np.array([np.broadcast_to(value, a.shape) for value in law.tractions(a, b)])
+    told = np.array(made.program(True, False, False).run(a, b * b))
+    _refuse(name, np.array([a, b]), "tractions(a, b) gives other values when it is called again, "
+            "or depends on more than the nodes' own gap and slip",
+            ~np.isclose(plain, told, rtol=1e-9, atol=1e-12), plain, told)
 
 
 def _check_tangent(law, name):
@@ -39,9 +78,6 @@ def _check_tangent(law, name):
     Looked at are both sides of every corner that it declares, overlap, no and little slip, and the
     end of its range.
     """
-    for what in ("range", "deepest", "repulsion", "opening_range", "slip_range"):
-        if not isinstance(value := getattr(law, what), Real) or not np.isfinite(value):
-            raise InputError(f"the law {name} declares {what} = {value!r}: allowed is a number")
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:

@@ -25,6 +25,8 @@ class Plain(Shape):
     """A function gap(x), in two dimensions gap(x, y), of arrays over the nodes: in beta and u_n,r,
     in scenes in SI in metres."""
 
+    uses_radius = False
+
     def __init__(self, function):
         self.function = function
         super().__post_init__()

@@ -9,14 +9,11 @@ import ctypes
 import dataclasses
 import os
 import re
-import tempfile
 from pathlib import Path
 
-from .fields import COMMON, InputError, allowed, nearest, number
+from .fields import COMMON, InputError, nearest
 from .files import is_option, read_file, with_files
-
-BOOLEANS = {**dict.fromkeys(("", "true", "yes", "on", "1"), True),
-            **dict.fromkeys(("false", "no", "off", "0"), False)}
+from .values import BOOLEANS, instance
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
 """Prefixes of solvers inside others, PETSc's and ours: of the first relaxation, of jumps, of steps
@@ -90,8 +87,7 @@ def petsc_arguments(arguments):
     """The argument vector for `petsc4py.init`: the files' options from left to right, then those of
     the command line.
 
-    PETSc lets the later of two values win. InputError, too, for what its database, which has lines,
-    cannot hold.
+    PETSc lets the later of two values win. InputError for what its database of lines cannot hold.
     """
     found = _joined(*split_arguments(arguments))
     depth = 0
@@ -143,6 +139,7 @@ def _scratch():
         with os.fdopen(os.memfd_create("options")) as file:
             yield f"/proc/self/fd/{file.fileno()}"
     else:
+        import tempfile
         with tempfile.TemporaryDirectory() as folder:
             yield os.path.join(folder, "options")
 
@@ -186,44 +183,7 @@ def read(cls, prefix=""):
     cls.prepare(database)
     given = [options.hasName(field.name) for field in dataclasses.fields(cls)]
     # Solvers ask often, and for little: the whole database takes milliseconds.
-    return _instance(cls, database(), prefix) if any(given) else cls()
-
-
-def _instance(cls, entries, prefix=""):
-    """An instance of a dataclass of options from entries of the database; nothing counts as
-    used."""
-    values = {}
-    for field in dataclasses.fields(cls):
-        text = entries.get((prefix + cls.prefix + field.name).lower())
-        if text == "" and field.metadata["kind"] != "flag":
-            raise InputError(f"-{prefix}{cls.prefix}{field.name} has no value: allowed "
-                             f"is {allowed(field.metadata)}")
-        if text is not None:
-            values[field.name] = _parsed(text, field.metadata)
-    try:
-        return cls.typed(**values)
-    except InputError as error:
-        raise InputError(str(error).replace(f"-{cls.prefix}", f"-{prefix}{cls.prefix}")) from None
-
-
-def _parsed(text, rule):
-    """The value that a text stands for; a text that is of the wrong kind stays one, for the
-    dataclass to refuse."""
-    convert = {"flag": lambda word: BOOLEANS.get(word.lower(), word), "integer": _number(int),
-               "number": _number(float), "text": str}[rule["kind"]]
-    if rule["many"] in ("directions", "legs") and "," in text:
-        return tuple(convert(part.strip()) for part in text.split(","))
-    return convert(text.strip())
-
-
-def _number(convert):
-    """A conversion that returns the text where it is no number."""
-    def converted(text):
-        try:
-            return number(text, convert)
-        except ValueError:
-            return text
-    return converted
+    return instance(cls, database(), prefix) if any(given) else cls()
 
 
 def check_names(classes=()):
@@ -272,7 +232,7 @@ def check_values(classes):
     entries, own = database(), tuple(cls.prefix for cls in classes)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
-            _instance(cls, entries, head)
+            instance(cls, entries, head)
 
 
 def unused_options(classes=()):

@@ -162,20 +162,22 @@ COMMON = []
 declares them."""
 
 
-def extend(cls, added):
-    """Give a dataclass of options more of them, after its own: fields by name. Instances made
-    before have the defaults.
+def extend(cls, *groups):
+    """Give a dataclass of options more of them, after its own: groups of fields by name. Instances
+    made before have the defaults.
 
     What a law declares becomes so an option of the scene.
     """
-    known = cls.__dataclass_fields__
-    for name in known.keys() & added.keys():
-        if known[name].metadata != added[name].metadata:
+    known, wanted = dict(cls.__dataclass_fields__), []
+    for name, field in (item for group in groups for item in group.items()):
+        if known.setdefault(name, field).metadata != field.metadata:
             raise TypeError(f"{cls.option_name(name)} is declared twice, differently")
-    added = [(name, type(field.default), _fresh(field)) for name, field in added.items()
-             if name not in known]
+        wanted += [] if name in cls.__dataclass_fields__ or name in wanted else [name]
+    if not wanted:
+        return
+    added = [(name, type(known[name].default), _fresh(known[name])) for name in wanted]
     wider = dataclasses.make_dataclass(cls.__name__, added, bases=(cls,), frozen=True)
-    for name in ("__init__", "__eq__", "__repr__", "__hash__", "__match_args__",
+    for name in ("__init__", "__eq__", "__hash__", "__match_args__",
                  "__dataclass_fields__"):
         setattr(cls, name, getattr(wider, name))
     for name, _, field in added:
@@ -210,6 +212,12 @@ class Options:
                 object.__setattr__(self, field.name, checked(self.option_name(field.name), value,
                                                              field.metadata))
 
+    def __repr__(self):
+        """What makes the instance: the values that are no defaults."""
+        given = [f"{field.name}={getattr(self, field.name)!r}" for field in dataclasses.fields(self)
+                 if getattr(self, field.name) != field.default]
+        return f"{type(self).__name__}({', '.join(given)})"
+
     @classmethod
     def typed(cls, **values):
         """The instance for values as they are typed."""
@@ -227,5 +235,6 @@ class Options:
 
     @classmethod
     def option_name(cls, field):
-        """The option of a field as it is typed, for instance -scene_poisson."""
-        return f"-{cls.prefix}{field}"
+        """The option of a field as it is typed, for instance -scene_poisson; what Python keeps for
+        itself (with) has an underscore there."""
+        return f"-{cls.prefix}{field.rstrip('_')}"

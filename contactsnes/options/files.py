@@ -14,6 +14,9 @@ LINE = re.compile(
 CODE = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)")
 """A name in a file of Python."""
 
+HEIGHTS = "-scene_geometry_file"
+"""The option that names a file of data."""
+
 
 def is_option(argument):
     """Whether an argument is the name of an option, by PETSc's rule: a dash and a letter; -3, -.5
@@ -70,8 +73,8 @@ def read_file(path, above=()):
         raise InputError(f"the options file '{path}' includes itself by "
                          f"-options_file ({' -> '.join(map(str, (*above, path)))}): take "
                          "out one of these lines")
-    arguments = [_beside(argument, path) for number, line in enumerate(text.splitlines(), start=1)
-                 for argument in _read_line(line, f"{path}, line {number}")]
+    arguments = [argument for number, line in enumerate(text.splitlines(), start=1)
+                 for argument in _beside(_read_line(line, f"{path}, line {number}"), path)]
     if arguments.count("-prefix_push") != arguments.count("-prefix_pop"):
         raise InputError(f"the options file '{path}' has unequal numbers of "
                          "-prefix_push and -prefix_pop: close each push")
@@ -93,13 +96,19 @@ def _text(path):
     return text
 
 
-def _beside(argument, path):
-    """An argument; FILE.py:NAME with the path from the working folder, where FILE.py lies beside
-    the file of options that names it."""
-    match = CODE.fullmatch(argument)
-    if not match or not (file := Path(path).parent / match["file"]).is_file():
-        return argument
-    return f"{file}:{match['name']}"
+def _beside(words, path):
+    """An option and its value; a file of Python or of heights with the path from the working
+    folder, where it lies beside the file of options that names it."""
+    if len(words) < 2:
+        return words
+    name, value = words
+    match, folder = CODE.fullmatch(value), Path(path).parent
+    if match and (file := folder / match["file"]).is_file():
+        return [name, f"{file}:{match['name']}"]
+    file = value.partition(":")[0]
+    if name.lower() == HEIGHTS and not os.path.isfile(file) and (folder / file).is_file():
+        return [name, str(folder / value)]
+    return words
 
 
 def refuse_circles(text):

@@ -21,9 +21,7 @@ def help_text(classes=(), width=None, notes=(), units=None):
     width = width or shutil.get_terminal_size().columns
     parts = []
     for cls in (*COMMON, *classes):
-        entries = [_entry(cls.prefix + field.name, field.metadata, width, units or {})
-                   for field in dataclasses.fields(cls)]
-        parts += [f"{cls.title} (-{cls.prefix})", *entries, ""]
+        parts += [f"{cls.title} (-{cls.prefix})", *entries_of(cls, width, units), ""]
     for title, text in notes:
         parts += [title, textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  "),
                   ""]
@@ -33,11 +31,24 @@ def help_text(classes=(), width=None, notes=(), units=None):
     return "\n".join(parts)
 
 
+def entries_of(cls, width=None, units=None):
+    """The options of a dataclass, one text each.
+
+    Parameters
+    ----------
+    cls : dataclass of options
+    width, units : as of `help_text`
+    """
+    width = width or shutil.get_terminal_size().columns
+    return [_entry(cls.option_name(field.name), field.metadata, width, units or {})
+            for field in dataclasses.fields(cls)]
+
+
 def _entry(name, rule, width, units):
     """One option of the help: name, meaning, unit, default and range, wrapped."""
     in_si = f", or {units[rule['unit']]}" if units.get(rule["unit"]) else ""
     unit = f" [{rule['unit']}{in_si}]" if rule["unit"] else ""
     default = f"default {rule['default_text']}" if rule["default_text"] else "no default"
     text = f"{rule['meaning']}{unit} ({default}; {allowed(rule)})"
-    return f"  -{name}\n" + textwrap.fill(text, width, initial_indent="      ",
+    return f"  {name}\n" + textwrap.fill(text, width, initial_indent="      ",
                                           subsequent_indent="      ")

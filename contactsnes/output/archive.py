@@ -5,8 +5,8 @@ Quick points wait in the journal beside the file (`journal`) until many are writ
 read with the file, and goes when the file has what is in it.
 """
 
+import os
 import time
-import uuid
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class Archive:
     units : mapping, optional, units of fields other than `layout.UNITS`
     warnings : sequence of str, optional, sentences to beware of; kept as the root attribute
         ``warnings``
+    precision : {'double', 'single'}, of displacement and traction; single ones are compressed when
+        the path is done
 
     Attributes
     ----------
@@ -69,8 +71,10 @@ class Archive:
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None,
-                 components=1, initial_gap=None, modes=False, units=None, warnings=()):
-        self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units)
+                 components=1, initial_gap=None, modes=False, units=None, warnings=(),
+                 precision="double"):
+        self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units,
+                              precision)
         self.path = resolved(path)
         self.complete = False
         self.runs = []
@@ -79,8 +83,9 @@ class Archive:
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
-        self._journal = Journal(beside(self.path), uuid.uuid4().hex)
+        self._journal = Journal(beside(self.path), os.urandom(16).hex())
         self._store = Store(self.path, self._layout, self._write_frame)
+        self._frame = None  # what it depends on, and its checksum
         self._waiting = []  # points that are in the journal, but not in the file
         self._settled = time.monotonic()
 
@@ -176,7 +181,9 @@ class Archive:
         if self.complete:
             return
         self.settle()
-        self._store.commit(lambda file: file.attrs.modify("complete", True), self._store.held)
+        small = self._layout.precision == "single" and self._layout.fields == "all"
+        (self._store.pack if small else self._store.commit)(
+            lambda file: file.attrs.modify("complete", True), self._store.held)
         self.complete = True
 
     def states(self):
@@ -223,6 +230,9 @@ class Archive:
         kept = file.attrs["fields"]
         if kept != self._layout.fields:
             self._refuse([("archive_fields", kept, self._layout.fields)])
+        precision = file.attrs.get("precision", "double")
+        if kept != "none" and precision != self._layout.precision:
+            self._refuse([("archive_precision", precision, self._layout.precision)])
         columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
         if columns or tuple(file.attrs["shape"]) != self._layout.shape:
             raise ArchiveError(f"{self.path} cannot be resumed: its columns or "
@@ -245,11 +255,16 @@ class Archive:
         file.attrs.update({"format": FORMAT, "points": 0, "complete": False,
                            "options": self._options, "versions": self._versions,
                            "warnings": self._warnings, "fields": self._layout.fields,
-                           "shape": self._layout.shape, "journal": self._journal.key})
+                           "shape": self._layout.shape, "journal": self._journal.key,
+                           "precision": self._layout.precision})
         file.create_group("scene").attrs.update(self._scene)
         runs = [*(run for run in self.runs if run.first < self._first),
                 resuming.Run(self._first, self._options, self._versions)]
         for name, values in zip(resuming.Run._fields, zip(*runs)):
             file[f"runs/{name}"] = values
         self._layout.make(file, slot, chunk)
-        file.attrs["frame"] = checksums.frame(file)
+        # what it is made of, besides what stays: written anew, it is the same
+        kept = self._first, runs, self._warnings, self._layout.arrays
+        if self._frame is None or self._frame[0] != kept:
+            self._frame = kept, checksums.frame(file)
+        file.attrs["frame"] = self._frame[1]

@@ -5,8 +5,6 @@ import os
 import time
 from pathlib import Path
 
-import h5py
-
 from ..system.devices import failure, reason
 
 FORMAT = "contactsnes 1"
@@ -31,6 +29,8 @@ class WriteError(ArchiveError):
 def opened(path, mode):
     """Open an HDF5 file; wait a moment for other programs. Chunks pass by the cache: a row writes
     itself only."""
+    import h5py  # runs without an archive need not import it
+
     patience = time.monotonic() + PATIENCE
     while True:
         try:
@@ -78,6 +78,19 @@ def safely(path, take):
             UnicodeError) as error:
         why = f"{type(error).__name__}: {error}"
     raise ArchiveError(f"{path} is damaged ({why}): what it holds cannot be read.")
+
+
+def checked(path, take):
+    """Raise ArchiveError where a function cannot take what it wants from the archive at a path:
+    tried in another process."""
+    def taken():
+        with open_archive(path) as file:
+            take(file)
+
+    why = failure(taken)
+    if why:
+        raise ArchiveError(why.removeprefix("ArchiveError: ") if why.startswith("ArchiveError: ")
+                           else f"{path} is damaged ({why}): what it holds cannot be read.")
 
 
 def resolved(path):

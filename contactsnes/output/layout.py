@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import h5py
 import numpy as np
 
 from . import checksums
@@ -23,6 +22,16 @@ UNITS = {
 
 CHUNKS = 64
 """What one node of HDF5's chunk index holds; splitting a node is not safe against a kill."""
+
+
+KINDS = {"double": "f8", "single": "f4"}
+"""Precision of fields -> NumPy type."""
+
+NOTHING = 1e-9
+"""Part of the largest traction of a point that counts as none where numbers have seven digits."""
+
+PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+"""How fields are compressed."""
 
 
 class Column(NamedTuple):
@@ -51,14 +60,17 @@ class Layout:
     initial_gap : array of the grid's shape, optional
     modes : bool, whether the fields of a point include its leading mode
     units : mapping or None, units of fields other than `UNITS`
+    precision : {'double', 'single'}, of the fields
 
     Attributes
     ----------
+    packed : bool, whether fields are compressed: in a file to which nothing is added in place
     arrays : tuple of str, fields that are kept
     shape : tuple of int, (components, *grid) of each field
     """
 
-    def __init__(self, columns, fields, coordinates, components, initial_gap, modes, units):
+    def __init__(self, columns, fields, coordinates, components, initial_gap, modes, units,
+                 precision="double"):
         if fields not in ("none", "last", "all"):
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
         if fields != "none" and not coordinates:
@@ -71,6 +83,7 @@ class Layout:
         self.shape = (components, *(len(array) for array in self.coordinates.values()))
         self.initial_gap = initial_gap
         self.units = {**UNITS, **(units or {})}
+        self.precision, self.kind, self.packed = precision, KINDS[precision], False
 
     def numbers(self, row):
         """A row, one value for each column, with enumerations as numbers."""
@@ -89,13 +102,21 @@ class Layout:
     def checked(self, given):
         """The fields that are kept among those given, name -> array, a mode only where there is
         one."""
-        fields = {name: given[name] for name in self.arrays
+        fields = {name: self._stored(name, np.asarray(given[name])) for name in self.arrays
                   if name != "mode" or given[name] is not None}
         for name, array in fields.items():
             if np.shape(array) != self.shape:
                 raise ArchiveError(
                     f"{name} has the shape {np.shape(array)}; the archive keeps {self.shape}.")
         return fields
+
+    def _stored(self, name, array):
+        """A field in the precision of the archive: single tractions that are nothing beside the
+        largest are 0."""
+        if name == "traction" and self.precision == "single":
+            array = np.where(np.abs(array) < NOTHING * np.max(np.abs(array), initial=0.0), 0.0,
+                             array)
+        return np.asarray(array, self.kind)
 
     def make(self, file, slot, chunk):
         """Make empty groups and datasets.
@@ -115,7 +136,8 @@ class Layout:
             if column.names:
                 made.attrs["names"] = list(column.names)
         for number in range(SLOTS if slot else 0):
-            file[f"states/{number}"] = np.zeros(slot, "u1")
+            file.create_dataset(f"states/{number}", data=np.zeros(slot, "u1"),
+                                **(PACKED | {"chunks": (slot,)} if self.packed else {}))
         if self.coordinates:
             self._make_grid(file.create_group("fields"), chunk)
         sums = 1 + len(self.arrays)
@@ -135,10 +157,26 @@ class Layout:
         for name in self.arrays:
             # The fill value makes a new chunk reach the file whole, before the index tells of it.
             layout = {"chunks": (chunk, *self.shape), "maxshape": (None, *self.shape)}
+            if self.packed:
+                layout |= PACKED | {"chunks": (1, *self.shape)}
             rows, layout = (1, {}) if self.fields == "last" else (0, layout)
-            group.create_dataset(name, data=np.full((rows, *self.shape), np.nan), fillvalue=np.nan,
-                                 **layout)
+            group.create_dataset(name, data=np.full((rows, *self.shape), np.nan, self.kind),
+                                 fillvalue=np.nan, **layout)
             group[name].attrs["unit"] = self.units[name]
+            self._name_axes(group[name], name)
+
+    def _name_axes(self, dataset, name):
+        """Names of the components of a field, their units and the axes, as attributes; the axes as
+        HDF5's labels, too."""
+        ends = {1: [""], 2: ["_x", "_y"]}[len(self.coordinates)]
+        names = ["normal", *(f"tangential{end}" for end in ends)][:self.shape[0]]
+        normal, _, tangential = self.units[name].partition("; ")
+        axes = ["point", "component", *self.coordinates]
+        dataset.attrs["components"] = names
+        dataset.attrs["component_units"] = [normal, *[tangential or normal] * (len(names) - 1)]
+        dataset.attrs["axes"] = axes
+        for dimension, axis in zip(dataset.dims, axes):
+            dimension.label = axis
 
     def copy(self, old, new, states):
         """Copy the points that count.
@@ -214,7 +252,8 @@ class Layout:
         sums = np.empty((len(points), 1 + len(self.arrays)), "u4")
         sums[:, 0] = checksums.rows(rows)
         for own, point in zip(sums, points):
-            whole = (np.broadcast_to(np.asarray(point.fields.get(name, np.nan), "f8"), self.shape)
+            whole = (np.broadcast_to(np.asarray(point.fields.get(name, np.nan), self.kind),
+                                     self.shape)
                      for name in self.arrays)
             own[1:] = list(map(checksums.of, whole))
         return sums
@@ -223,6 +262,8 @@ class Layout:
 def _put_rows(branch, first, rows):
     """Write rows from number ``first`` on by HDF5's own calls: there are many columns, and this
     takes half the time."""
+    import h5py
+
     for name, values in rows.items():
         column = h5py.h5d.open(branch, name.encode())
         column.set_extent((first - 1 + len(values),))

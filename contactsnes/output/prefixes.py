@@ -7,10 +7,15 @@ import numpy as np
 
 from ..scene.units import prefix, sizes
 from . import reading
+from .files import ArchiveError
 
 SHARED = (("normal_displacement", "approach"), ("tangential_displacement",
                                                 "mean_tangential_displacement"),
-          ("tangential_force",))
+          ("tangential_force",),
+          ("elastic_energy", "interfacial_energy", "external_work", "interface_work",
+           "dissipated_work", "energy_imbalance", "jump_work", "viscous_work"),
+          ("half_axis",), ("contact_area", "stick_area", "slip_area"),
+          ("edge_left", "edge_right", "front_left", "front_right"))
 """Columns that share a prefix, since they share an axis; without _x and _y."""
 
 RANGES_SHOWN = 10.0
@@ -49,16 +54,16 @@ class Readable(Mapping):
         law_range = self._scales.get("u_n,r", 1.0) / scene.get("normal_maugis", np.nan)
         if self._in_si:
             self._choose(law_range)
-        self.coordinates = tuple(self._factor(name) * axis
+        self.coordinates = tuple(self.factor(name) * axis
                                  for name, axis in zip("xy", record.coordinates))
         self.initial_gap = (None if record.initial_gap is None
-                            else self._factor("initial_gap") * record.initial_gap)
+                            else self.factor("initial_gap") * record.initial_gap)
         self.contact_gap = scene.get("contact_threshold",
-                                     np.nan) * law_range * self._factor("initial_gap")
+                                     np.nan) * law_range * self.factor("initial_gap")
 
     def __getitem__(self, name):
-        values = self._record[name]
-        return self._factors[name] * values if name in self._factors else values
+        values, factor = self._record[name], self.factor(name)
+        return values if factor == 1.0 else factor * values
 
     def __iter__(self):
         return iter(self._record)
@@ -73,12 +78,30 @@ class Readable(Mapping):
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement' or 'traction' at a point."""
-        values = self._record.field(name, point)
-        factors = [self._factor(f"{name} {component}") for component in range(len(values))]
+        return self._handy(name, self._record.field(name, point))
+
+    def each(self, points, names=("displacement", "traction")):
+        """Iterate over the fields of points, as ``Record.each``."""
+        for found in self._record.each(points, names):
+            yield [self._handy(name, values) for name, values in zip(names, found)]
+
+    def _handy(self, name, values):
+        """A field in units with prefixes."""
+        factors = [self.factor(f"{name} {component}") for component in range(len(values))]
         return values * np.reshape(factors, (-1, *[1] * (values.ndim - 1)))
 
-    def _factor(self, name):
+    @property
+    def stored_units(self):
+        """Units of columns and fields as the archive has them, without prefixes."""
+        return self._record.units
+
+    def factor(self, name):
+        """Number of a column's unit here in one of the archive."""
         return self._factors.get(name, 1.0)
+
+    def take_unit(self, name, other):
+        """Show a column in the unit that another archive of the same kind is shown in."""
+        self.units[name], self._factors[name] = other.units[name], other.factor(name)
 
     def _choose(self, law_range):
         """Units of columns, coordinates and fields by what they hold or, where that is nothing, by
@@ -111,6 +134,23 @@ class Readable(Mapping):
         self._factors |= {f"{name} {component}": 1.0 / each[min(component, 1)]
                           for component in range(3)}
         self.units[name] = "; ".join(units)
+
+
+def alike(records):
+    """Show the columns of several archives in common units; ArchiveError where their units
+    differ."""
+    first = records[0]
+    for other in records[1:]:
+        for name in set(first) & set(other):
+            if first.stored_units[name] != other.stored_units[name]:
+                raise ArchiveError(f"{other.path} has {name} in '{other.stored_units[name]}', "
+                                   f"{first.path} in '{first.stored_units[name]}': figures "
+                                   "together take archives of one kind of units and dimension")
+    for name in {name for record in records for name in record}:
+        holders = [record for record in records if name in record]
+        widest = min(holders, key=lambda record: record.factor(name))
+        for record in holders:
+            record.take_unit(name, widest)
 
 
 def _largest(values):

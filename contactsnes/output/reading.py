@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from . import checksums, resuming, stored
-from .files import ArchiveError, safely
+from .extras import extra
+from .files import ArchiveError, checked, open_archive, safely
+
+SHOWN = ("normal_force", "tangential_force", "contact_area")
+"""Beginnings of the names of columns whose extent the ``repr`` tells."""
 
 
 class Record(Mapping):
@@ -85,6 +89,37 @@ class Record(Mapping):
     def __len__(self):
         return len(self._columns)
 
+    def __repr__(self):
+        """Path, points, loads reached and events."""
+        events = [name for name in self.get("event", ()) if name != "none"]
+        told = [f"{name} {np.nanmin(self[name]):.4g} to {np.nanmax(self[name]):.4g} "
+                f"{self.units[name]}" for name in self
+                if self.points and name.startswith(SHOWN) and np.isfinite(self[name]).any()]
+        return (f"<Record {self.path}: {self.points} points"
+                + ("" if self.complete else ", not complete")
+                + "".join(f", {text.strip()}" for text in told)
+                + (f"; {', '.join(events)}" if events else "")
+                + (f"; fields of {len(self.field_points)} points" if self.field_points else "")
+                + ">")
+
+    def to_dataframe(self):
+        """The columns as a DataFrame of pandas (of the extra ``table``), one row a point; its
+        ``attrs`` hold units, path and scene."""
+        frame = extra("pandas", "table", "Record.to_dataframe").DataFrame(dict(self))
+        frame.index.name = "point"
+        frame.attrs |= {"units": {name: self.units[name] for name in self},
+                        "archive": str(self.path), "scene": self.scene}
+        return frame
+
+    def states(self):
+        """Point (from 0) -> what is kept for going on from it, a mapping: of the last points, up to
+        four."""
+        held = self.points - len(self._waiting)
+        found = safely(self.path, lambda file: {
+            number - 1: stored.unpack(state)
+            for number, state in stored.states(file, held).items()})
+        return found | {held + place: point.state for place, point in enumerate(self._waiting)}
+
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
         `field_points`, from the file."""
@@ -92,6 +127,34 @@ class Record(Mapping):
         if held <= point < self.points and point in self.field_points:
             return self._waiting[point - held].fields[name]
         return safely(self.path, lambda file: stored.field(file, name, point))
+
+
+    def each(self, points, names=("displacement", "traction")):
+        """Iterate over points: of each the fields of these names, a list, as of `field`; many cost
+        less than one by one.
+
+        Parameters
+        ----------
+        points : list of int, of `field_points`
+        names : sequence of str
+        """
+        held = self.points - len(self._waiting)
+        stored_ones = [point for point in points if not held <= point < self.points]
+
+        def take(file):
+            for point in stored_ones:
+                for name in names:
+                    stored.field(file, name, point)
+
+        if stored_ones:
+            checked(self.path, take)
+        for point in points:
+            if point not in stored_ones:
+                yield [self.field(name, point) for name in names]
+                continue
+            with open_archive(self.path) as file:
+                found = [stored.field(file, name, point) for name in names]
+            yield found
 
 
 def read(path):

@@ -12,8 +12,6 @@ import contextlib
 import math
 import os
 
-import h5py
-
 from ..system.devices import Lenient, reason
 from . import stored
 from .files import SAFE, ArchiveError, WriteError, open_archive, opened
@@ -57,6 +55,17 @@ class Store:
                     self.held + len(points), max(state.size for state in states.values()))
         self.held += len(points)
 
+    def pack(self, write, points):
+        """Let ``write`` act on the archive, written anew with its fields compressed; what is added
+        later on makes a new one without."""
+        self.room, self.layout.packed = 0, True
+        try:
+            self._write_anew(write, points, 0)
+        except (OSError, RuntimeError) as error:
+            raise unwritten(self.path, error) from error
+        finally:
+            self.room, self.layout.packed = 0, False
+
     def commit(self, write, points=1, slot=0):
         """Let `write` act on the file in place if there is room, else on the archive written
         anew.
@@ -94,11 +103,13 @@ class Store:
             with open(self.path, "rb+") as file:
                 file.seek(0, os.SEEK_END)
                 numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
-                file.write(bytes(8 * numbers))
+                file.write(bytes(int(self.layout.kind[1:]) * numbers))
 
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points; let `write` act on
         it; put it in place."""
+        import h5py
+
         partial = self.path.with_name(self.path.name + ".partial")
         try:
             with Lenient(partial) as device, h5py.File(device, "w", **SAFE) as new:
@@ -106,7 +117,8 @@ class Store:
                     if old:
                         self._check_alone(old)
                     states = stored.states(old, self.held) if old else {}
-                    slot = max([slot, *(state.size for state in states.values())]) * 3 // 2
+                    slot = max([slot, *(state.size for state in states.values())])
+                    slot = slot if self.layout.packed else slot * 3 // 2
                     chunk = max(1, -(-2 * points // CHUNKS))
                     self._frame(new, slot, chunk)
                     if old:

@@ -55,12 +55,12 @@ Baney & Hui 1997, J. Adhes. Sci. Technol. 11; Barquins 1988, J. Adhes. 26; Block
 Mech. Mater. Struct. 3; Bradley 1932, Phil. Mag. 13; Cattaneo 1938, Rend. Lincei 27; Ciavarella
 1998, Int. J. Solids Struct. 35; Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53;
 Hutchinson & Suo 1992, Adv. Appl. Mech. 29; Johnson 1985, Contact Mechanics; Johnson 1995, Int. J.
-Solids Struct. 32; Johnson & Greenwood 1997, J. Colloid Interface Sci. 192, and 2008, J. Phys. D 41;
-Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324; Maugis 1992, J. Colloid Interface Sci. 150;
-McGarry et al. 2014, J. Mech. Phys. Solids 63; Mindlin 1949, J. Appl. Mech. 16; Papangelo &
-Ciavarella 2019, J. Mech. Phys. Solids 124; Savkoor & Briggs 1977, Proc. R. Soc. A 356; Tada, Paris
-& Irwin 2000, The Stress Analysis of Cracks Handbook; Waters & Guduru 2010, Proc. R. Soc. A 466;
-Westergaard 1939, J. Appl. Mech. 6.
+Solids Struct. 32; Johnson & Greenwood 1997, J. Colloid Interface Sci. 192, 2005, J. Phys. D 38, and
+2008, J. Phys. D 41; Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324; Maugis 1992, J. Colloid
+Interface Sci. 150; McGarry et al. 2014, J. Mech. Phys. Solids 63; Mindlin 1949, J. Appl. Mech. 16;
+Papangelo & Ciavarella 2019, J. Mech. Phys. Solids 124; Papangelo et al. 2019, Phys. Rev. E 99;
+Savkoor & Briggs 1977, Proc. R. Soc. A 356; Tada, Paris & Irwin 2000, The Stress Analysis of Cracks
+Handbook; Waters & Guduru 2010, Proc. R. Soc. A 466; Westergaard 1939, J. Appl. Mech. 6.
 """
 
 from .cohesive import (
@@ -77,6 +77,7 @@ from .coulomb import (
     cattaneo_line_traction,
 )
 from .drive import drive_critical_height, drive_stiffness, driven_displacement, driven_fold
+from .ellipse import ellipse_intensities, mixed_mode_ellipse
 from .laws import (
     fading_slip,
     fading_work,

@@ -122,7 +122,7 @@ def _controls(text, source, dimension, hold):
     return controls
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Load(Options):
     """Load path: the ``-load_*`` options. An empty path is an error of `legs` only, since not every
     use needs one."""

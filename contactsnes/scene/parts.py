@@ -73,6 +73,19 @@ def admit(cls, values):
                              "another name") from None
 
 
+def completed(cls, values):
+    """Values of a scene's options as they are typed, with what its shape adds to them: a map of
+    heights its size and points.
+
+    Parameters
+    ----------
+    cls : Scene
+    values : mapping of options that are given
+    """
+    made = shapes.named(values.get("geometry") or cls.rule("geometry")["default_text"])
+    return made.completed(values, cls) if made is not None else values
+
+
 def check_law(scene):
     """InputError where a scene's law is one's own and not what laws are; each is looked at once."""
     law = laws.of(scene)
@@ -97,6 +110,12 @@ def sources(scene):
     made = {registry.field: registry.of(scene) for registry in REGISTRIES}
     return {f"{field}_sha256": part.source_sha256 for field, part in made.items()
             if hasattr(part, "source_sha256")}
+
+
+def peaks(scene):
+    """Largest attraction and friction of a scene's law, phi_n/delta_n and phi_t/delta_t."""
+    law = laws.of(scene)
+    return law.normal_peak, law.tangential_peak
 
 
 def about_law(scene):

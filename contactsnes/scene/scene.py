@@ -21,7 +21,7 @@ from .resolution import default_spacing
 from .units import Units
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene(Units):
     """Body, interface and grid: everything but the load.
 
@@ -77,6 +77,11 @@ class Scene(Units):
         found = entries()
         parts.admit(cls, {field: found.get(cls.prefix + field, "") for field in ("law", "geometry",
                                                                                  "body")})
+
+    @classmethod
+    def typed(cls, **values):
+        """The instance for values as they are typed (``Units.typed``), completed by its shape."""
+        return super().typed(**parts.completed(cls, values))
 
     def __post_init__(self):
         super().__post_init__()
@@ -138,5 +143,4 @@ class Scene(Units):
         return bodies.of(self).coupled(self)
 
 
-for registry in parts.REGISTRIES:
-    extend(Scene, registry.options)
+extend(Scene, *(registry.options for registry in parts.REGISTRIES))

@@ -11,7 +11,7 @@ from ..continuation.predictors import PREDICTORS, in_words
 from ..options.fields import InputError, Options, as_text, option
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Form(Options):
     """Form of the equations: the ``-contact_*`` options."""
 
@@ -37,9 +37,15 @@ class Form(Options):
                            "gap, body, load, state and method allow it), "
                            "even (an error where they do not), off",
                            choices=("auto", "even", "off"))
+    kernels: str = option("auto", "what computes: auto (compiled kernels where they were built, "
+                          "else NumPy) or off (NumPy; the answers agree to rounding)",
+                          choices=("auto", "off"))
+    cache: str = option("", "folder for what is kept between runs: compiled laws of one's own, and "
+                        "what FFTW learned", default_text="contactsnes in $XDG_CACHE_HOME or "
+                        "~/.cache")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Steps(Options):
     """Steps along the load path: the ``-continuation_*`` options; step sizes in the unit of the
     quantity that moves."""
@@ -126,7 +132,7 @@ class Steps(Options):
         return initial, largest, min(1e-6 * length, initial) if smallest is None else smallest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Output(Options):
     """The archive: the ``-archive_*`` options."""
 
@@ -136,6 +142,8 @@ class Output(Options):
                        default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    precision: str = option("double", "of these fields; single ones take half the room, and are "
+                            "compressed when the path is done", choices=("double", "single"))
     errors: bool = option(False, "estimate the errors of every point by solving "
                           "it again on a finer grid (-scene_points auto "
                           "does so anyway)")

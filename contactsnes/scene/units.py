@@ -10,10 +10,11 @@ all that knows of SI.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from ..options.fields import InputError, Options, as_text, checked, option
 from .load import Control, names, quantities
+from .measured import INSTEAD, completed
 
 UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m",
          "w_t,r": "N/m", "R phi_n": "N", "R sqrt(phi_n phi_t)": "N", "w_n,r u_n,r": "J/m",
@@ -30,32 +31,45 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 """Power of ten -> prefix of a unit in SI."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Units(Options):
     """Units of a scene, and the scales of those that are in SI: a part of ``settings.Scene``."""
 
     units: str = option("dimensionless", "units of input and output: dimensionless; "
                         "si: metres, newtons (two dimensions; one: newtons "
-                        "per metre) and what follows, with the next six",
+                        "per metre) and what follows, with the next nine",
                         choices=("dimensionless", "si"))
     work_of_adhesion_normal: float = option(None, "phi_n", "J/m^2", kind="number", above=0,
                                             default_text="none: si needs it")
     work_of_adhesion_tangential: float = option(None, "phi_t", "J/m^2", kind="number", above=0,
                                                 default_text="none: si needs it")
     contact_modulus: float = option(None, "E* = E/(1 - nu^2) against the rigid flat", "Pa",
-                                    kind="number", above=0, default_text="none: si needs it")
+                                    kind="number", above=0, default_text="none: si needs it, or "
+                                    "-scene_young_modulus")
+    young_modulus: float = option(None, "E, in place of -scene_contact_modulus, with "
+                                  "-scene_poisson", "Pa", kind="number", above=0,
+                                  default_text="none")
     radius: float = option(None, "R of cylinder or sphere, and of the curvature "
                            "that others have by default; else it sets "
                            "nothing but internal scales", "m", kind="number", above=0,
-                           default_text="none: si needs it")
+                           default_text="none: si needs it where something is round")
     range_normal: float = option(None, "delta_n, in place of -scene_normal_maugis", "m",
-                                 kind="number", above=0, default_text="none: si needs it")
+                                 kind="number", above=0, default_text="none: si needs it, or "
+                                 "-scene_adhesive_strength")
     range_tangential: float = option(None, "delta_t, in place of -scene_tangential_maugis", "m",
-                                     kind="number", above=0, default_text="none: si needs it")
+                                     kind="number", above=0, default_text="none: si needs it, or "
+                                     "-scene_shear_strength")
+    adhesive_strength: float = option(None, "sigma_max, the law's largest attraction, in place of "
+                                      "-scene_range_normal", "Pa", kind="number", above=0,
+                                      default_text="none")
+    shear_strength: float = option(None, "tau_max, the law's largest friction, in place of "
+                                   "-scene_range_tangential", "Pa", kind="number", above=0,
+                                   default_text="none")
 
     def __post_init__(self):
         super().__post_init__()
-        given = [name for name in (*SCALES, *DERIVED.values()) if getattr(self, name) is not None]
+        given = [name for name in (*SCALES, *DERIVED.values(), *INSTEAD.values())
+                 if getattr(self, name) is not None]
         if self.units == "dimensionless" and given:
             raise InputError(f"{self.option_name(given[0])} is "
                              f"'{as_text(getattr(self, given[0]))}', but -scene_units is "
@@ -66,7 +80,14 @@ class Units(Options):
     def _check_scales(self):
         """All scales are there, and the dimensionless groups are those that follow from ranges,
         where these are known."""
-        _refuse_missing([name for name in SCALES if getattr(self, name) is None])
+        for name, other in INSTEAD.items():
+            if getattr(self, other) is not None:
+                raise InputError(f"{self.option_name(other)} is '{as_text(getattr(self, other))}': "
+                                 f"{self.option_name(name)} follows from it in Scene.typed only")
+        absent = [self.option_name(name) for name in SCALES if getattr(self, name) is None]
+        if absent:
+            raise InputError(f"-scene_units is 'si' without {' and '.join(absent)}: give all "
+                             "scales")
         for group, source in DERIVED.items():
             if getattr(self, source) is not None and not math.isclose(getattr(self, group),
                                                                       _groups(vars(self))[group],
@@ -76,6 +97,14 @@ class Units(Options):
                                  f"{self.option_name(source)} makes it "
                                  f"{_groups(vars(self))[group]:.6g}: give one of them "
                                  "(from Python: Scene.typed)")
+
+    def __repr__(self):
+        """What makes the scene, in the units that it is typed in."""
+        if self.units == "dimensionless":
+            return super().__repr__()
+        given = [f"{field.name}={self.as_typed(field.name)!r}" for field in fields(self)
+                 if getattr(self, field.name) != field.default and field.name not in DERIVED]
+        return f"{type(self).__name__}.typed({', '.join(given)})"
 
     @classmethod
     def typed(cls, **values):
@@ -95,7 +124,7 @@ class Units(Options):
                 raise InputError(f"{cls.option_name(group)} is '{as_text(values[group])}', "
                                  "but with -scene_units si it follows from "
                                  f"{cls.option_name(source)}: leave it out")
-        _refuse_missing([name for name in (*SCALES, *DERIVED.values()) if name not in values])
+        values = completed(cls, values)
         values |= _groups(values)
         factors = sizes(values, values["normal_maugis"], values["tangential_maugis"])
         return cls(**{name: _divided(value, factors.get(cls.rule(name)["unit"], 1.0))
@@ -150,18 +179,9 @@ class Units(Options):
             name = names(self.dimension).get((component, control), "approach")
             size, unit = self.scale(quantities(self.dimension)[name].unit if name != "approach"
                                     else "u_n,r")
-            told.append(f"{name} {value * size:.6g}" + ("" if self.units == "dimensionless"
-                                                        else f" {unit}"))
+            told.append(f"{name} " + (f"{value:.6g}" if self.units == "dimensionless"
+                                      else prefixed(value * size, unit, 6)))
         return ", ".join(told)
-
-
-def _refuse_missing(absent):
-    """InputError if something is absent that makes a scene one in SI."""
-    if absent:
-        raise InputError("-scene_units is 'si' without "
-                         f"{' and '.join(f'-scene_{name}' for name in absent)}: give works "
-                         "of adhesion, contact modulus, radius and both "
-                         "ranges of the law")
 
 
 def _scales(values):
@@ -223,7 +243,14 @@ def prefix(largest, unit):
     return size, sign + name
 
 
-def prefixed(value, unit):
-    """A value in SI as text, with four digits and a prefix."""
-    size, name = prefix(abs(value), unit)
-    return f"{value / size:.4g} {name}"
+def prefixed(value, unit, digits=4):
+    """A value in SI as text with a prefix.
+
+    Parameters
+    ----------
+    value : float
+    unit : str, in SI
+    digits : int, significant ones
+    """
+    size, name = prefix(abs(value) if math.isfinite(value) else 1.0, unit)
+    return f"{value / size:.{digits}g} {name}"

@@ -19,7 +19,7 @@ class Capabilities(NamedTuple):
     kind : what kind of method it is, in words, for comparisons
     has_tangent : whether its linear systems are those of the exact Jacobian, which know the
         branch's direction and its unstable modes, and its iterations tell how hard a step was
-    keeps_evenness : whether it may solve for half of an even state
+    keeps_evenness : whether it may solve for half of an even state, or move half of it
     is_relaxation : whether it follows damped motion itself, so that no other motion has to decide
         where a solve ends
     forcing : whether its linear systems are solved as far as Eisenstat and Walker ask

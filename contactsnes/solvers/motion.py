@@ -6,21 +6,26 @@ for each wave. The masses are stiffnesses: the body's, plus the law's reference 
 fastest motion has about the frequency 1, the unit of time.
 """
 
+from functools import cached_property
+
 import numpy as np
+
+from ..kernels.motion import twin
+from .waves import CellWaves, EvenWaves
 
 RESTING = {1: 0.15, 2: 0.08}
 """Stiffness of the mean displacement of a body in contact over that of the softest wave, by
 dimension of the interface (measured: 0.24 where a tenth of a line cell is in contact, less for
 smaller contacts)."""
 
-LEVELLED = 6.0
-"""Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12
-(dimensionless)."""
-
 
 class Motion:
     """m mu v'' = -F(v) for the force form, all in Fourier space: two transforms a component for
     each force.
+
+    It is followed on the nodes of half the line or a quarter of the plane where the form's states
+    are ``even``, with the same masses, sums and norm. Compiled kernels do it where there are some;
+    what is written here is NumPy's.
 
     m(q) = K(q) + tangent, and k_0 + tangent/2 for the mean (0 where it cannot move); K in ranges of
     the law. mu >= 1 keeps deep overlap stable: where the law's steepest tangent exceeds the
@@ -35,7 +40,9 @@ class Motion:
 
     Attributes
     ----------
-    displacement, velocity, force, acceleration : half spectra (components, ...) of v, v', F and
+    waves : CellWaves or EvenWaves
+    kernel : the same motion on the same memory in the library, or None
+    displacement, velocity, force, acceleration : spectra (components, *waves) of v, v', F and
         -F/(m mu), not normalised
     gap : array (components, nodes), ranges of the law
     stiffening : mu
@@ -43,23 +50,35 @@ class Motion:
     """
 
     def __init__(self, form, masses="fourier", tangent=2.0):
-        self.form = form
-        self.grid = form.grid
-        self.transform = form.convolution.transform
-        self._target, spectrum = form.target(), self.transform.spectrum
+        self.form, self.waves = form, (EvenWaves if form.even else CellWaves)(form)
+        self.grid, self.transform = self.waves.grid, self.waves.transform
+        self.stiffness, spectrum = self.waves.stiffness, self.transform.spectrum
         self.displacement, self.velocity, self.force, self.acceleration = (np.zeros_like(spectrum)
                                                                            for _ in range(4))
-        self._work, self.gap = np.zeros_like(spectrum), np.empty(form.shape)
-        self._mean = (slice(None), *[0] * len(self.grid.shape))
-        self.stiffness = {key: self.grid.size * block
-                          for key, block in form.convolution.blocks.items()}
+        self._work = np.zeros_like(spectrum)
+        self.gap = np.empty((form.components, self.waves.initial_gap.size))
+        self.zero = (0,) * len(self.grid.shape)
+        self._mean, self.target = (slice(None), *self.zero), form.target()
         self.mobile = np.array([form.rigid_compliance[i] > 0.0 or i in form.forced
                                 for i in range(form.components)])
         self.mass = self._masses(masses, tangent)
         self.mobility = 1.0 / np.where(self.mass > 0.0, self.mass, np.inf)
-        self._tangent, self._lightest = tangent, self.mass.reshape(form.components, -1)[:, 1:].min()
-        self._harmless = self._harmless_gap()
-        self.steps, self.stiffening = 0, 1.0
+        self.reference, self.lightest = tangent, self.mass.reshape(form.components, -1)[:, 1:].min()
+        self.harmless = self._harmless_gap()
+        self.steps, self._stiffening, self._norm = 0, 1.0, form.norm_function()
+        self.kernel = twin(self)
+
+    @property
+    def stiffening(self):
+        """mu."""
+        return self.kernel.structure.stiffening if self.kernel else self._stiffening
+
+    @stiffening.setter
+    def stiffening(self, stiffening):
+        """Set mu."""
+        if self.kernel:
+            self.kernel.structure.stiffening = stiffening
+        self._stiffening = stiffening
 
     def _masses(self, kind, tangent):
         """m(q) for each component, an array (components, *half spectrum)."""
@@ -81,7 +100,7 @@ class Motion:
         probe[0], probe[1:2] = gaps[:, None], slips
         steepest = self._steepest(probe.reshape(len(probe), -1)).reshape(probe.shape[1:]).max(
             axis=1)
-        return gaps[steepest <= self._tangent].min(initial=0.0)
+        return gaps[steepest <= self.reference].min(initial=0.0)
 
     def _steepest(self, gap):
         """Bound of the eigenvalues of the law's tangent at gaps (components, nodes): its largest
@@ -106,10 +125,15 @@ class Motion:
         frequencies[self._mean] = np.where(self.mobile, frequencies[self._mean], np.inf)
         return frequencies
 
+    @cached_property
+    def slowest(self):
+        """Frequency of the slowest motion."""
+        return self.frequencies().min()
+
     def start(self, displacement):
-        """Rest at displacements (components, nodes), ranges of the law; a mean that cannot move is
-        set from the load."""
-        self.transform.real.reshape(self.form.shape)[...] = displacement
+        """Rest at displacements (components, nodes of the cell), ranges of the law; a mean that
+        cannot move is set from the load."""
+        self.transform.real.reshape(self.gap.shape)[...] = self.waves.fold(displacement)
         self.transform.forward()
         np.copyto(self.displacement, self.transform.spectrum)
         far = self.form.contact.far_displacement(self.form.components, self.form.load)
@@ -119,6 +143,12 @@ class Motion:
         self.steps, self.stiffening = 0, 1.0
         self._evaluate()
 
+    def displacements(self):
+        """Displacements (components, nodes of the cell), ranges of the law."""
+        displacement = self.gap.copy()
+        displacement[0] -= self.waves.initial_gap
+        return self.waves.unfold(displacement)
+
     def advance(self, time_step, kept, impulse):
         """The step of every method: v' = kept v' - impulse F/(m mu), v += time_step v', and the
         force there.
@@ -126,31 +156,58 @@ class Motion:
         Parameters
         ----------
         time_step : float
-        kept : float or array (components, *half spectrum), part of the velocity
+        kept : float or array (components, *waves), part of the velocity
         impulse : the same, a time
         """
+        self.steps += 1
+        if self.kernel:
+            self.form.evaluations += 1
+            self.kernel.advance(time_step, kept, impulse)
+            return
         self.velocity *= kept
         np.multiply(self.acceleration, impulse, out=self._work)
         self.velocity += self._work
         self.move(time_step)
-        self.steps += 1
         self._evaluate()
+
+    def damped(self, time_step, damping, graded):
+        """A step whose damping is central in time: v' = ((1 - h) v' - time_step F/(m mu)) / (1 + h)
+        with h = damping graded time_step / 2.
+
+        Parameters
+        ----------
+        time_step, damping : floats
+        graded : array (components, *waves), the damping of each wave over ``damping``
+        """
+        if self.kernel:
+            self.steps += 1
+            self.form.evaluations += 1
+            self.kernel.damped(time_step, damping, graded)
+            return
+        half = 0.5 * time_step * damping * graded
+        self.advance(time_step, (1.0 - half) / (1.0 + half), time_step / (1.0 + half))
 
     def move(self, time):
         """v += time v', without the force there."""
+        if self.kernel:
+            self.kernel.move(time)
+            return
         np.multiply(self.velocity, time, out=self._work)
         self.displacement += self._work
 
     def _evaluate(self):
         """Gap, force and acceleration at the displacement."""
         form, plan = self.form, self.transform
+        form.evaluations += 1
+        if self.kernel:
+            self.kernel.evaluate()
+            return
         np.multiply(self.displacement, 1.0 / self.grid.size, out=plan.spectrum)
         plan.backward()
-        field = plan.real.reshape(form.shape)
+        field = plan.real.reshape(self.gap.shape)
         np.copyto(self.gap, field)
-        self.gap[0] += form.initial_gap
+        self.gap[0] += self.waves.initial_gap
         form.contact.law.evaluate(self.gap, field)
-        form.evaluations += 1
         plan.forward()
         self._balance(plan.spectrum)
         self._stiffen()
@@ -160,7 +217,7 @@ class Motion:
     def _balance(self, traction):
         """F = K v + t from the tractions' spectrum, with the form's own balance of the mean."""
         mean = (self.form.mean_stiffness * self.displacement[self._mean].real
-                - self.grid.size * self._target)
+                - self.grid.size * self.target)
         mean += np.where(self.mobile, traction[self._mean].real, 0.0)
         np.copyto(self.force, traction)
         for (i, j), block in self.stiffness.items():
@@ -171,85 +228,67 @@ class Motion:
     def _stiffen(self):
         """mu from the steepest tangent where surfaces overlap."""
         stiffening = 1.0
-        if self.grid.minimum(self.gap[0]) < self._harmless:
-            steepest = self.grid.maximum(self._steepest(self.gap[:, self.gap[0] < self._harmless]))
-            stiffening += max(0.0, steepest - self._tangent) / self._lightest
+        if self.closest() < self.harmless:
+            steepest = self.grid.maximum(self._steepest(self.gap[:, self.gap[0] < self.harmless]))
+            stiffening += max(0.0, steepest - self.reference) / self.lightest
         if stiffening > self.stiffening:
             self.velocity *= np.sqrt(self.stiffening / stiffening)
         self.stiffening = stiffening
 
+    def about(self):
+        """What is computed how, for -snes_view."""
+        nodes = f"{self.gap.shape[1]} of {self.form.nodes} nodes"
+        return f"Motion: {nodes}, {'compiled' if self.kernel else 'by NumPy'}"
+
+    def closest(self):
+        """The smallest normal gap of a node."""
+        return self.kernel.structure.closest if self.kernel else self.grid.minimum(self.gap[0])
+
     def energies(self):
         """Power -F . v', and the squares of velocity v' . m mu v' and force F . F/(m mu), sums over
-        half spectra."""
+        the waves of the cell."""
+        if self.kernel:
+            power, kinetic, square = self.kernel.sums()
+            return -power, kinetic, square
+        inner = self.waves.inner
         np.multiply(self.velocity, self.mass, out=self._work)
-        return (-self.grid.spectral_inner(self.force, self.velocity),
-                self.stiffening * self.grid.spectral_inner(self._work, self.velocity),
-                -self.grid.spectral_inner(self.force, self.acceleration))
+        return (-inner(self.force, self.velocity),
+                self.stiffening * inner(self._work, self.velocity),
+                -inner(self.force, self.acceleration))
+
+    def changes(self, before):
+        """Power of the change of F from ``before``, which is overwritten, with v', and the squares
+        of velocity v' . m mu v' and of the change, by m mu, sums over the waves of the cell."""
+        if self.kernel:
+            return self.kernel.sums(before)
+        change, inner = np.subtract(self.force, before, out=before), self.waves.inner
+        np.multiply(self.velocity, self.mass, out=self._work)
+        kinetic = self.stiffening * inner(self._work, self.velocity)
+        np.multiply(change, self.mobility, out=self._work)
+        return inner(change, self.velocity), kinetic, inner(self._work, change) / self.stiffening
 
     def frequency_moments(self, before, time_step):
         """Means of the second and fourth power of the frequencies in the last step, weighted by its
         kinetic energy.
 
         Rayleigh quotients v' K v' / v' M v' and v' K M^-1 K v' / v' M v' with K v' dt = F -
-        ``before``, the force before the step, which is overwritten. Both are 0 for a body at rest.
+        ``before``, the force before the step, which may be overwritten. Both are 0 for a body at
+        rest.
         """
-        change, inner = np.subtract(self.force, before, out=before), self.grid.spectral_inner
-        np.multiply(self.velocity, self.mass, out=self._work)
-        kinetic = self.stiffening * time_step**2 * inner(self._work, self.velocity)
+        power, kinetic, square = self.changes(before)
+        kinetic *= time_step**2
         if kinetic < np.finfo(float).tiny:
             return 0.0, 0.0
-        np.multiply(change, self.mobility, out=self._work)
-        return time_step * inner(change, self.velocity) / kinetic, inner(self._work,
-                                                                         change) / (
-            self.stiffening * kinetic)
+        return time_step * power / kinetic, square / kinetic
 
     def norm(self):
         """``residual_norm`` of the archive at the present state, to be sure rounded up; no
         transform."""
-        np.multiply(self.force, 1.0 / self.form.root, out=self._work)
-        return self.form.spectral_norm(self._work,
-                                       self.grid.count(self.gap[0] < self.form.contact.law.range))
-
-    def leaving(self):
-        """The force-controlled component that no traction will balance from here on, or None.
-
-        Normal: pulled, every node beyond the law's range, and still separating. Tangential: all
-        nodes within the law's range have slipped so far that friction has levelled off, below the
-        prescribed force, and the body still slides on.
-        """
-        imbalance, velocity = self.force[self._mean].real, self.velocity[self._mean].real
-        slip = np.abs(self.displacement[self._mean].real) / self.grid.size
-        for i in self.form.forced:
-            target = self._target[i]
-            if velocity[i] * target <= 0.0 or imbalance[i] * target >= 0.0:
-                continue
-            if i == 0 and target > 0.0 and self.grid.minimum(
-                    self.gap[0]) > self.form.contact.law.range:
-                return 0
-            if i > 0 and slip[i] > LEVELLED:
-                pressed = 0 in self.form.forced and self._target[0] < 0.0
-                if slides(self.form.contact.law, self.grid, self.gap, abs(target) * self.grid.size,
-                          pressed):
-                    return i
-        return None
-
-
-def slides(law, grid, gap, force, pressed):
-    """Whether friction has levelled off wherever the law acts, at a sum over nodes below ``force``.
-
-    What is ``pressed`` down where the law acts nowhere will come into contact.
-
-    Parameters
-    ----------
-    law : Law
-    grid : Grid
-    gap : array (components, nodes), ranges of the law
-    force : of the component, a sum over nodes of tractions in phi_t/delta_t
-    pressed : whether the body is pressed down
-    """
-    within = gap[0] < law.range
-    if not within.any():
-        return not pressed
-    slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
-    friction = np.linalg.norm(law.traction(gap)[1:], axis=0) * within
-    return bool(slipped[within].all()) and grid.sum(friction) < force
+        if self.kernel:
+            squares, within = self.kernel.squares(), self.kernel.structure.within
+        else:
+            np.copyto(self._work, self.force)
+            self.waves.respond(self._work)
+            squares = self.waves.inner(self._work, self._work)
+            within = self.grid.count(self.gap[0] < self.form.contact.law.range)
+        return self._norm(squares, self.force[self._mean].real, within)

@@ -118,6 +118,8 @@ class CoarseForm(DisplacementForm):
     """A displacement form on every other node of a finer one, its law softened where that grid asks
     for it, under its load."""
 
+    kernel = None  # its load is the finer one's, which the library does not know
+
     def __init__(self, finer, resolution):
         self.finer = finer
         window, contact = finer.window, finer.contact.coarse(resolution)

@@ -1,6 +1,20 @@
 """PETSc's Mat contexts: the Jacobian of a form, and what is given as a function of arrays."""
 
 
+def about(form):
+    """What -snes_view prints of a form's Jacobian."""
+    return (f"  contact Jacobian, {form.name} form: {form.components} component(s) on "
+            f"{form.nodes} nodes, {form.size - form.count} scalar unknown(s)")
+
+
+def form_of(matrix):
+    """The form whose Jacobian a matrix is, or None."""
+    if matrix.getType() == "python":
+        return getattr(matrix.getPythonContext(), "form", None)
+    own = matrix.getAttr("callbacks")
+    return own.form if own else None
+
+
 class Jacobian:
     """The exact Jacobian of a form, matrix-free."""
 
@@ -28,10 +42,7 @@ class Jacobian:
 
     def view(self, mat, viewer):
         """What -snes_view prints of the operator."""
-        viewer.printfASCII(f"  contact Jacobian, {self.form.name} form: "
-                           f"{self.form.components} component(s) on {self.form.nodes} "
-                           f"nodes, {self.form.size - self.form.count} scalar "
-                           "unknown(s)\n")
+        viewer.printfASCII(f"{about(self.form)}, NumPy\n")
 
 
 class Applied:

@@ -9,7 +9,9 @@ from ..contact.force_form import ForceForm
 from ..grid.cell import Transform
 from ..options.database import read
 from ..options.fields import InputError
+from . import callbacks
 from .core_zone import CoreOptions, CoreZone, core_weight
+from .operators import form_of
 
 
 class ZonedStiffness:
@@ -128,11 +130,10 @@ class ZonePC:
         """Make the zones from the tangent that the operator holds."""
         # The second operator is the one to make preconditioners from: with -snes_mf_operator the
         # first is a difference quotient.
-        matrix = pc.getOperators()[1]
-        if matrix.getType() != "python":
-            raise InputError("-snes_mf leaves no Jacobian to make zones from: "
-                             "take -snes_mf_operator, or -pc_type none with it")
-        self.zone = zone(matrix.getPythonContext().form, self.options)
+        form = form_of(pc.getOperators()[1])
+        if form is None:
+            raise InputError(callbacks.NO_JACOBIAN)
+        self.zone = zone(form, self.options)
 
     def apply(self, pc, x, y):
         """y = M^-1 x.
@@ -150,4 +151,4 @@ class ZonePC:
         viewer.printfASCII(
             f"    {type(self.zone).__name__ if self.zone else 'zones, not set up yet'}: "
             f"threshold {options.threshold:g}, width {options.width:g} / lambda_n, "
-            f"pad {options.pad:g}\n")
+            f"pad {options.pad:g}, NumPy\n")

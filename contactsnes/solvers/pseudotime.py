@@ -16,7 +16,9 @@ from petsc4py import PETSc
 from ..contact.forms import DisplacementForm
 from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
+from . import callbacks
 from .capabilities import Capabilities
+from .operators import form_of
 from .snes import NewtonOptions, RegularisedStep
 
 SHORTEST = 1e-6
@@ -88,7 +90,7 @@ class PseudoTransient:
         options = self.options
         residual = snes.getFunction()[0]
         trial = x.duplicate()
-        if snes.getJacobian()[0].getType() != "python":
+        if form_of(snes.getJacobian()[0]) is None:
             raise InputError(f"-snes_python_type is '{snes.getPythonType()}': it needs "
                              "the exact Jacobian, without -snes_mf")
         snes.computeFunction(x, residual)
@@ -124,7 +126,7 @@ class PseudoTransient:
         # Force rows hold a tangent only, and mean displacements enter without one.
         trial.getArray()[form.count:] /= shift
         ksp.setOperators(*matrices)
-        ksp.solve(trial, step)
+        callbacks.solve(ksp, (trial, step))
         self.linear_iterations += ksp.getIterationNumber()
         step.getArray()[form.count:] *= shift
         if self.regularised.gap:

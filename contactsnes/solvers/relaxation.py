@@ -11,6 +11,7 @@ from ..options.database import read
 from ..options.fields import InputError, as_text
 from . import stepping
 from .capabilities import Capabilities
+from .leaving import leaving
 from .motion import Motion
 from .snes import NOT_A_NUMBER
 
@@ -40,7 +41,8 @@ class Relaxation:
     options_class: ClassVar[type]
     method_class: ClassVar[type]
     estimates: ClassVar[tuple] = ()
-    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True)
+    capabilities: ClassVar[Capabilities] = Capabilities("dynamic relaxation", is_relaxation=True,
+                                                       keeps_evenness=True)
 
     def __init__(self):
         self.options = self.options_class()
@@ -94,7 +96,7 @@ class Relaxation:
         """
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
-        self.method = self.method_class(motion, self.options)
+        self.motion, self.method = motion, self.method_class(motion, self.options)
         self.escaped = False
         self.escaping = None
         self._since = 0
@@ -103,8 +105,7 @@ class Relaxation:
         while not reason:
             self.method.step()
             reason = self._judge(snes, motion)
-        motion.gap[0] -= motion.form.initial_gap
-        x.getArray()[...] = motion.form.pack(motion.gap)
+        x.getArray()[...] = motion.form.pack(motion.displacements())
         snes.setConvergedReason(reason)
 
     def _judge(self, snes, motion):
@@ -128,12 +129,12 @@ class Relaxation:
     def _escapes(self, motion):
         """Whether a component leaves; sliding must last a period of the slowest motion, as contact
         may yet grow."""
-        leaving = motion.leaving()
-        if leaving is None:
+        component = leaving(motion)
+        if component is None:
             self._since = motion.steps
-        elif (leaving == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi
-              / motion.frequencies().min()):
-            self.escaped, self.escaping = True, leaving
+        elif (component == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi
+              / motion.slowest):
+            self.escaped, self.escaping = True, component
         return self.escaped
 
     def view(self, snes, viewer):
@@ -145,6 +146,8 @@ class Relaxation:
                        if values.get(name) is None})
         text = ", ".join(f"{name} {as_text(value)}" for name, value in values.items())
         viewer.printfASCII(f"  {self.options.title}: {text}\n")
+        if self.method is not None:
+            viewer.printfASCII(f"    {self.motion.about()}\n")
 
 
 class Verlet(Relaxation):

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from ..interface.laws.coupled import SOFTENING
 from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
+from . import callbacks
 from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
@@ -45,18 +46,24 @@ TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
 
 
+def regularised_stiffness(law, stiffness):
+    """kappa of Newton's steps, the law's own if none is given; InputError for one that is too
+    small."""
+    stiffness = law.newton_stiffness if stiffness is None else stiffness
+    if stiffness <= law.softening:
+        raise InputError(f"-snes_regularised_stiffness is '{as_text(stiffness)}': "
+                         "allowed is a number above the law's steepest "
+                         f"softening, {law.softening:.6g}; try "
+                         f"{law.newton_stiffness:.3g}, or leave it out")
+    return stiffness
+
+
 class RegularisedStep:
     """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap
     (pointwise, no transform)."""
 
     def __init__(self, form, stiffness):
-        law = form.contact.law
-        self.form, self.stiffness = form, law.newton_stiffness if stiffness is None else stiffness
-        if self.stiffness <= law.softening:
-            raise InputError(f"-snes_regularised_stiffness is '{as_text(self.stiffness)}': "
-                             "allowed is a number above the law's steepest "
-                             f"softening, {law.softening:.6g}; try "
-                             f"{law.newton_stiffness:.3g}, or leave it out")
+        self.form, self.stiffness = form, regularised_stiffness(form.contact.law, stiffness)
 
     def __call__(self, x, y):
         """Change the step y (the update is x - y) where it is long; True if it was changed."""
@@ -74,7 +81,15 @@ class RegularisedStep:
 
 
 def equip(snes, form):
-    """Give a SNES a form's function and exact Jacobian, and our defaults for its linear systems."""
+    """Give a SNES a form's function and exact Jacobian, compiled ones where there are, and our
+    defaults for its linear systems."""
+    ksp = snes.getKSP()
+    ksp.setType("fgmres")
+    ksp.setGMRESRestart(60)
+    ksp.setTolerances(max_it=150)
+    if callbacks.available(form):
+        callbacks.equip(snes, form)
+        return
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
                      PETSc.Vec().createSeq(form.size))
     matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
@@ -88,10 +103,6 @@ def equip(snes, form):
             preconditioner.assemble()
 
     snes.setJacobian(linearise, matrix, matrix)
-    ksp = snes.getKSP()
-    ksp.setType("fgmres")
-    ksp.setGMRESRestart(60)
-    ksp.setTolerances(max_it=150)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType("contactsnes.solvers.preconditioners.ZonePC")
 
@@ -167,7 +178,7 @@ def create_snes(form, prefix="", tolerance=None):
         if method.forcing and not database.hasName("ksp_rtol"):
             snes.setUseEW(True)
             snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
-        snes.setFromOptions()
+        callbacks.set_from_options(snes)
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and snes.getKSP().getPCSide() == PETSc.PC.Side.RIGHT:
@@ -190,8 +201,12 @@ def watch_modes(snes, form, method):
     method : Capabilities of the type of SNES
     """
     form.ritz = Ritz()
-    if method.has_tangent:
-        snes.getKSP().setComputeEigenvalues(True)
+    if not method.has_tangent:
+        return
+    snes.getKSP().setComputeEigenvalues(True)
+    if callbacks.of(snes):
+        form.ritz = callbacks.watch_modes(snes)
+    else:
         snes.setMonitor(form.ritz)
 
 
@@ -199,7 +214,12 @@ def regularise(solvers, options):
     """Have Newton's steps of solvers, [(SNES, form), ...], taken in the regularised gap, if options
     say so."""
     for solver, form in solvers:
-        if options.gap and solver.getType() == "newtonls":
+        if not options.gap or solver.getType() != "newtonls":
+            continue
+        if callbacks.of(solver):
+            callbacks.regularise(solver, form,
+                                 regularised_stiffness(form.contact.law, options.stiffness))
+        else:
             solver.setLineSearchPreCheck(RegularisedStep(form, options.stiffness))
 
 

@@ -105,7 +105,7 @@ class DampedVerlet:
 
     def __init__(self, motion, options):
         self.motion, self.time_step = motion, options.time_step
-        self.damping = (2.0 * motion.frequencies().min() if options.damping is None
+        self.damping = (2.0 * motion.slowest if options.damping is None
                         else options.damping)
         half = 0.5 * self.time_step * self.damping * graded(motion, options.damping_exponent)
         self._kept, self._impulse = (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half)
@@ -170,8 +170,7 @@ class AdaptiveRelaxation:
     def step(self):
         """One time step, and the estimates for the next."""
         motion, options = self.motion, self.options
-        half = 0.5 * self.time_step * self.damping * self._graded
-        motion.advance(self.time_step, (1.0 - half) / (1.0 + half), self.time_step / (1.0 + half))
+        motion.damped(self.time_step, self.damping, self._graded)
         square, fourth = motion.frequency_moments(self._before, self.time_step)
         np.copyto(self._before, motion.force)
         self.damping = 2.0 * options.damping_factor * np.sqrt(max(square, 0.0))

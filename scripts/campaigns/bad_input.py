@@ -20,7 +20,8 @@ NUMERIC = ("scene_points", "scene_period", "scene_normal_maugis", "scene_tangent
            "scene_gap_offset", "scene_work_ratio", "scene_contact_threshold", "scene_spacing",
            "scene_dimension", "scene_residual_adhesion", "scene_rough_slope", "scene_rough_seed",
            "continuation_initial_step", "continuation_largest_step", "continuation_smallest_step",
-           "snes_atol", "contact_first_tolerance", "scene_radius")
+           "snes_atol", "contact_first_tolerance", "scene_radius", "scene_young_modulus",
+           "scene_heights_size")
 NAMED = ("scene_geometry", "scene_law", "scene_units", "scene_tangential", "contact_form",
          "contact_window", "contact_symmetry", "contact_first", "continuation_type",
          "continuation_at_fold", "continuation_predictor", "continuation_stability",
@@ -87,7 +88,11 @@ CLASHES = ({"scene_period": "inf"}, {"scene_spacing": "0.1"}, {"scene_units": "s
                                             "scene_points": "auto"},
            {"scene_geometry": "sphere", "scene_poisson": "0.6"}, {"continuation_type": "arclength",
                                                                   "snes_type": "nrichardson"},
-           {"scene_rough_slope": "1", "scene_geometry": "rough", "scene_rough_shortest": "100"},)
+           {"scene_rough_slope": "1", "scene_geometry": "rough", "scene_rough_shortest": "100"},
+           {"scene_shear_strength": "1e5"}, {"scene_units": "si", "scene_young_modulus": "1e6",
+                                             "scene_contact_modulus": "1e6"},
+           {"scene_units": "si", "scene_range_normal": "1e-7", "scene_adhesive_strength": "1e5"},
+           {"scene_geometry": "file", "scene_geometry_file": "none.csv", "scene_heights_size": "3"})
 
 
 def _options_file(draw, folder):
@@ -120,7 +125,7 @@ def _heights(draw, folder):
         np.save(path, np.zeros(64))
         path.write_bytes(path.read_bytes()[:200])
     elif kind == "suffix":
-        path = folder / "heights.csv"
+        path = folder / "heights.unknown"
         path.write_text("1,2\n")
     elif kind == "dataset":
         path = folder / "heights.h5"

@@ -54,6 +54,7 @@ class Scene:
             shape = self._shape(options["scene_points"])
             path = folder / f"heights-{self.seed}-{self.number}-{'x'.join(map(str, shape))}.npy"
             factor = float(options.pop("heights_unit", 1.0))
+            factor *= 1e6 if options.get("scene_heights_unit") == "um" else 1.0
             if not path.exists():
                 np.save(path, factor * self.heights(shape))
             options["scene_geometry_file"] = str(path)
@@ -359,7 +360,26 @@ def _in_si(scene, draw):
                         for step, leg in zip(scene.steps, options["load_path"].split(";")))
     if scene.waves is not None:
         options["heights_unit"] = normal
+        if draw.random() < 0.5:
+            options["scene_heights_unit"] = "um"
+    if draw.random() < 0.5:
+        _as_measured(options)
     scene.options = options
+
+
+def _as_measured(options):
+    """Young's modulus in place of the contact modulus, and strengths in place of ranges of the
+    paper's laws, with the law's peaks of eq. 4."""
+    modulus = float(options.pop("scene_contact_modulus"))
+    poisson = float(options.get("scene_poisson", 0.5))
+    options["scene_young_modulus"] = f"{modulus * (1 - poisson ** 2):.15g}"
+    if options.get("scene_law", "modified") not in ("modified", "mcgarry"):
+        return
+    for way, strength, peak in (("normal", "adhesive", math.exp(-1)),
+                                ("tangential", "shear", math.sqrt(2 / math.e))):
+        work = float(options[f"scene_work_of_adhesion_{way}"])
+        length = float(options.pop(f"scene_range_{way}"))
+        options[f"scene_{strength}_strength"] = f"{peak * work / length:.15g}"
 
 
 def _moved(leg):

@@ -236,7 +236,7 @@ def behind(results, label):
     away = np.array([sticking(record, point) for point in mine]) - along(
         record["tangential_displacement"][mine])
     away = away[np.isfinite(away)]
-    return away[np.argmax(np.abs(away))]
+    return away[np.argmax(np.abs(away))] if away.size else np.nan
 
 
 def between(results, law, label):

@@ -34,7 +34,7 @@ def test_folds_of_a_coarse_grid_are_marked_and_said_to_be_its_own():
     assert branch.observe(folds[0])["resolved"] == 0
     fine = run({"points": 2048, "normal_maugis": 6.0}, "normal_displacement=4",
                "normal_displacement=0")[1]
-    assert [point.event for point in fine] == ["none"] * len(fine) and all(point.resolved
+    assert [point.event for point in fine] == [None] * len(fine) and all(point.resolved
                                                                            for point in fine)
 
 

@@ -168,7 +168,7 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
     for stability in ("sign", "off"):
         steps = Steps(initial_step=0.1, largest_step=0.4, stability=stability)
         points = followed(path, scene, steps, "normal_displacement=-2", log=told.append)[1]
-        found[stability] = [(point.leg, point.stable) for point in points if point.event == "none"]
+        found[stability] = [(point.leg, point.stable) for point in points if not point.event]
     assert {stable for leg, stable in found["sign"] if leg < 3} == {1}
     assert {stable for leg, stable in found["sign"] if leg == 3} == {stable
                                                                      for leg, stable in found["off"]

@@ -235,3 +235,13 @@ def test_a_contact_is_not_made_or_lost_in_one_step():
         for points in runs[:2]:
             assert kinds(points) == kinds(runs[2])
             np.testing.assert_allclose(folds(points), folds(runs[2]), rtol=1e-7)
+
+
+def test_a_first_step_that_would_lead_too_far_does_not_fail():
+    """From contact at no force, where short-ranged adhesion makes the first step long."""
+    said = []
+    scene = Scene(points=8192, residual_friction=0.5)
+    points = list(Branch(scene, Load(path="normal_force=2"),
+                         Steps(initial_step=0.638, largest_step=1.3), log=said.append))
+    assert not [sentence for sentence in said if "failed" in sentence]
+    assert points[-1].load[0] == 2.0 and 0.0 < points[1].position < 0.5

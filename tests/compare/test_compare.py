@@ -476,6 +476,16 @@ def test_command(scene):
             and "-compare_overwrite" in again.stderr)
 
 
+def test_files_of_variants_have_names_of_their_own():
+    assert methods.variant("options/cylinder.opts", ["-snes_atol", "1e-7"]) == "cylinder"
+    words = ["-scene_points", "256", "-load_path", "normal_force=2; normal_force=3"]
+    name = methods.variant("cylinder.opts", words)
+    assert name == "cylinder-load_path=normal_force=2_normal_force=3-scene_points=256"
+    long = [methods.variant("cylinder.opts", [*words, "-scene_height", str(height), "-scene_period",
+                                              "123456789.123"]) for height in (1, 2)]
+    assert long[0] != long[1] and all(len(name) == methods.LONGEST for name in long)
+
+
 def test_command_where_all_fail(scene):
     (scene / "options").mkdir()
     (scene / "options" / "hasty.opts").write_text("-snes_max_it 1\n")

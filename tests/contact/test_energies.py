@@ -244,7 +244,7 @@ def test_a_path_without_folds_retraces_itself_and_the_program_says_what_that_mea
                     log=sentences.append)
     found = list(branch)
     reached = [branch.observe(point) for point in found if point.position == 1.0 or point.leg == 0]
-    assert {point.event for point in found} == {"none"} and len(reached) == 1 + len(legs)
+    assert {point.event for point in found} == {None} and len(reached) == 1 + len(legs)
     there, back = [reached[0], *reached[1:3]], [reached[6], *reached[5:3:-1]]
     for one, other in zip(there, back):
         for name in ("normal_force", "tangential_force", "mean_tangential_displacement",
@@ -308,7 +308,7 @@ def test_jumps_under_a_force_dissipate_the_work_of_the_force_too():
                            ["fold", "jump"])), ids=("layer", "plane", "isolated cylinder"))
 def test_balance_closes_through_folds_and_jumps(changes, start, path, step, events):
     _, found, _ = points(changes, path, start, step)
-    assert [point.event for point in found if point.event != "none"] == events
+    assert [point.event for point in found if point.event] == events
     assert found[-1].dissipated_work > 0.3 and abs(
         found[-1].energy_imbalance) < 2e-3 * found[-1].dissipated_work
 

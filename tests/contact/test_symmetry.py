@@ -275,9 +275,9 @@ def same_points(scene, load, **steps):
              and (abs(point.position - other.position) < 1e-12 or point.event in ("fold", "jump"))]
     assert (len(pairs) > len(all_points) / 3 and pairs[0][0] is points[0]
             and pairs[-1] == (points[-1], all_points[-1]))
-    assert [point.event for point in points if point.event != "none"] == [point.event
+    assert [point.event for point in points if point.event] == [point.event
                                                                           for point in all_points
-                                                                          if point.event != "none"]
+                                                                          if point.event]
     for point, other in pairs:
         # Folds are located to 1e-6 in the load, which is their state's distance squared.
         tolerance = 3e-3 if point.event in ("fold", "jump") else 3e-6
@@ -369,6 +369,36 @@ def test_a_path_goes_on_from_an_archive():
                                atol=1e-7)
 
 
+@pytest.mark.parametrize("scene, load", [
+    (SOFT, Load(start="normal_displacement=1", path="normal_displacement=1.5; "
+                                                    "tangential_displacement=2")),
+    (replace(SPHERE, points=(24, 28)), Load(start="normal_displacement=0.5",
+                                            path="normal_force=1"))], ids=["line", "plane"])
+def test_relaxation_moves_half_of_even_states(scene, load, options):
+    """The points of all nodes, for half or a quarter of the transforms."""
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire")
+    (whole, all_points, all_costs), (half, points, costs) = (
+        followed(scene, load, replace(form, form="force")) for form in (ALL, HALF))
+    assert half.corrector.form.even and not whole.corrector.form.even
+    assert len(points) == len(all_points)
+    for point, other in zip(points, all_points):
+        np.testing.assert_allclose(point.state.displacement, other.state.displacement, atol=1e-6)
+        np.testing.assert_allclose(point.forces, other.forces, atol=1e-6)
+        assert asymmetry(point.state.window, point.state.displacement) == 0.0
+        assert point.residual_norm <= 1e-8
+    assert costs[0] == pytest.approx(all_costs[0], rel=0.02)
+    assert costs[2] < (0.6 if scene.dimension == 1 else 0.35) * all_costs[2]
+
+
+def test_relaxation_before_a_solve_moves_half_of_an_even_state():
+    load, costs = Load(start="normal_displacement=1", path="normal_displacement=2"), []
+    for form in (ALL, HALF):
+        branch, points, spent = followed(SOFT, load, replace(form, first="relaxation"))
+        costs.append(spent[2])
+        assert points[-1].residual_norm <= 1e-8
+    assert costs[1] < 0.65 * costs[0]
+
+
 # Where there is none
 
 
@@ -395,6 +425,22 @@ def test_a_state_that_is_not_even_ends_symmetry():
     other = Branch(LINE, Load(start="normal_displacement=2.1", path="normal_displacement=2.1"),
                    form=HALF)
     np.testing.assert_allclose(found.forces, next(iter(other)).forces, rtol=1e-6)
+
+
+def test_a_motion_from_a_state_that_is_not_even_is_that_of_all_nodes(options):
+    options(snes_type="python", snes_python_type="contactsnes.solvers.relaxation.Fire")
+    sentences = []
+    branch = Branch(SOFT, Load(start="normal_displacement=1", path="normal_displacement=1"),
+                    form=Form(form="force"), log=sentences.append)
+    point = next(iter(branch))
+    assert branch.corrector.form.even and not sentences
+    window = point.state.window
+    tilted = State(window, point.state.displacement + 0.2 * np.arange(window.size) / window.size,
+                   point.state.means)
+    found = branch.corrector.solve(tilted, (DISPLACEMENT,), np.array([1.0]))
+    assert not branch.corrector.form.even
+    assert sentences == ["the state is not even about the apex: going on without symmetry"]
+    np.testing.assert_allclose(found.forces, point.forces, rtol=1e-6)
 
 
 def test_a_jump_may_end_symmetry(monkeypatch):
@@ -451,6 +497,8 @@ def test_symmetry_without_tangential_unknowns():
     same_points(scene, Load(path="normal_displacement=2"))
 
 
+FIRE = ["-contact_form", "force", "-snes_type", "python", "-snes_python_type",
+        "contactsnes.solvers.relaxation.Fire"]
 INFO = ["-scene_points", "512", "-scene_period", "40", "-scene_normal_maugis", "3", "-load_path",
         "normal_force=1"]
 
@@ -473,6 +521,11 @@ def test_info_says_what_is_skipped(tmp_path):
     assert "mirror images before leg 2, so that a quarter of the plane is solved" in said
     said = call("info", *INFO, "-snes_type", "qn", folder=tmp_path).stdout
     assert "no symmetry is used: the method (-snes_type qn)" in said
+    said = call("info", *INFO, "-contact_form", "force", folder=tmp_path).stdout
+    assert "no symmetry is used: the force form is solved on the whole cell" in said
+    said = call("info", *INFO, *FIRE, folder=tmp_path).stdout
+    assert "mirror images, so that half the line is solved" in said
+    assert "1 x 257 displacements" in said
 
 
 def test_run_says_what_is_skipped_and_refuses_what_is_not_even(tmp_path):

@@ -254,7 +254,7 @@ def test_a_body_that_is_pulled_off_by_force_leaves():
     branch, points, error = followed(SOFT, "normal_displacement=1", "normal_force=-3")
     assert isinstance(error, NoEquilibrium) and ("left the range of the law" in str(error)
                                                  or "came back" in str(error))
-    assert [point.event for point in points if point.event != "none"] == ["fold", "pull_off"]
+    assert [point.event for point in points if point.event] == ["fold", "pull_off"]
     assert abs(points[-1].forces[0]) < 0.2
 
 
@@ -281,7 +281,7 @@ def test_a_load_that_stands_still_turns_nowhere():
                                 "normal_displacement=2.241; tangential_force=0.82", **steps)
     assert isinstance(error, NoEquilibrium) and "slides without end" in str(error)
     assert abs(points[-1].forces[1] / points[-3].forces[1] - 1.0) < 1e-7
-    assert [point.event for point in points if point.event != "none"] == ["fold", "gross_sliding"]
+    assert [point.event for point in points if point.event] == ["fold", "gross_sliding"]
 
 
 def test_a_first_step_along_the_arc_passes_no_fold():
@@ -292,7 +292,7 @@ def test_a_first_step_along_the_arc_passes_no_fold():
     branch = Branch(Scene(**scene), Load(start="normal_displacement=-0.5",
                                          path="normal_displacement=3.497"),
                     Steps(type="arclength", initial_step=0.99925, largest_step=0.99925))
-    found = [(point.event, point.load[0]) for point in branch if point.event != "none"]
+    found = [(point.event, point.load[0]) for point in branch if point.event]
     assert ([event for event, _ in found] == ["fold", "jump"]
             and found[0][1] == pytest.approx(-0.336494, abs=1e-5))
 

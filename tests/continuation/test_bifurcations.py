@@ -189,7 +189,7 @@ def test_a_path_may_stop_there():
 
 
 @pytest.mark.parametrize("problem, branch, event", [(pitchfork, lambda load: np.sqrt(load - 0.5),
-                                                     "none"),
+                                                     None),
                                                     (crossing_subcritical,
                                                      lambda load: np.sqrt(0.5
                                                                           + np.sqrt(load - 0.25)),
@@ -481,7 +481,7 @@ def test_unstable_modes_of_a_traced_branch_are_those_of_dense_matrices(spots):
     assert (max(point.unstable_modes for point in points) >= 1
             and events(points).count("bifurcation") == 2)
     for point in points[::3]:
-        if point.event == "none":
+        if not point.event:
             expected = Cell(made.contact, point).eigenvalues()
             assert point.unstable_modes == np.sum(expected.real < -NEUTRAL)
             assert point.leading_eigenvalue.real == pytest.approx(expected[0].real, abs=4e-4)

@@ -321,7 +321,7 @@ def followed(iterator):
 
 
 def events(points):
-    return [point.event for point in points if point.event != "none"]
+    return [point.event for point in points if point.event]
 
 
 def assert_solutions(system, points):
@@ -1140,7 +1140,7 @@ def test_events_along_a_branch_are_located():
     system = System(contacting(lambda u: u < 0.8, lambda u: u > 0.3))
     points, error = followed(path(system, [0.0, 1.0], [0.0], stepper=ArcLengthSteps))
     assert error is None and events(points) == ["gross_sliding", "pull_off"]
-    for point, load in zip([point for point in points if point.event != "none"], (0.3, 0.8)):
+    for point, load in zip([point for point in points if point.event], (0.3, 0.8)):
         assert load * (1 - 1e-12) <= point.load[0] <= load * (1 + 2 * FOLD_TOLERANCE)
 
 
@@ -1199,7 +1199,7 @@ def test_events_are_first_times():
     system = System(contacting(lambda u: u < 0.8, lambda u: 0.3 < u < 0.5 or 0.6 < u < 0.8))
     points, _ = followed(path(system, [0.0, 1.0], [0.0]))
     assert events(points) == ["gross_sliding", "gross_sliding", "pull_off"]
-    for event, load in zip([point for point in points if point.event != "none"], (0.3, 0.6, 0.8)):
+    for event, load in zip([point for point in points if point.event], (0.3, 0.6, 0.8)):
         assert load - 1e-9 <= event.load[0] <= load + 0.05 + 1e-9
     assert len({point.load[0] for point in points}) == len(points)
 
@@ -1207,7 +1207,7 @@ def test_events_are_first_times():
 def test_several_events_at_one_load_are_several_points():
     system = System(contacting(lambda u: u < 0.5, lambda u: u > 0.5))
     points, _ = followed(path(system, [0.0, 1.0], [0.0]))
-    first, second = (point for point in points if point.event != "none")
+    first, second = (point for point in points if point.event)
     assert (first.event, second.event) == ("gross_sliding", "pull_off")
     assert (first.load[0] == second.load[0] and first.state is second.state
             and first.position == second.position)
@@ -1221,7 +1221,7 @@ def test_a_jump_out_of_contact_is_a_jump_and_a_pull_off():
     system = System(problem)
     points, _ = followed(path(system, [1.0, -1.0], [1.3]))
     assert events(points) == ["fold", "jump", "pull_off"]
-    fold, jump, off = (point for point in points if point.event != "none")
+    fold, jump, off = (point for point in points if point.event)
     assert fold.load[0] == jump.load[0] == off.load[0] and off.fold_kind == jump.fold_kind == ""
     assert points[-1].position == 1.0
 
@@ -1234,7 +1234,7 @@ def test_with_events_keeps_the_events_own_name():
                                                  replace(after, event="fold",
                                                          fold_kind="pull_off"))] == ["fold",
                                                                                      "pull_off"]
-    assert [point.event for point in with_events(None, after)] == ["none"]
+    assert [point.event for point in with_events(None, after)] == [None]
 
 
 @pytest.mark.parametrize("stop, last", [("gross_sliding", 0.3), ("pull_off", 0.7)])

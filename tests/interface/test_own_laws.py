@@ -88,7 +88,7 @@ def test_options_of_a_law_are_checked_as_those_of_a_scene():
 
 
 def test_scenes_before_an_extension_have_its_default():
-    @dataclasses.dataclass(frozen=True)
+    @dataclasses.dataclass(frozen=True, repr=False)
     class Few(Options):
         prefix = "few_"
         one: int = option(1, "one")
@@ -96,7 +96,7 @@ def test_scenes_before_an_extension_have_its_default():
     before = Few()
     extend(Few, {"two": option(2, "two", minimum=2)})
     assert (before.two, Few(two=3).two, Few(1, 4).two) == (2, 3, 4)
-    assert Few(two=2) == before and repr(Few(two=3)).endswith("Few(one=1, two=3)")
+    assert Few(two=2) == before and repr(Few(two=3)).endswith("Few(two=3)")
     with pytest.raises(InputError, match="-few_two is '1'"):
         Few(two=1)
     with pytest.raises(dataclasses.FrozenInstanceError):
@@ -330,16 +330,14 @@ class Lifting(Modified):
     """A friction of its own, without the energy and the numbers that go with it."""
 
     def friction(self, slip):
-        secant, slope = super().friction(slip)
-        return 2.0 * secant, 2.0 * slope
+        return 2.0 * super().friction(slip)
 
 
 class Stepping(Sampled):
     """A friction that falls by half at a slip of 1.23."""
 
     def friction(self, slip):
-        left = np.where(slip > 1.23, 0.5, 1.0)
-        return tuple(left * part for part in super().friction(slip))
+        return np.where(slip > 1.23, 0.5, 1.0) * super().friction(slip)
 
 
 class Hoping(Modified):

@@ -397,3 +397,14 @@ def test_the_database_is_read_alike_from_memory_and_from_disk(options, monkeypat
     assert found["scene_geometry_file"] == "two words -scene_points 3" and found["empty"] == ""
     monkeypatch.delattr("os.memfd_create", raising=False)
     assert database() == found
+
+
+def test_heights_stand_beside_the_file_that_names_them(tmp_path, monkeypatch):
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own/scene.opts").write_text("-scene_geometry_file heights.txt\n-scene_x h.txt\n")
+    (tmp_path / "own/heights.txt").write_text("0 1 2\n")
+    monkeypatch.chdir(tmp_path)
+    assert files.read_file("own/scene.opts") == ["-scene_geometry_file", "own/heights.txt",
+                                                 "-scene_x", "h.txt"]
+    (tmp_path / "heights.txt").write_text("3 4 5\n")  # that of the working folder wins
+    assert files.read_file("own/scene.opts")[1] == "heights.txt"

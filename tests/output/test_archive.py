@@ -633,3 +633,56 @@ def test_an_archive_without_a_key_is_resumed(tmp_path):
     archive = Archive.resume(tmp_path / "run.h5", **content())
     append(archive, 3)
     assert check(tmp_path / "run.h5").points == 6
+
+
+def test_single_fields_are_half_as_large_and_compressed_at_the_end(tmp_path):
+    sizes = {}
+    for precision in ("double", "single"):
+        archive = Archive.create(tmp_path / f"{precision}.h5",
+                                 **fields_content("all", precision=precision))
+        for number in range(200):
+            archive.append(*point(number))
+        archive.finish()
+        sizes[precision] = (tmp_path / f"{precision}.h5").stat().st_size
+    record = read(tmp_path / "single.h5")
+    assert record.complete and record.points == 200 and sizes["single"] < sizes["double"]
+    with h5py.File(tmp_path / "single.h5") as file:
+        assert file["fields/traction"].compression == "gzip"
+    whole = read(tmp_path / "double.h5")
+    for number in (0, 77, 199):
+        found = record.field("displacement", number)
+        assert found.dtype == "f4"
+        assert np.array_equal(found, whole.field("displacement", number).astype("f4"))
+    with pytest.raises(ArchiveError, match="archive_precision is single there and double here"):
+        longer = fields_content("all")
+        longer["options"] = longer["options"].replace("=400", "=400; normal_force=30")
+        Archive.resume(tmp_path / "single.h5", **longer)
+
+
+def test_a_compressed_archive_takes_more_points(tmp_path):
+    content = fields_content("all", precision="single")
+    archive = Archive.create(tmp_path / "run.h5", **content)
+    for number in range(5):
+        archive.append(*point(number))
+    archive.finish()
+    content["options"] = content["options"].replace("=400", "=400; normal_force=30")
+    again = Archive.resume(tmp_path / "run.h5", **content)
+    assert not again.complete and again.points == 5
+    again.append(*point(5))
+    again.settle()
+    record = read(tmp_path / "run.h5")
+    assert record["leg"].tolist() == list(range(6))
+    for number in range(6):
+        assert np.array_equal(record.field("traction", number),
+                              np.asarray(point(number)[3], "f4"))
+
+
+def test_single_tractions_beyond_their_digits_are_nothing(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all", precision="single"))
+    row, state, field, _ = point(1)
+    traction = np.tile([1.0, -1e-8, 1e-10, 0.0], (2, 8))
+    archive.append(row, state, 1e-10 * field, traction)
+    archive.finish()
+    record = read(tmp_path / "run.h5")
+    assert np.array_equal(record.field("traction", 0)[0, :4], np.array([1, -1e-8, 0, 0], "f4"))
+    assert np.all(record.field("displacement", 0) == np.float32(1e-10))

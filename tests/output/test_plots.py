@@ -1,12 +1,26 @@
 """Figures of archives: those that make sense are written, the others are named with the reason."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
+from matplotlib import rc_context
 from matplotlib.image import imread
 
+from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
-from contactsnes.output.figures import data, loads, profiles, words
+from contactsnes.output.figures import (
+    curves,
+    data,
+    loads,
+    maps,
+    measured,
+    profiles,
+    shape,
+    style,
+    words,
+)
 from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
@@ -150,7 +164,9 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     figures = plot(tmp_path / "run.h5")
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("approach", "area", "profiles",
                                                                 "shear")]
-    assert figures.skipped == {"maps": "the interface has one dimension"}
+    assert figures.skipped == {"maps": "the interface has one dimension",
+                               "outlines": "the interface has one dimension",
+                               "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
 
@@ -168,9 +184,10 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
 def test_a_two_dimensional_interface_has_maps(tmp_path):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plot(tmp_path / "run.h5", points=[0, -1])
-    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "profiles",
-                                                                "shear")]
-    assert figures.skipped == {"approach": "the normal load does not move"}
+    assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "outlines",
+                                                                "profiles", "shear")]
+    assert figures.skipped == {"approach": "the normal load does not move",
+                               "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
 
@@ -273,3 +290,115 @@ def test_loads_of_rounding_are_none_in_titles():
     record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
                     event=np.array(["none", "jump", "none"]))
     assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
+
+
+def measured_file(path, text):
+    path.write_text(text)
+    return str(path)
+
+
+def test_several_archives_stand_in_one_figure(tmp_path):
+    for name in ("one", "two"):
+        archive_of(tmp_path / f"{name}.h5", [(row, ()) for row in shear()])
+    figures = plot([tmp_path / "one.h5", tmp_path / "two.h5"], together="both", format="svg,pdf")
+    assert names_of(figures) == sorted(f"both-{kind}{end}" for kind in ("area", "shear")
+                                       for end in (".svg", ".pdf"))
+    records = [read(tmp_path / f"{name}.h5") for name in ("one", "two")]
+    axes = curves.draw_columns(records, ["tangential_force", "contact_area"]).axes[0]
+    drawn = [line for line in axes.lines if len(line.get_xdata()) > 10]
+    assert len({line.get_color() for line in drawn}) == 2
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert texts[:2] == ["one", "two"] and texts.count("jump") == 1
+
+
+def test_measured_points_stand_where_their_units_say(tmp_path):
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
+    table = measured.Measured(measured_file(
+        tmp_path / "glass.csv", "# by hand\ntangential_force,contact_area,contact_area_error\n"
+        "1,12.5,0.1\n2,12.4,\n"))
+    axes = loads.draw_area(record, [table]).axes[0]
+    points = axes.containers[0].lines[0]
+    assert np.array_equal(points.get_xydata(), [[1, 12.5], [2, 12.4]]) and table.used
+    assert axes.get_legend().get_texts()[-1].get_text() == "glass"
+
+    record.units["contact_area"] = record.stored_units["contact_area"] = "m^2"
+    table = measured.Measured(measured_file(tmp_path / "si.csv", "contact_area [mm²];x\n2;1\n"))
+    assert table.values(record, "contact_area") == pytest.approx([2e-6], rel=1e-12)
+
+
+@pytest.mark.parametrize("text, word", [
+    ("", "no heading"), ("contact_area\n1,2\n", "row 1 is '1,2': 1 numbers"),
+    ("tangential_force,contact_area\n1,wide\n", "row 1 is '1,wide'"),
+    ("tangential_force [N],contact_area\n1,2\n", "is in 'N', but the archive has it in 'w_t,r'"),
+    ("tangential_force,contact_aria\n1,2\n", "did you mean contact_area")])
+def test_measured_points_that_do_not_fit_are_named(tmp_path, text, word):
+    archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
+    path = measured_file(tmp_path / "points.csv", text)
+    with pytest.raises(InputError, match=re.escape(word)):
+        plot(tmp_path / "run.h5", measured=path)
+
+
+def test_size_style_and_columns(tmp_path):
+    archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
+    figures = plot(tmp_path / "run.h5", size=(12.0, 6.0), style="ggplot",
+                   columns="tangential_force,contact_area,approach")
+    images = {file.stem: imread(file) for file in figures.files}
+    assert set(images) == {"run-shear", "run-area", "run-columns"}
+    for image in images.values():
+        assert np.abs(np.array(image.shape[:2]) - np.array([6, 12]) / 2.54 * 300).max() < 2
+    for options, word in ((dict(style="ggplt"), "did you mean ggplot"),
+                          (dict(columns="contact_area"), "two columns at least"),
+                          (dict(columns="tangential_force,event"), "no column event of numbers"),
+                          (dict(format="gif"), "-plot_format is 'gif'"),
+                          (dict(together="a/b"), "-plot_output")):
+        with pytest.raises(InputError, match=re.escape(word)):
+            plot(tmp_path / "run.h5", **options)
+
+
+def test_archives_of_other_units_do_not_stand_together(tmp_path):
+    archive_of(tmp_path / "line.h5", [(row, ()) for row in shear()])
+    plane_archive(tmp_path / "plane.h5", shear(1.5, 10, "_x"))
+    with pytest.raises(ArchiveError, match="one kind of units"):
+        plot([tmp_path / "line.h5", tmp_path / "plane.h5"])
+
+
+def test_maps_have_room_for_their_ticks_and_titles(tmp_path):
+    record = read(plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x")).path)
+    with rc_context(style.STYLE):
+        figure = maps.draw_maps(record, [0, 10, record.points - 1])
+        figure.canvas.draw()
+        for axes in figure.axes[6:9]:
+            left, right = axes.get_xlim()
+            boxes = [label.get_window_extent() for label, place
+                     in zip(axes.get_xticklabels(), axes.get_xticks()) if left <= place <= right]
+            assert len(boxes) > 1 and all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
+        titles = [axes.title.get_window_extent() for axes in figure.axes[:3]]
+        assert all(one.x1 < other.x0 for one, other in zip(titles, titles[1:]))
+
+
+SHAPE = {"line": ("half_axis_x", "stick_area", "slip_area", "edge_left", "edge_right", "front_left",
+                  "front_right"),
+         "plane": ("half_axis_x", "half_axis_y", "stick_area", "slip_area")}
+
+
+@pytest.mark.parametrize("interface", SHAPE)
+def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatch):
+    names, axis = SHAPE[interface], "_x" if interface == "plane" else ""
+    dimension = 2 if axis else 1
+    known = columns(dimension)
+    unit = known["contact_area"].unit
+    wider = {**known, **{name: Column(unit if name.endswith("area") else "beta") for name in names}}
+    monkeypatch.setattr(f"{__name__}.columns", lambda dimension=1: wider)
+    rows = [{**row, **{name: number for number, name in enumerate(names, start=1)}}
+            for row in shear(axis=axis)]
+    if interface == "plane":
+        plane_archive(tmp_path / "run.h5", rows)
+    else:
+        archive_of(tmp_path / "run.h5", [(row, ()) for row in rows])
+    figure = shape.draw_shape(read(tmp_path / "run.h5"))
+    above, below = figure.axes
+    drawn = {round(float(line.get_ydata()[0]), 9) for line in (*above.lines, *below.lines)
+             if len(line.get_ydata())}
+    assert set(range(2 if dimension == 1 else 1, 1 + len(names))) <= drawn
+    assert below.get_xlabel().startswith("tangential force")
+    assert "outlines" not in plot(tmp_path / "run.h5").skipped or interface == "line"

@@ -26,11 +26,12 @@ DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
 INFO = "<!-- checked with info -->"
-COMMANDS = ("run", "info", "plot", "compare")
+ON_ARCHIVES = ("plot", "table", "export", "movie", "report")
+COMMANDS = ("run", "info", "compare", *ON_ARCHIVES)
 WRITERS = {
     "compare": "results", "stress": "results", "benchmark": "results", "hysteresis": "results",
     "sliding": "results", "spots": "results", "campaigns/table.py": "certified",
-    "paper/pages.py": "gallery"}
+    "paper/pages.py": "gallery", "spheres/page.py": "sphere"}
 """Script -> page between whose marks it writes."""
 
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -80,8 +81,8 @@ def words(text):
 def without_solving(arguments):
     """What asks for as much as can be known without solving; None where there is nothing to ask."""
     command, *others = arguments
-    if command == "plot" or "-help" in others:
-        return None if command == "plot" else arguments
+    if command in ON_ARCHIVES or "-help" in others:
+        return None if command in ON_ARCHIVES else arguments
     kept, before = [], ""
     for word in others:
         if not (word.startswith("-compare_") or before.startswith("-compare_")):
@@ -140,7 +141,7 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
     found, printed = blocks(page), []
     for block in found:
         if block.language == "opts":
-            name = re.match(r"# (\S+\.opts)", block.text).group(1)
+            name = re.match(r"# (\S+\.(opts|csv))", block.text).group(1)
             (tmp_path / name).write_text(block.text + "\n", encoding="utf-8")
     for block in found:
         if block.language == "sh":

@@ -1,6 +1,7 @@
 """The examples: each runs, draws its figure, and finds what is true."""
 
 import importlib
+import runpy
 import sys
 from pathlib import Path
 
@@ -10,7 +11,8 @@ import pytest
 from contactsnes import reference
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py"))
+TUTORIAL = EXAMPLES / "tutorial.py"
+NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py") if path != TUTORIAL)
 
 
 @pytest.fixture
@@ -64,6 +66,21 @@ def test_friction_that_saturates_is_proportional_to_its_strength(run):
     weak, strong = map(np.array, run("own_law", strengths=(0.2, 0.4)))
     assert np.all(np.diff(weak[1]) > 0.0) and weak[1, -1] < 1.001 * weak[1, -2]
     assert strong[1, -1] == pytest.approx(2.0 * weak[1, -1], rel=1e-3)
+
+
+def test_the_tutorial_finds_what_it_says(tmp_path, monkeypatch, kept_options):
+    monkeypatch.setattr(sys, "argv", [str(TUTORIAL), str(tmp_path)])
+    found = runpy.run_path(str(TUTORIAL))
+    assert found["strongest"] == pytest.approx(found["theory"], rel=0.1)
+    assert np.all(np.diff(found["peaks"]) > 0.5) and not found["study"].failures
+    assert found["area"] == pytest.approx(found["record"]["contact_area"].max(), rel=1e-6)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "runs", "own.png", "study-shear.png", "study-area.png", "study-approach.png"}
+
+
+def test_the_tutorial_has_cells():
+    cells = TUTORIAL.read_text(encoding="utf-8").split("\n# %% ")[1:]
+    assert len(cells) > 8 and all(len(cell.splitlines()) < 20 for cell in cells)
 
 
 @pytest.mark.parametrize("name", NAMES)

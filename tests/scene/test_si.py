@@ -272,7 +272,8 @@ def test_every_unit_of_a_column_is_one_of_si(dimension):
 def test_loads_are_told_with_units():
     scene = Scene.typed(**TYPED)
     assert scene.loads(("force", "displacement"), (2.0, 3.0)) == (
-        f"normal_force {2 * EXPECTED['w_n,r'][0]:.6g} N/m, tangential_displacement {3 * U_T:.6g} m")
+        f"normal_force {2 * EXPECTED['w_n,r'][0]:.6g} N/m, tangential_displacement "
+        f"{3e6 * U_T:.6g} µm")
     assert (Scene().loads(("approach",), (2.0,)) == "approach 2"
             and Scene(dimension=2).loads(("force",), (2.0,)) == "normal_force 2")
 
@@ -350,7 +351,7 @@ def test_info_tells_groups_and_scales(tmp_path):
                  f"p_n,r {PHI_N / DELTA_N / 1e3:.4g} kPa", "normal_force goes to 6 N/m",
                  "tangential_displacement goes to 2e-06 m", "-scene_period 0.003\n"):
         assert text in done.stdout, text
-    options = done.stdout[done.stdout.index("All options"):].splitlines()[1:]
+    options = done.stdout[done.stdout.index("\nOptions\n"):].splitlines()[2:]
     assert not [line for line in options if "maugis" in line or "work_ratio" in line]
     (tmp_path / "all.opts").write_text("\n".join(options))
     again = call("info", "all.opts", folder=tmp_path)

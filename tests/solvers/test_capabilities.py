@@ -42,6 +42,7 @@ def test_types_of_petsc(kind, tangent):
 def test_types_of_dynamic_relaxation(name):
     found = capabilities.of("python", RELAXATION + name)
     assert found.is_relaxation and found.kind == "dynamic relaxation" and not found.has_tangent
+    assert found.keeps_evenness
 
 
 @pytest.mark.parametrize("path", ["", "nowhere.at.All", "contactsnes.solvers.relaxation.Nothing",
@@ -66,9 +67,9 @@ def test_a_snes_is_asked_as_it_is(options):
 
 def test_forms_declare_what_they_are():
     assert FORMS == {"displacement": DisplacementForm, "force": ForceForm}
-    assert [(form.in_displacements, form.whole_cell)
-            for form in (DisplacementForm, EvenForm, ForceForm)] == [(True, False), (True, False),
-                                                                     (False, True)]
+    assert [(form.in_displacements, form.whole_cell, form.even)
+            for form in (DisplacementForm, EvenForm, ForceForm)] == [
+                (True, False, False), (True, False, True), (False, True, False)]
 
 
 def test_options_of_all_types_are_found():

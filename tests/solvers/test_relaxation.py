@@ -16,6 +16,7 @@ from contactsnes.contact.force_form import ForceForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.interface.laws import Law
+from contactsnes.kernels.choice import chosen
 from contactsnes.output import reading
 from contactsnes.scene.settings import Scene
 from contactsnes.solvers.motion import Motion
@@ -41,9 +42,9 @@ class Spring(Law):
         return traction
 
 
-def create_form(controls, load, own=None, **changes):
+def create_form(controls, load, own=None, kernels=None, **changes):
     """A force form of a small line contact."""
-    form = ForceForm(Contact(Scene(**{**SMALL, **changes}), law=own), controls)
+    form = ForceForm(Contact(Scene(**{**SMALL, **changes}), law=own, kernels=kernels), controls)
     form.set_load(load)
     return form
 
@@ -252,9 +253,12 @@ def test_energies_are_sums_over_nodes(equilibria):
     assert motion.energies() == pytest.approx(expected, rel=1e-10)
 
 
-def test_a_law_that_stiffens_leaves_the_kinetic_energy(equilibria):
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_law_that_stiffens_leaves_the_kinetic_energy(compiled):
     """Masses grow with the tangent where surfaces overlap, and a motion slows down by as much."""
-    form, start, _ = equilibria("coupled")
+    controls, load, approach, changes = SCENES["coupled"]
+    form = create_form(controls, load, kernels=chosen(compiled), **changes)
+    start = undeformed(form, approach)
     motion = Motion(form)
     motion.start(start)
     motion.velocity[...] = np.fft.rfft(np.random.default_rng(3).standard_normal(form.shape))
@@ -324,6 +328,35 @@ def test_tolerances_and_limits_of_petsc_are_obeyed(equilibria, method):
     assert snes.reason == REASONS.DIVERGED_FUNCTION_COUNT and snes.its == 8
 
 
+EVEN = {"displacement": SCENES["displacement"], "force": SCENES["force"],
+        "sheared": ([D, D], [3.0, 2.0], 3.0, {"height": 200.0, "residual_friction": 0.5}),
+        "sphere": ([F], [2.0], 0.5, {"dimension": 2, "geometry": "sphere", "points": (32, 24),
+                                     "period": (8.0, 6.0), "height": 20.0})}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EVEN)
+def test_half_of_the_nodes_takes_the_steps_of_all(name, method):
+    """The same iterations and norms, to rounding, at about half or a quarter of the transforms."""
+    controls, load, approach, changes = EVEN[name]
+    results = []
+    for even in (False, True):
+        form = create_form(controls, load, **changes)
+        form.even = even
+        assert f"{form.half.size if even else form.nodes} of {form.nodes} nodes" in Motion(
+            form).about()
+        snes, found = relax(form, undeformed(form, approach), method, atol=1e-7)
+        assert snes.reason == REASONS.CONVERGED_FNORM_ABS
+        results.append((found, snes.its, snes.getConvergenceHistory()[0], form.grid.transforms))
+    (whole, steps, norms, cost), (half, own_steps, own_norms, own_cost) = results
+    assert own_steps == steps and np.abs(half - whole).max() < 1e-11 * np.abs(whole).max()
+    assert own_norms == pytest.approx(norms, rel=1e-4)
+    assert own_norms[:20] == pytest.approx(norms[:20], rel=1e-9)
+    nodes = np.prod([n // 2 + 1 for n in form.grid.shape])
+    ratio = nodes * np.log(nodes) / (form.grid.size * np.log(form.grid.size))
+    assert own_cost / cost == pytest.approx(ratio, rel=1e-6)
+
+
 def test_an_equilibrium_takes_no_step(equilibria):
     form, _, expected = equilibria("coupled")
     snes, found = relax(form, expected, atol=1e-8)
@@ -390,6 +423,7 @@ def test_options_are_read_under_the_prefix_and_viewed(tmp_path):
     context.view(snes, viewer)
     viewer.destroy()
     text = path.read_text()
+    assert "Motion" not in text  # there has been none
     assert all(f"{name} " in text for name in vars(FireOptions())) and "mixing 0.25" in text
 
 

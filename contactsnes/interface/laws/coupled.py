@@ -27,7 +27,7 @@ class Coupled(Law):
     paper).
 
     N(a) = a exp(-a). Subclasses say how the normal traction fades with slip (``fading``), which
-    T(b) holds (``friction``) and whether the two are decoupled where the surfaces overlap
+    T(b) holds (``friction``, T(b) / b) and whether the two are decoupled where the surfaces overlap
     (``decoupled_in_overlap``), and ``friction_energy``. Below ``deepest`` both tractions continue
     linearly in a, with continuous slope.
     """
@@ -38,79 +38,32 @@ class Coupled(Law):
     moving_stiffness = 1.5 * SOFTENING
     newton_stiffness = 0.2
 
+    def tractions(self, a, b):
+        """N(a) E(b) and T(b) h(a) / b."""
+        normal, held = self._normal(a)
+        fading = self.fading(b * b)
+        if self.decoupled_in_overlap:
+            overlap = a <= 0.0
+            fading = np.where(overlap, 1.0, fading)
+            held = np.where(overlap, self._pressed(normal), held)
+        return normal * fading, self.friction(b) * held
+
     def fading(self, squared_slip):
-        """E(b) and dE/d(b^2)."""
-        fading = np.exp(-squared_slip)
-        return fading, -fading
+        """E(b)."""
+        return np.exp(-squared_slip)
 
     def friction(self, slip):
-        """T(b) / b and T'(b)."""
-        peak = 2.0 * np.exp(-slip * slip)
-        return peak, peak * (1.0 - 2.0 * slip * slip)
+        """T(b) / b."""
+        return 2.0 * np.exp(-slip * slip)
 
     def _normal(self, a):
-        """N(a), N'(a), h(a) = exp(-a) and h'(a), which continue linearly below ``deepest``."""
-        if not np.min(a, initial=0.0) < self.deepest:
-            decay = np.exp(-a)
-            return a * decay, (1.0 - a) * decay, decay, -decay
-        depth = np.minimum(a - self.deepest, 0.0)
-        bounded = a - depth
-        decay = np.exp(-bounded)
-        slope = (1.0 - bounded) * decay
-        return bounded * decay + slope * depth, slope, decay * (1.0 - depth), -decay
+        """N(a) and h(a) = exp(-a)."""
+        decay = np.exp(-a)
+        return a * decay, decay
 
-    def _pressed(self, normal, normal_slope):
-        """h(a) and h'(a) in overlap of a law that decouples there, from N(a) and N'(a)."""
-        return 1.0, 0.0
-
-    def normal(self, a):
-        """N(a) and N'(a) without slip."""
-        return self._normal(a)[:2]
-
-    def evaluate(self, gap, traction, tangent=None):
-        """Fill ``traction`` (components, nodes) and, if given, ``tangent`` (components, components,
-        nodes) at once.
-
-        ``traction`` may be ``gap`` itself.
-        """
-        normal, normal_slope, held, held_slope = self._normal(gap[0])
-        if len(gap) == 1:
-            traction[0] = normal
-            if tangent is not None:
-                tangent[0, 0] = normal_slope
-            return traction
-        slip_vector = gap[1:]
-        squared_slip = np.einsum("in,in->n", slip_vector, slip_vector)
-        slip = np.sqrt(squared_slip)
-        fading, fading_slope = self.fading(squared_slip)
-        secant, friction_slope = self.friction(slip)
-        if self.decoupled_in_overlap:
-            overlap = gap[0] <= 0.0
-            fading = np.where(overlap, 1.0, fading)
-            fading_slope = np.where(overlap, 0.0, fading_slope)
-            pressed, pressed_slope = self._pressed(normal, normal_slope)
-            held = np.where(overlap, pressed, held)
-            held_slope = np.where(overlap, pressed_slope, held_slope)
-        if tangent is not None:
-            np.multiply(normal_slope, fading, out=tangent[0, 0])
-            np.multiply(2.0 * normal * fading_slope, slip_vector, out=tangent[0, 1:])
-            np.multiply(secant * held_slope, slip_vector, out=tangent[1:, 0])
-            self._slip_tangent(slip_vector, slip, secant * held, friction_slope * held,
-                               tangent[1:, 1:])
-        np.multiply(normal, fading, out=traction[0])
-        np.multiply(secant * held, slip_vector, out=traction[1:])
-        return traction
-
-    def _slip_tangent(self, slip_vector, slip, secant, slope, out):
-        """T' e e + (T/b)(1 - e e), and its limit at zero slip, where both factors are the initial
-        stiffness."""
-        if len(slip_vector) == 1:
-            out[0, 0] = slope
-            return
-        direction = slip_vector / np.where(slip > 0.0, slip, 1.0)
-        np.multiply(slope - secant, direction[:, None] * direction[None, :], out=out)
-        for i in range(len(slip_vector)):
-            out[i, i] += secant
+    def _pressed(self, normal):
+        """h(a) in overlap of a law that decouples there, from N(a)."""
+        return 1.0
 
     def energy(self, normal_gap):
         """Interface energy without slip, 1 - (1 + a) exp(-a) in phi_n, zero at a = 0: its
@@ -121,7 +74,7 @@ class Coupled(Law):
         """
         depth = np.minimum(normal_gap - self.deepest, 0.0)
         bounded = normal_gap - depth
-        traction, slope, _, _ = self._normal(bounded)
+        traction, slope = self.normal(bounded)
         return 1.0 - (1.0 + bounded) * np.exp(-bounded) + depth * (traction + 0.5 * slope * depth)
 
     def friction_energy(self, slip):

@@ -4,7 +4,6 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ...options.fields import option
 from .law import Law
@@ -24,6 +23,7 @@ class Dugdale(Modified):
     dugdale_width: float = option(0.1, "w of the law dugdale: gap over which the "
                                   "attraction rises and ends", "delta_n", minimum=0.01,
                                   maximum=1)
+    derived = ("end",)
     normal_peak, softening = Law.normal_peak, Law.softening
     moving_stiffness, newton_stiffness = Law.moving_stiffness, Law.newton_stiffness
 
@@ -31,6 +31,8 @@ class Dugdale(Modified):
     def end(self):
         """c: the gap at which half of the attraction is left, of which the work of adhesion is
         1."""
+        from scipy.optimize import brentq  # needed for this law only, and slow to import
+
         width = self.dugdale_width
         return brentq(lambda c: width * ((1.0 + math.exp(-c / width))
                                          * math.log1p(math.exp(c / width)) - 1.0) - 1.0, 0.0, 5.0,
@@ -59,16 +61,11 @@ class Dugdale(Modified):
         return self.end + 8.0 * self.dugdale_width
 
     def _normal(self, a):
-        """N(a), N'(a), h(a) and h'(a); N continues linearly below ``deepest``."""
-        width, depth = self.dugdale_width, np.minimum(a - self.deepest, 0.0)
-        bounded = a - depth
-        decay = np.exp(-bounded / width)
+        """N(a) and h(a)."""
+        width = self.dugdale_width
         # 1 / (1 + exp(x)) without overflow
-        part = 0.5 - 0.5 * np.tanh(0.5 * (bounded - self.end) / width)
-        fall = -part * (1.0 - part) / width
-        slope = decay / width * part + (1.0 - decay) * fall
-        whole = 1.0 + math.exp(-self.end / width)
-        return (1.0 - decay) * part + slope * depth, slope, whole * part, whole * fall
+        part = 0.5 - 0.5 * np.tanh(0.5 * (a - self.end) / width)
+        return (1.0 - np.exp(-a / width)) * part, (1.0 + np.exp(-self.end / width)) * part
 
     def energy(self, normal_gap):
         """Interface energy without slip, phi_n, zero at a = 0: its derivative is N(a)."""
@@ -76,6 +73,6 @@ class Dugdale(Modified):
         bounded, ratio = normal_gap - depth, math.exp(-self.end / self.dugdale_width)
         logarithm = bounded / width + math.log1p(ratio) - np.logaddexp(0.0,
                                                                        (bounded - self.end) / width)
-        traction, slope, _, _ = self._normal(bounded)
+        traction, slope = self.normal(bounded)
         whole = width * ((1.0 + ratio) * logarithm - 1.0 + np.exp(-bounded / width))
         return whole + depth * (traction + 0.5 * slope * depth)

@@ -12,6 +12,11 @@ from functools import cached_property
 import numpy as np
 
 from ..declared import Declared
+from ..formula import Formula, Tractions
+
+MADE = ("formula", "_evaluated", "evaluate", "normal")
+"""Attributes that are made of all others: a formula, its programs, and compiled ones in their
+place."""
 
 
 def softening(tangent):
@@ -29,9 +34,9 @@ class Law(Declared):
 
     A subclass is made a dataclass when it is defined. Its options are class attributes made by
     `options.fields.option`, ``-scene_`` + their names, and its parameters from Python. It has to
-    have ``evaluate``; tractions vanish at no gap and no slip, attract where a > 0 without slip, and
-    repel where a < 0. All else has defaults: what follows from the tractions is found from them by
-    sampling.
+    have ``tractions``, or ``evaluate`` in place of it; tractions vanish at no gap and no slip,
+    attract where a > 0 without slip, and repel where a < 0. All else has defaults: what follows
+    from the tractions is found from them by sampling.
 
     Attributes
     ----------
@@ -40,7 +45,9 @@ class Law(Declared):
     meaning : what the help says of it
     slip_options : names of options that change nothing without slip
     range : normal gap, in ranges, beyond which the law counts as zero
-    deepest : normal gap, in ranges, below which tractions are only continued
+    derived : names of properties that follow from the options by more than arithmetic (a root, an
+        integral) and are numbers of ``tractions``
+    deepest : normal gap, in ranges, below which tractions are only continued, linearly
     repulsion : overlap, in ranges, over which the repulsion grows by a factor e
     opening_range, slip_range : gap and slip, in ranges, within which it is sampled
     gap_corners, slip_corners : normal gaps and slips, in ranges, across which the tangent or its
@@ -48,13 +55,29 @@ class Law(Declared):
     odd : whether a slip the other way has the other traction, and the same normal one
     """
 
-    slip_options = ()
+    slip_options, derived = (), ()
     range = 37.0
     deepest = -30.0
     repulsion = 1.0
     opening_range, slip_range = 5.0, 6.0
     gap_corners, slip_corners = (), ()
     odd = True
+
+    def tractions(self, a, b):
+        """Normal traction N(a, b) and the friction over the slip, T(a, b) / b, as expressions of
+        NumPy from which derivatives are made.
+
+        Parameters
+        ----------
+        a : array (nodes), normal gap in ranges, not below ``deepest``
+        b : array (nodes), slip in ranges, at least 0: N and T / b are finite at b = 0
+
+        Returns
+        -------
+        two arrays (nodes) or numbers, phi_n / delta_n and phi_t / delta_t
+        """
+        raise NotImplementedError(f"the law {type(self).__name__} has neither tractions(a, b) nor "
+                                  "evaluate(gap, traction, tangent=None)")
 
     def evaluate(self, gap, traction, tangent=None):
         """Fill ``traction`` and, if given, ``tangent`` at once.
@@ -69,8 +92,36 @@ class Law(Declared):
         tangent : array (components, components, nodes), dt_i / dg_j, dimensionless; None: not
             wanted
         """
-        raise NotImplementedError(
-            f"the law {type(self).__name__} has no evaluate(gap, traction, tangent=None)")
+        self._evaluated.evaluate(gap, traction, tangent)
+        return traction
+
+    @property
+    def parameters(self):
+        """Names of the numbers of ``tractions``: options, and what is derived from them."""
+        return (*(name for name, field in self.declared().items()
+                  if isinstance(field.default, float)), *self.derived)
+
+    @cached_property
+    def formula(self):
+        """The Formula of the tractions; None of a law with an ``evaluate`` of its own."""
+        return self._evaluated.formula if type(self).evaluate is Law.evaluate else None
+
+    @cached_property
+    def _evaluated(self):
+        """The tractions' formula as programs."""
+        if type(self).tractions is Law.tractions:
+            self.tractions(None, None)
+        return Tractions(Formula(self))
+
+    def __setattr__(self, name, value):
+        """Set an attribute; a formula with its old value is forgotten."""
+        for made in MADE:
+            vars(self).pop(made, None)
+        super().__setattr__(name, value)
+
+    def __getstate__(self):
+        """What is copied and kept: not the formula, which is made again."""
+        return {name: value for name, value in vars(self).items() if name not in MADE}
 
     def traction(self, gap, out=None):
         """Tractions t(g) at every node.
@@ -96,6 +147,8 @@ class Law(Declared):
 
     def normal(self, a):
         """N(a) and N'(a) without slip, two arrays like the normal gap a (nodes)."""
+        if self.formula is not None:
+            return self._evaluated.normal(np.ravel(a))
         traction, tangent = np.empty((1, np.size(a))), np.empty((1, 1, np.size(a)))
         self.evaluate(np.array(a, dtype=float).reshape(1, -1), traction, tangent)
         return traction[0], tangent[0, 0]

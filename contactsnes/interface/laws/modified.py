@@ -41,20 +41,15 @@ class Modified(Coupled):
         return 2 / math.e * (1 - self.residual_friction)
 
     def fading(self, squared_slip):
-        """E_r(b) and its derivative to b^2."""
-        lost = (1.0 - self.residual_adhesion) * np.exp(-squared_slip)
-        return self.residual_adhesion + lost, -lost
+        """E_r(b)."""
+        return self.residual_adhesion + (1.0 - self.residual_adhesion) * np.exp(-squared_slip)
 
     def friction(self, slip):
-        """T(b) / b and T'(b), in two parts."""
-        secant, slope = super().friction(slip)
-        beyond = slip > SLIP
-        if beyond.any():
-            past = slip[beyond] - SLIP
-            drop = TANGENTIAL_PEAK * (1.0 - self.residual_friction) * np.exp(-past * past)
-            secant[beyond] = (TANGENTIAL_PEAK * self.residual_friction + drop) / slip[beyond]
-            slope[beyond] = -2.0 * past * drop
-        return secant, slope
+        """T(b) / b, in two parts."""
+        beyond = np.maximum(slip, SLIP)
+        drop = (1.0 - self.residual_friction) * np.exp(-(beyond - SLIP) ** 2)
+        return np.where(slip > SLIP, TANGENTIAL_PEAK * (self.residual_friction + drop) / beyond,
+                        super().friction(slip))
 
     def friction_energy(self, slip):
         """Integral of T(b), by parts of the law: 1 - exp(-b^2), then tau_max [rho c + (1 - rho)

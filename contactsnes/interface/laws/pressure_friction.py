@@ -20,9 +20,8 @@ class PressureFriction(Modified):
                                       "(phi_t/delta_t)/(phi_n/delta_n)", minimum=0)
     slip_options = (*Modified.slip_options, "pressure_friction")
 
-    def _pressed(self, normal, normal_slope):
-        share = self.pressure_friction / TANGENTIAL_PEAK
-        return 1.0 - share * normal, -share * normal_slope
+    def _pressed(self, normal):
+        return 1.0 - self.pressure_friction / TANGENTIAL_PEAK * normal
 
     def potential(self, gap, work_ratio=1.0):
         """As of the law modified without slip; with slip in overlap there is none."""

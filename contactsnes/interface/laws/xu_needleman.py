@@ -40,38 +40,13 @@ class XuNeedleman(Law):
         q, r = self.xu_needleman_q, self.xu_needleman_r
         return (1.0 - q) / (r - 1.0), (r - q) / (r - 1.0)
 
-    def _fall(self, a, constant, linear):
-        """(constant + linear a) exp(-a) and its derivative, continued linearly below
-        ``deepest``."""
-        depth = np.minimum(a - self.deepest, 0.0)
-        bounded = a - depth
-        decay = np.exp(-bounded)
-        slope = (linear - constant - linear * bounded) * decay
-        return (constant + linear * bounded) * decay + slope * depth, slope
-
-    def evaluate(self, gap, traction, tangent=None):
-        """Fill ``traction`` and, if given, ``tangent``."""
-        normal, normal_slope = self._fall(gap[0], 0.0, 1.0)
-        if len(gap) == 1:
-            traction[0] = normal
-            if tangent is not None:
-                tangent[0, 0] = normal_slope
-            return traction
+    def tractions(self, a, b):
+        """Normal traction, and friction over the slip."""
         remnant, linear = self._shares
-        left, left_slope = self._fall(gap[0], remnant * self.xu_needleman_r, -remnant)
-        held, held_slope = self._fall(gap[0], 1.0, linear / self.xu_needleman_q)
-        slip = gap[1:].copy()
-        fading = np.exp(-np.einsum("in,in->n", slip, slip))
-        if tangent is not None:
-            tangent[0, 0] = normal_slope * fading + left_slope * (1.0 - fading)
-            tangent[0, 1:] = 2.0 * (left - normal) * fading * slip
-            tangent[1:, 0] = 2.0 * held_slope * fading * slip
-            tangent[1:, 1:] = -4.0 * held * fading * slip[:, None] * slip[None, :]
-            for i in range(1, len(gap)):
-                tangent[i, i] += 2.0 * held * fading
-        traction[0] = normal * fading + left * (1.0 - fading)
-        traction[1:] = 2.0 * held * fading * slip
-        return traction
+        decay, fading = np.exp(-a), np.exp(-b * b)
+        left = remnant * (self.xu_needleman_r - a) * decay
+        normal = a * decay * fading + left * (1.0 - fading)
+        return normal, 2.0 * (1.0 + linear / self.xu_needleman_q * a) * decay * fading
 
     def potential(self, gap, work_ratio=1.0):
         """Energy of the interface, phi_n, zero where it is open; above ``deepest``, and where

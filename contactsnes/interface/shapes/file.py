@@ -1,32 +1,148 @@
 """Heights from a file."""
 
-from ...options.fields import InputError, option
+import numpy as np
+
+from ...options.fields import InputError, as_text, checked, option
 from ..gap import gap_of_heights
-from ..heights import read_heights
+from ..height_files import UNITS
+from ..heights import EDGES, FILLS, fitted, prepared
 from .shape import Shape
 
 
 class File(Shape):
-    """max(h) - h of measured heights, known on the grid of their file only."""
+    """max(h) - h of measured heights, known on the grid of their file, or fitted to another."""
 
     name, meaning = "file", "-scene_geometry_file"
     geometry_file: str = option("", "heights on the grid, highest = nearest the "
-                                "flat: FILE.npy, FILE.txt or FILE.h5:dataset", "u_n,r")
+                                "flat: FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset; "
+                                "with SurfaceTopography also files of instruments", "u_n,r")
+    heights_size: float | tuple = option(None, "size of the map of heights, which becomes the "
+                                         "period", "beta", kind="number", above=0,
+                                         many="directions", default_text="that which the file "
+                                         "tells, or -scene_period")
+    heights_unit: str = option(None, "unit of the heights in the file, and of places in FILE.xyz, "
+                               "with -scene_units si", kind="text", choices=tuple(UNITS),
+                               default_text="that which the file tells, or m")
+    heights_crop: str = option("", "part of the map: first:last nodes, one pair per direction with "
+                               "a comma, for instance 0:256,100:356", default_text="all of it")
+    heights_fill: str = option("none", "heights that are missing: refused, or the mean, the "
+                               "nearest, or interpolated", choices=FILLS)
+    heights_edges: str = option("warn", "heights that do not go on at their other end: a warning, "
+                                "the mean plane taken out (detrend), tapered besides (window), or "
+                                "a low margin around them (pad)", choices=EDGES)
+    heights_fit: str = option("exact", "heights on other points than those of the grid: refused, "
+                              "or interpolated", choices=("exact", "interpolate"))
     gridded = True
+    uses_radius = False
+
+    def map(self):
+        """The heights as they are used, `height_files.Heights`."""
+        return prepared(self.geometry_file, self.heights_crop, self.heights_fill,
+                        self.heights_edges)
+
+    @classmethod
+    def completed(cls, values, scene):
+        """Values as they are typed, with period, points and dimension of the map where these are
+        not given.
+
+        Parameters
+        ----------
+        values : mapping of options of the scene that are given
+        scene : class of the scene
+        """
+        own = {name: checked(scene.option_name(name), values[name], scene.rule(name))
+               for name in cls.declared() if values.get(name) is not None}
+        if not own.get("geometry_file"):
+            return values
+        try:
+            found = cls(**own).map()
+        except (OSError, ValueError) as error:
+            raise error if isinstance(error, InputError) else InputError(str(error)) from None
+        shape, dimension = cls._grid(found.values.shape, own), found.values.ndim
+        given = {name for name, value in values.items() if value is not None}
+        size = cls._size(found, own, values, scene)
+        added = {"dimension": dimension,
+                 "points": shape if dimension > 1 else shape[0],
+                 **({"period": size} if size else {})}
+        return {**values, **{name: value for name, value in added.items() if name not in given}}
+
+    @staticmethod
+    def _grid(shape, own):
+        """Points of a grid for a map: even ones."""
+        even = tuple(n + n % 2 for n in shape)
+        if even != shape and own.get("heights_fit") != "interpolate":
+            crop = ",".join(f"0:{n - n % 2}" for n in shape)
+            raise InputError(f"-scene_geometry_file is '{own['geometry_file']}', a map of "
+                             f"{' x '.join(map(str, shape))} heights, and grids have even numbers "
+                             f"of points: add -scene_heights_crop {crop}, or -scene_heights_fit "
+                             "interpolate")
+        return even
+
+    @classmethod
+    def _size(cls, found, own, values, scene):
+        """The period that a map sets, in what is typed; None where -scene_period does."""
+        si = values.get("units") == "si"
+        if not si and own.get("heights_unit"):
+            raise InputError(f"-scene_heights_unit is '{own['heights_unit']}', but -scene_units is "
+                             "'dimensionless', and heights are in u_n,r: add -scene_units si, or "
+                             "leave it out")
+        if not si and found.unit:
+            raise InputError(f"-scene_units is 'dimensionless', but heights of "
+                             f"{own['geometry_file']} are in {found.unit}: add -scene_units si")
+        if found.unit and own.get("heights_unit"):
+            raise InputError(f"-scene_heights_unit is '{own['heights_unit']}', but the file says "
+                             f"{found.unit}: leave it out")
+        size = own.get("heights_size")
+        given = values.get("period")
+        if size is not None:
+            if given is not None:
+                raise InputError(f"-scene_heights_size is '{as_text(size)}', but -scene_period "
+                                 f"'{as_text(given)}' fixes the same: give one of them")
+            return cls._of_part(size, found, own)
+        if found.size is not None and given is None:
+            factor = UNITS[found.unit or own.get("heights_unit", "m")] if si else 1.0
+            told = tuple(factor * length for length in found.size)
+            return told if len(told) > 1 else told[0]
+        if given is None and si:
+            raise InputError(f"-scene_geometry_file is '{own['geometry_file']}', a map without "
+                             "size: give that of all of it by -scene_heights_size")
+        return None
+
+    @classmethod
+    def _of_part(cls, size, found, own):
+        """The size of what is used of a map, from that of all of it."""
+        whole = prepared(own["geometry_file"], fill="mean").values.shape
+        each = size if isinstance(size, (tuple, list)) else (size,) * len(whole)
+        told = tuple(length * n / count
+                     for length, n, count in zip(each, found.values.shape, whole))
+        return told if len(told) > 1 else told[0]
 
     def check(self, scene):
-        """InputError without a file."""
+        """InputError without a file, or in a cell of another size than the map's."""
         if not self.geometry_file:
             raise InputError(
                 "-scene_geometry is 'file' without a file: name it by -scene_geometry_file")
+        if self.heights_size is not None:
+            own = {name: getattr(self, name) for name in self.declared()}
+            try:
+                size = self._of_part(self.heights_size, self.map(), own)
+            except (OSError, ValueError):
+                return  # that is told where the heights are wanted
+            if not np.allclose(size, scene.periods, rtol=1e-6):
+                typed = as_text(scene.as_typed("heights_size"))
+                raise InputError(f"-scene_heights_size is '{typed}', but the period is another: "
+                                 "leave it out (from Python: Scene.typed)")
 
     def points(self, scene):
         """Those of the file."""
-        return read_heights(self.geometry_file).shape
+        return self.map().values.shape
 
     def heights(self, scene):
         """The heights, u_n,r."""
-        return read_heights(self.geometry_file, scene.shape) / scene.scale("u_n,r")[0]
+        found = self.map()
+        unit = UNITS[found.unit or self.heights_unit or "m"] if scene.units == "si" else 1.0
+        heights = fitted(self.geometry_file, found.values, scene.shape, self.heights_fit)
+        return heights * (unit / scene.scale("u_n,r")[0])
 
     def gap(self, coordinates, scene):
         """max(h) - h."""

@@ -10,6 +10,7 @@ class Flat(Shape):
 
     name, meaning = "flat", "0"
     even = uniform = (0, 1)
+    uses_radius = False
 
     def gap(self, coordinates, scene):
         """0."""

@@ -32,6 +32,8 @@ class Shape(Declared):
     apart : whether a contact that reaches the edge of the cell, where the body meets its neighbour,
         is refused
     gridded : whether it is known on one grid only, that of ``points``
+    uses_radius : whether a scene in SI needs a radius for it: its gap, or a default of it, is in
+        units of the radius of curvature
     parabola : dimension of the interface -> c such that the gap is nowhere below c |x|^2/2, on an
         unbounded flat, too: it may then be an isolated contact (-scene_period inf)
     """
@@ -41,6 +43,7 @@ class Shape(Declared):
     uniform = ()
     apart = False
     gridded = False
+    uses_radius = True
     parabola = {}
 
     def gap(self, coordinates, scene):
@@ -56,6 +59,17 @@ class Shape(Declared):
         array that broadcasts to the nodes
         """
         raise NotImplementedError(f"the shape {type(self).__name__} has no gap(coordinates, scene)")
+
+    @classmethod
+    def completed(cls, values, scene):
+        """Values of a scene's options as they are typed, with what the shape adds to them.
+
+        Parameters
+        ----------
+        values : mapping of options that are given
+        scene : class of the scene
+        """
+        return values
 
     def curvature(self, scene):
         """Largest curvature of the gap in each direction, u_n,r/beta^2, a tuple: where bodies come

@@ -14,6 +14,11 @@ class Sinusoid(Shape):
                               default_text="(L/2 pi)^2, of curvature 1")
     even = (0, 1)
 
+    @property
+    def uses_radius(self):
+        """For the default of the amplitude only."""
+        return self.amplitude is None
+
     def amplitudes(self, scene):
         """A in each direction, u_n,r, a tuple."""
         return tuple((period / (2 * np.pi)) ** 2 if self.amplitude is None else self.amplitude

@@ -82,8 +82,8 @@ def fields(record, chosen):
         raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
     if record.initial_gap is None:
         raise NothingToShow("the initial gap is not stored")
-    return [(record.initial_gap + record.field("displacement", point)[0],
-             record.field("traction", point)) for point in chosen]
+    return [(record.initial_gap + displacement[0], traction)
+            for displacement, traction in record.each(chosen)]
 
 
 def contact_region(coordinates, gaps, tractions):

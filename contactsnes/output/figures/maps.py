@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .data import NothingToShow, contact_region, fields
 from .style import STYLE, WIDTH
@@ -37,13 +38,17 @@ def draw_maps(record, chosen):
     width, height = np.ptp(window, axis=1)
     panel = (WIDTH - 1.4) / max(len(chosen), 2) * height / width
     figure = Figure((WIDTH, len(shown) * (panel + 0.1) + 0.9), layout="compressed")
+    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.04)
     grid = figure.subplots(len(shown), len(chosen), sharex=True, sharey=True, squeeze=False)
     for line, row in zip(grid, shown):
         draw_row(figure, line, record, row, gaps)
     title, texts = names(record, chosen)
     figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
     for axes, text in zip(grid[0], texts):
-        axes.set(title=text, xlim=window[0], ylim=window[1])
+        # three panels share the width of a column: the event has a line of its own
+        axes.set(title=text.replace(", ", "\n"), xlim=window[0], ylim=window[1])
+        axes.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        axes.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
     for axes in grid[-1]:
         axes.set_xlabel(label("", "x", record.units["x"]))
     for axes in grid[:, 0]:
@@ -69,7 +74,7 @@ def rows(record, gaps, tractions, ceiling):
                  Normalize(np.min(gaps), ceiling)),
              Row("pressure", "-p_n", units[0], pressures, *pressure_colours(pressures))]
     if np.max(shears) > 0:
-        found.append(Row("tang. traction", "|p_t|", units[-1], shears, "viridis",
+        found.append(Row("shear", "|p_t|", units[-1], shears, "viridis",
                          Normalize(0, np.max(shears))))
     return found
 
@@ -89,7 +94,7 @@ def draw_row(figure, line, record, row, gaps):
         image = draw_map(axes, record, value, row.colormap, row.norm)
         draw_edge(axes, record, gap)
     bar = figure.colorbar(image, ax=list(line), label=label(row.text, row.symbol, row.unit, "\n"),
-                          aspect=12, extend="max" if row.text == "gap" else "neither")
+                          aspect=14, extend="max" if row.text == "gap" else "neither")
     if isinstance(row.norm, TwoSlopeNorm):
         norm = row.norm
         ticks = (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax)

@@ -8,7 +8,7 @@ from .style import BLUE, DASHED, EVENTS, GREY, MARKS
 from .words import column_label, word
 
 
-def draw_branch(axes, record, x, y, part, shown=EVENTS):
+def draw_branch(axes, record, x, y, part, shown=EVENTS, colour=BLUE):
     """Draw a column against another: jumps dashed, events and start marked.
 
     Parameters
@@ -18,6 +18,7 @@ def draw_branch(axes, record, x, y, part, shown=EVENTS):
     x, y : str, names of columns
     part : slice of the points
     shown : names of the events that are marked
+    colour : of the curve, matplotlib's
     """
     horizontal = record[x][part]
     vertical = record[y][part]
@@ -26,11 +27,12 @@ def draw_branch(axes, record, x, y, part, shown=EVENTS):
         raise NothingToShow("a half-plane under a force has no displacement as a whole")
     dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
     for piece in pieces(events):
-        axes.plot(horizontal[piece], vertical[piece], color=BLUE, **dots)
+        axes.plot(horizontal[piece], vertical[piece], color=colour, **dots)
         if piece[0] > 0:
             jump = slice(piece[0] - 1, piece[0] + 1)
-            axes.plot(horizontal[jump], vertical[jump], color=BLUE, **DASHED)
-    axes.plot(horizontal[0], vertical[0], **MARKS["start"], linestyle="none", zorder=3)
+            axes.plot(horizontal[jump], vertical[jump], color=colour, **DASHED)
+    axes.plot(horizontal[0], vertical[0], **{**MARKS["start"], "color": colour}, linestyle="none",
+              zorder=3)
     for name in shown:
         axes.plot(horizontal[events == name], vertical[events == name], **MARKS[name],
                   linestyle="none", zorder=3)

@@ -1,4 +1,4 @@
-"""The figures of an archive, those that make sense for what it holds.
+"""The figures of an archive, those that make sense for what it holds, and of several together.
 
 - ``RUN-shear.png``: tangential force and contact area against tangential displacement
 - ``RUN-area.png``: contact area against tangential force
@@ -6,26 +6,37 @@
   under shear
 - ``RUN-profiles.png``: gap and tractions around the contact at chosen points (in two dimensions
   along y = 0)
+- ``RUN-shape.png``: half axes of the contact (on a line edges and fronts of slip), and what sticks
+  and slips, against the load that moves
+- ``RUN-outlines.png``: where the contact ends at chosen points, over each other
 - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
   to three points
+- ``RUN-columns.png``: columns that are asked for
 
 The shear's figures begin where the tangential load begins.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
 
+from ...options.fields import InputError
+from ..asked import PlotOptions, listed
 from ..files import ArchiveError
-from ..prefixes import read
+from ..prefixes import alike, read
+from .curves import draw_columns, together
 from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
 from .maps import draw_maps
+from .measured import check_used, read_measured
 from .profiles import draw_profiles
-from .style import STYLE
+from .shape import draw_outlines, draw_shape
+from .style import settings, sized
 
 
 class Figures(NamedTuple):
@@ -35,16 +46,18 @@ class Figures(NamedTuple):
     skipped: dict[str, str]
 
 
-def plot(path, output=None, pdf=False, points=None):
-    """Draw the figures that an archive has data for.
+def plot(path, output=None, pdf=False, points=None, **options):
+    """Draw the figures that archives have data for.
 
     Parameters
     ----------
-    path : path of the archive
-    output : folder of the figures; by default that of the archive
+    path : path of the archive, or a list of them, whose curves then stand in common figures
+    output : folder of the figures; by default that of the (first) archive
     pdf : bool, whether to write each figure as PDF, too
     points : list of int, points of profiles and maps, counted from 0 or, if negative, from the end;
         by default the first and the last of the shear, events, and some between them
+    options : more of ``-plot_*`` by name: format, size (cm), style, columns, together (the name of
+        common figures), measured (CSV files)
 
     Returns
     -------
@@ -54,31 +67,88 @@ def plot(path, output=None, pdf=False, points=None):
     ------
     ArchiveError
         If there is no archive, no point, no field of a chosen point, or no such folder.
+    InputError
+        If an option is not allowed, or does not fit the archives.
     """
+    several = isinstance(path, (list, tuple))
+    asked = PlotOptions(**{"with_" if name == "measured" else name: value
+                           for name, value in options.items()},
+                        points=",".join(map(str, points or ())),
+                        output="" if output is None else str(output))
+    if pdf:
+        asked = replace(asked, format=f"{asked.format},pdf")
+    if several and not asked.together:
+        asked = replace(asked, together="together")
+    return next(iter(list(draw(path if several else [path], asked))))
+
+
+def draw(paths, asked):
+    """Draw the figures that options ask for; yield `Figures` of each archive, or those of all
+    together.
+
+    Parameters
+    ----------
+    paths : list of paths of archives
+    asked : PlotOptions
+    """
+    measured, columns, records = read_measured(asked.with_), listed(asked.columns), []
+    if asked.together and Path(asked.together).name != asked.together:
+        raise InputError(f"-plot_together is '{asked.together}': give the beginning of the names "
+                         "of the figures, and their folder by -plot_output")
+    for some in [paths] if asked.together else [[path] for path in paths]:
+        records += (group := [_read(path) for path in some])
+        folder = _folder(group[0].path, asked.output)
+        if asked.together:
+            alike(group)
+            kinds, stem = together(group, measured), asked.together
+        else:
+            kinds, stem = _kinds(group[0], asked.chosen, measured), group[0].path.stem
+        if columns:
+            kinds["columns"] = partial(draw_columns, group, columns, measured)
+        yield _drawn(kinds, folder / stem, asked)
+    check_used(measured, records)
+
+
+def _read(path):
+    """An archive for figures; ArchiveError for one without points."""
     record = read(path)
-    folder = Path(path).parent if output is None else Path(output)
     if not record.points:
         raise ArchiveError(f"{path} has no points to plot yet.")
+    return record
+
+
+def _folder(path, output):
+    """The folder of the figures; ArchiveError where there is none."""
+    folder = Path(output) if output else path.parent
     if not folder.is_dir():
         raise ArchiveError(
             f"The folder of the figures, {folder}, does not exist: create it or name another.")
-    chosen = choose_points(record, points)
+    return folder
+
+
+def _drawn(kinds, stem, asked):
+    """Draw figures, name -> function (), and write them: `Figures`."""
     figures = Figures([], {})
-    with matplotlib.rc_context(STYLE):
-        for name, draw in _kinds(chosen).items():
+    with matplotlib.rc_context(settings(asked.style)):
+        for name, make in kinds.items():
             try:
-                figure = draw(record)
+                figure = sized(make(), asked.size)
             except NothingToShow as reason:
                 figures.skipped[name] = str(reason)
                 continue
-            for suffix in (".png", ".pdf") if pdf else (".png",):
-                figures.files.append(folder / f"{Path(path).stem}-{name}{suffix}")
+            for suffix in asked.formats:
+                figures.files.append(stem.with_name(f"{stem.name}-{name}{suffix}"))
                 figure.savefig(figures.files[-1])
     return figures
 
 
-def _kinds(chosen):
-    """Name -> function of a record that draws a figure, or raises NothingToShow."""
-    return {"shear": draw_shear, "area": draw_area, "approach": draw_approach,
-            "profiles": lambda record: draw_profiles(record, chosen),
-            "maps": lambda record: draw_maps(record, chosen)}
+def _kinds(record, points, measured):
+    """Name -> function () that draws a figure of an archive, or raises NothingToShow."""
+    chosen = choose_points(record, points)
+    return {"shear": lambda: draw_shear(record, measured),
+            "area": lambda: draw_area(record, measured),
+            "approach": lambda: draw_approach(record, measured),
+            "shape": lambda: draw_shape(record),
+            "outlines": lambda: draw_outlines(record, chosen),
+            "profiles": lambda: draw_profiles(record, chosen),
+            "maps": lambda: draw_maps(record, chosen)}

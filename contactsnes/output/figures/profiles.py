@@ -34,15 +34,18 @@ def draw_profiles(record, chosen):
     figure = Figure((WIDTH, (0.25 + 0.45 * len(shown)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(shown), 1, sharex=True)
     x, shades = record.coordinates[0], colours(len(chosen))
+    # Thinner and thinner: what lies under another curve shows on both sides of it.
+    widths = np.linspace(2.2, 0.9, len(chosen)) if len(chosen) > 1 else [1.2]
     for axes, panel in zip(stack, shown):
-        for value, colour in zip(panel.values, shades):
-            axes.plot(x, value, color=colour)
+        for value, colour, width in zip(panel.values, shades, widths):
+            axes.plot(x, value, color=colour, linewidth=width)
         axes.axhline(0, **ZERO)
         axes.set_ylabel(label(panel.text, panel.symbol, panel.unit))
     zoom(stack, x, gaps, [traction[0] for traction in tractions])
     stack[-1].set_xlabel(label("", "x", record.units["x"]))
     title, texts = names(record, chosen)
-    handles = [Line2D([], [], color=colour, label=text) for colour, text in zip(shades, texts)]
+    handles = [Line2D([], [], color=colour, linewidth=width, label=text)
+               for colour, width, text in zip(shades, widths, texts)]
     place_legend(stack[0], handles, title)
     figure.align_ylabels()
     return figure

@@ -1,16 +1,24 @@
 """The style of figures, as wide as a column of a journal."""
 
 import matplotlib
+import matplotlib.style
 import numpy as np
+from cycler import cycler
+
+from ...options.fields import InputError, nearest
 
 WIDTH = 8.5 / 2.54  # inches
 STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 7,
          "xtick.labelsize": 7, "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.2,
          "lines.markersize": 5, "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True,
          "ytick.right": True, "legend.frameon": False, "savefig.dpi": 300,
-         "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,}
+         "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,
+         "svg.fonttype": "none",
+         "axes.prop_cycle": cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
+                                          "#56B4E9", "#000000"]),}
 # Okabe and Ito's colours, which the colour-blind can tell apart; the markers do without colour.
-BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#555555"
+BLUE, VERMILION, GREY = "C0", "#D55E00", "#555555"
+"""Colours; the first is that of the style."""
 FILLED = dict(markeredgecolor="white", markeredgewidth=0.4)
 MARKS = {
     "start": dict(marker="o", markersize=4, color=BLUE, **FILLED),
@@ -24,6 +32,34 @@ MARKS = {
 EVENTS = tuple(MARKS)[1:]
 DASHED = dict(linestyle="--", linewidth=0.7)  # jumps
 ZERO = dict(color=GREY, linewidth=0.4, zorder=0)
+
+
+def settings(style=""):
+    """What matplotlib is to be set to: our style and, over it, one by name or file; InputError for
+    one that there is not."""
+    if not style:
+        return STYLE
+    if style in matplotlib.style.library:
+        # made for large figures: their sizes of letters do not fit into a column
+        sizes = {name: value for name, value in STYLE.items() if name.endswith("size")}
+        return {**STYLE, **matplotlib.style.library[style], **sizes}
+    try:
+        return {**STYLE, **matplotlib.rc_params_from_file(style, use_default_template=False)}
+    except (OSError, UnicodeError):
+        known = sorted(matplotlib.style.library)
+        guess = nearest(style, known)
+        raise InputError(f"the style '{style}' is neither a file nor one of matplotlib's, "
+                         f"{', '.join(known)}" + (f": did you mean {guess}?" if guess
+                                                  else "")) from None
+
+
+def sized(figure, size):
+    """The figure with a width, or a width and a height, in cm; as it is for None."""
+    if size is not None:
+        width, *height = np.atleast_1d(size) / 2.54
+        old_width, old_height = figure.get_size_inches()
+        figure.set_size_inches(width, height[0] if height else old_height * width / old_width)
+    return figure
 
 
 def colours(count):

@@ -46,6 +46,11 @@ def column_label(record, name):
     if name == "contact_area":
         return label(*(("contact area", "A") if unit.endswith(("^2", "²"))
                        else ("contact length", "2a")), unit)
+    plain = name.removesuffix("_x").removesuffix("_y")
+    if plain not in SYMBOLS:
+        scale = in_latex(unit)
+        return " ".join([name.replace("_", " "),
+                         *([f"({unit})" if scale == unit else f"(${scale}$)"] if unit else [])])
     return label(*word_and_symbol(name), unit)
 
 
@@ -61,6 +66,13 @@ def tangential(symbol, axis):
     return f"{symbol}_{{t{axis.replace('_', ',')}}}"
 
 
+def in_latex(unit):
+    """A dimensionless unit as it is set in formulas; one in SI as it is."""
+    scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
+    scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
+    return re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)
+
+
 def label(words, symbol, unit, between=" "):
     """Label in a figure: words, and a symbol over its scale ($2a/\beta$) or before its SI unit in
     brackets.
@@ -71,9 +83,7 @@ def label(words, symbol, unit, between=" "):
     unit : str, as in the archive
     between : str, what separates words and symbol
     """
-    scale = re.sub(r"([a-zA-Z])_([a-zA-Z,]+)", r"\1_{\2}", unit)
-    scale = re.sub(r"sqrt\((.*?)\)", r"\\sqrt{\1}", scale)
-    scale = re.sub(r"\b(beta|phi|delta)", r"\\\1", scale)
+    scale = in_latex(unit)
     if not unit:
         text = f"${symbol}$"
     elif scale == unit:

@@ -1,0 +1,35 @@
+"""The contact that a branch is of: in a cell or alone, computed by the kernels that its options
+ask for."""
+
+from ..contact.isolated import IsolatedContact, lay_out
+from ..contact.problem import Contact
+from ..interface import shapes
+from ..interface.gap import refuse_contact_at_edge
+from ..kernels.choice import chosen
+from ..scene.isolation import check_form, largest_force
+
+
+def contact_of(scene, load, form, heights, log):
+    """The Contact of a scene on its grid.
+
+    Parameters
+    ----------
+    scene, load : Scene and Load
+    form : Form
+    heights : array over the grid of a shape that has heights, or None
+    log : function (sentence); called where the law is not computed as the rest is
+
+    Raises
+    ------
+    InputError : where the contact would reach the cell's edge, or the form is not for it
+    """
+    kernels = chosen(form.kernels == "auto", form.cache or None)
+    if scene.isolated:
+        check_form(form)
+        contact = IsolatedContact(lay_out(scene, largest_force(scene, load)), kernels=kernels)
+    else:
+        contact = Contact(scene, heights, kernels=kernels)
+        refuse_contact_at_edge(shapes.of(scene), contact)
+    if kernels.law_reason:
+        log(f"the law is evaluated by NumPy: {kernels.law_reason}")
+    return contact

@@ -1,0 +1,95 @@
+"""Going on from any point of an archive with other legs: its scene, its load and its state."""
+
+from dataclasses import fields
+
+import numpy as np
+
+from ..contact.states import State
+from ..options.fields import InputError, as_text
+from ..output import resuming
+from ..output.reading import Record, read
+from ..scene.load import Load, controls_along, names
+from ..scene.scene import Scene
+from ..scene.units import DERIVED
+
+
+def beginning(archive, point, path, stop):
+    """(record, number of the point, scene, Load) of what begins at a point of an archive.
+
+    Parameters
+    ----------
+    archive : path, or Record
+    point : int, from 0 or, if negative, from the end
+    path : str, the legs
+    stop : str, as of ``-load_stop``
+    """
+    record = archive if isinstance(archive, Record) else read(archive)
+    if not -record.points <= point < record.points:
+        raise InputError(f"the point to begin at is {point}, but {record.path} has "
+                         f"{record.points}: give 0 to {record.points - 1}, or -1 for the last")
+    point %= record.points
+    scene = scene_of(record)
+    return record, point, scene, Load(start=load_at(record, point, scene), path=path, stop=stop)
+
+
+def scene_of(record):
+    """The scene of an archive."""
+    known = {field.name for field in fields(Scene)}
+    derived = set(DERIVED) if record.scene.get("units") == "si" else set()
+    values = {name: _plain(value) for name, value in record.scene.items()
+              if name in known - derived}
+    return Scene.typed(**values)
+
+
+def _plain(value):
+    """An attribute of HDF5 as Python has it."""
+    value = np.asarray(value).tolist()
+    return tuple(value) if isinstance(value, list) else value
+
+
+def load_at(record, point, scene):
+    """The load of a point as ``-load_start`` has it, each component controlled as in its leg.
+
+    Parameters
+    ----------
+    record : Record
+    point : int, from 0
+    scene : Scene of the archive
+    """
+    run = [run for run in record.runs if run.first <= point][-1]
+    found = resuming.entries(run.options)
+    load = Load(start=found.get("load_start"), path=found.get("load_path", ""))
+    legs = load.legs(scene.dimension) if load.path else ()
+    initial = load.initial(scene.dimension, scene.isolated)
+    controls = controls_along(initial, legs)[int(record["leg"][point])]
+    known = names(scene.dimension)
+    columns = [known[component, control] for component, control in enumerate(controls)]
+    return ", ".join(f"{name}={as_text(float(record[name][point]))}" for name in columns)
+
+
+def state_at(branch, record, point):
+    """The state of a point in an archive, from what is kept for going on, else from its fields.
+
+    Parameters
+    ----------
+    branch : Branch of the same scene
+    record : Record
+    point : int
+    """
+    packed = record.states()
+    if point in packed:
+        return branch.restored(packed[point]).state
+    if point not in record.field_points:
+        where = [*record.field_points, *packed]
+        raise InputError(f"{record.path} has no state of point {point}: it keeps those of "
+                         f"{', '.join(map(str, sorted(set(where))[-4:]))}"
+                         + (" and before" if len(set(where)) > 4 else "")
+                         + "; -archive_fields all keeps every one")
+    contact, scene = branch.contact, branch.scene
+    if scene.isolated:
+        raise InputError(f"{record.path} has the last points of an isolated contact to go on from: "
+                         "its fields do not hold the displacement of the body as a whole")
+    field = record.field("displacement", point)
+    sizes = [scene.scale(unit)[0] for unit in ("u_n,r", *["u_t,r"] * (len(field) - 1))]
+    scaled = field.reshape(len(field), -1) * (contact.ranges[:len(field)] / sizes)[:, None]
+    return State(contact.grid.whole, scaled, contact.grid.mean(scaled))

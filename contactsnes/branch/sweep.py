@@ -1,0 +1,212 @@
+"""Studies of parameters: a scene with many values, each run in a process of its own and kept in an
+archive, so that a study that was interrupted goes on where it was."""
+
+import itertools
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import fields as fields_of
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from ..options.database import database
+from ..options.fields import InputError, as_text, nearest
+from ..output import resuming
+from ..output.extras import extra
+from ..output.reading import read
+from ..scene.load import Load
+from ..scene.scene import Scene
+from ..scene.steps import Form, Output, Steps
+from ..scene.units import DERIVED
+
+OURS = tuple(cls.prefix for cls in (Scene, Load, Steps, Form, Output))
+
+
+class Sweep(Mapping):
+    """Records of a study by the values of its parameters: a value, or a tuple of several.
+
+    Attributes
+    ----------
+    parameters : dict, name -> values
+    folder : pathlib.Path of the archives
+    failures : dict, values -> why the run ended early; what it reached is in its record, if any
+    """
+
+    def __init__(self, parameters, folder):
+        self.parameters, self.folder, self.failures = parameters, folder, {}
+        self._records = {}
+
+    def __getitem__(self, values):
+        return self._records[values]
+
+    def __iter__(self):
+        return iter(self._records)
+
+    def __len__(self):
+        return len(self._records)
+
+    def __repr__(self):
+        names = ", ".join(f"{name} of {len(values)} values"
+                          for name, values in self.parameters.items())
+        failed = f", {len(self.failures)} ended early" * bool(self.failures)
+        return f"<Sweep over {names}: {len(self)} runs in {self.folder}{failed}>"
+
+    def take_in(self, values, path, reason):
+        """Add the run of some values: the path of its archive, and why it ended early, if it did.
+
+        Parameters
+        ----------
+        values : a value or a tuple of several
+        path : pathlib.Path
+        reason : str, empty where the run came to its end
+        """
+        if reason:
+            self.failures[values] = reason
+        if path.is_file() and (record := read(path)).points:
+            self._records[values] = record
+
+    def take(self, name, pick=lambda column: column[-1]):
+        """One number a run, an array: by default the last one of a column; nan where a run has no
+        points.
+
+        Parameters
+        ----------
+        name : str, a column
+        pick : function (array) -> number, for instance max
+        """
+        return np.array([pick(self[values][name]) if values in self else np.nan
+                         for values in _cases(self.parameters)])
+
+
+def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields="none",
+          progress=True, **parameters):
+    """Run a scene with all combinations of values of parameters; runs that are done already in the
+    folder are taken from there, others go on.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load, as it is typed: in SI where the scene is
+    folder : of the archives, one a run, made if it is missing
+    jobs : int, runs at a time, each in a process of its own; more than one need joblib, of the
+        extra ``sweep``
+    steps, form : Steps and Form, optional
+    fields : as ``-archive_fields``
+    progress : bool, whether to show a bar
+    parameters : values of options by name, as they are typed: those of the scene without a prefix
+        (normal_maugis=[1, 2]), others with theirs (load_path=[...])
+
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    InputError : before any run, for a name or a value that is not allowed
+    """
+    joblib, options = _joblib(jobs), _words(load, steps or Steps(), form or Form()) | _petsc()
+    parameters = {name: list(values) for name, values in parameters.items()}
+    options["archive_fields"] = fields
+    found, cases = Sweep(parameters, Path(folder)), _cases(parameters)
+    tasks = [(values, _scene_words(scene, case) | options | _others(case),
+              found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
+    found.folder.mkdir(parents=True, exist_ok=True)
+    # The processes are the runs' own: here threads wait for them.
+    ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
+        joblib.delayed(_run)(*task) for task in tasks) if joblib else (_run(*task)
+                                                                       for task in tasks))
+    for values, path, reason in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
+        found.take_in(values, path, reason)
+    return found
+
+
+def _joblib(jobs):
+    """The library that runs several jobs, None for one; InputError for another number."""
+    if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
+        raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
+    return extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
+
+
+def _cases(parameters):
+    """Values, one or a tuple -> the parameters by name, of all combinations."""
+    if not parameters:
+        raise InputError("a sweep needs values of a parameter: for instance normal_maugis=[1, 2]")
+    return {values if len(values) > 1 else values[0]: dict(zip(parameters, values))
+            for values in itertools.product(*parameters.values())}
+
+
+def _run(values, words, path, jobs):
+    """Run a case in a process unless it is done; (values, path of its archive, why it ended early
+    or an empty text)."""
+    if _is_done(path, words):
+        return values, path, ""
+    arguments = [part for name, value in words.items()
+                 for part in ([f"-{name}", value] if value else [f"-{name}"])]
+    one = {"OMP_NUM_THREADS": "1"} if jobs > 1 else {}
+    done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file",
+                           str(path), "-archive_resume"], capture_output=True, text=True,
+                          check=False, env={**os.environ, **one, "PYTHONPATH": os.pathsep.join(
+                              filter(None, sys.path))})
+    said = [line for line in done.stderr.splitlines() if "error: " in line]
+    return values, path, "" if done.returncode == 0 else (
+        said[-1].partition("error: ")[2] if said else f"exit status {done.returncode}")
+
+
+def _is_done(path, words):
+    """Whether an archive is the complete one of a case: what differs otherwise is for the run to
+    refuse or to go on with."""
+    if not path.is_file() or not (record := read(path)).complete:
+        return False
+    made = resuming.entries(record.options)
+    return all(made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
+
+
+def _words(*instances):
+    """Name -> text of the options of instances that are no defaults."""
+    return {instance.option_name(field.name)[1:]: as_text(getattr(instance, field.name))
+            for instance in instances for field in fields_of(instance)
+            if getattr(instance, field.name) != field.default}
+
+
+def _scene_words(scene, case):
+    """Options of a scene with some values changed, as they are typed; InputError for one that is
+    not allowed."""
+    known = {field.name: field for field in fields_of(Scene)}
+    for name in case:
+        if name not in known and not name.startswith(OURS):
+            guess = nearest(name, known)
+            raise InputError(f"{name} is no option of scenes"
+                             + (f": did you mean {guess}?" if guess else ""))
+    derived = set(DERIVED) if scene.units == "si" else set()
+    given = {name: scene.as_typed(name) for name, field in known.items()
+             if getattr(scene, name) != field.default and name not in derived}
+    given |= {name: _plain(value) for name, value in case.items() if name in known}
+    Scene.typed(**given)
+    return {f"scene_{name}": as_text(value) for name, value in given.items()}
+
+
+def _others(case):
+    """Options of a case that are none of scenes."""
+    return {name: as_text(_plain(value)) for name, value in case.items() if name.startswith(OURS)}
+
+
+def _plain(value):
+    """A number of NumPy as Python's."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _petsc():
+    """PETSc's own options in this process, if it has started."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return {}
+    return {name: value for name, value in database().items() if not name.startswith(OURS)}
+
+
+def _stem(case):
+    """The name of a case's archive."""
+    name = "-".join(f"{name}={as_text(_plain(value))}" for name, value in case.items())
+    return re.sub(r"[^\w.,=+-]+", "_", name)

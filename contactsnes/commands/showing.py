@@ -1,0 +1,158 @@
+"""The commands that show archives, without PETSc: plot, and how its like are asked."""
+
+import errno
+import os
+
+from ..options.fields import InputError
+from ..options.help import entries_of
+from ..options.words import asks_for_help, read_words
+from ..output import tabular
+from ..output.asked import (
+    ExportOptions,
+    MovieOptions,
+    PlotOptions,
+    ReportOptions,
+    TableOptions,
+)
+from ..output.files import WriteError
+from .speech import complain, told
+
+PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
+        "points": ("plot_points", None)}
+"""Older and shorter names of options of plot."""
+
+
+def usage(command, what, cls):
+    """Help on a command that takes archives."""
+    return "\n".join([f"usage: contactsnes {command}", "", what, "", *entries_of(cls)])
+
+
+def asked_for(arguments, cls, text, others=None):
+    """(paths of archives, options) of a command line, or (None, the exit status) where help was
+    asked for.
+
+    Parameters
+    ----------
+    arguments : list of str
+    cls : dataclass of options
+    text : str, the help
+    others : mapping, as of `read_words`
+    """
+    if asks_for_help(arguments):
+        return None, told(text)
+    paths, asked = read_words(arguments, cls, others)
+    if not paths:
+        raise InputError(f"no archive is named; {text.splitlines()[0]}")
+    return paths, asked
+
+
+def writing(path, make):
+    """What a function makes of an archive; WriteError or InputError where files cannot be
+    written."""
+    os.environ.pop("MPLBACKEND", None)  # files are written, no backend has a say
+    try:
+        return make()
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+        raise (WriteError if full else InputError)(
+            f"what is made of {path} cannot be written: {error}") from None
+
+
+def plot(arguments):
+    """``contactsnes plot``: figures of archives, or of the surface of a scene."""
+    if any(word.endswith(".opts") or word.startswith("-scene_") for word in arguments):
+        from .surface import plot_surface
+
+        os.environ.pop("MPLBACKEND", None)
+        return plot_surface(arguments)
+    text = usage("plot RUN.h5 ... [-plot_option value] ...",
+                 "Figures of archives, beside them.", PlotOptions)
+    paths, asked = asked_for(arguments, PlotOptions, text, PLOT)
+    if paths is None:
+        return asked
+
+    def make():
+        from ..output.figures.plot import draw
+
+        groups = [asked.together] if asked.together else paths
+        for name, drawn in zip(groups, draw(paths, asked)):
+            told(*drawn.files, *(f"no figure {kind} of {name}: {why}"
+                                 for kind, why in drawn.skipped.items()))
+
+    writing(", ".join(paths), make)
+    return told()
+
+
+def table(arguments):
+    """``contactsnes table``: numbers of archives."""
+    text = usage("table RUN.h5 ... [-option value] ...",
+                 "Numbers of archives as one table, a row a point or a run.", TableOptions)
+    paths, asked = asked_for(arguments, TableOptions, text)
+    if paths is None:
+        return asked
+    found = tabular.tabulate(paths, asked)
+    for note in found.notes:
+        complain("warning", note)
+    written = writing(", ".join(paths), lambda: tabular.write_table(paths, found, asked))
+    return told(written or tabular.as_csv(found, asked.units).rstrip("\n"))
+
+
+def export(arguments):
+    """``contactsnes export``: fields of archives for ParaView."""
+    def write(path, asked):
+        from ..output.vtk import write_vtk
+
+        return write_vtk(path, asked)
+
+    return _each(arguments, "export", "Fields of archives in files of VTK (VTKHDF), which ParaView "
+                 "opens.", ExportOptions, write)
+
+
+def report(arguments):
+    """``contactsnes report``: a page on an archive."""
+    def write(path, asked):
+        from ..output.report.page import write_report
+
+        return write_report(path, asked)
+
+    return _each(arguments, "report", "Curves, fields, events and certificates of archives as "
+                 "pages of HTML, which need nothing else; made by plotly, of the extra [report].",
+                 ReportOptions, write)
+
+
+def movie(arguments):
+    """``contactsnes movie``: an archive in motion."""
+    def write(path, asked):
+        from ..output.figures.movie import write_movie
+
+        return write_movie(path, asked)
+
+    return _each(arguments, "movie", "Profiles or maps of archives along their load paths.",
+                 MovieOptions, write)
+
+
+def _each(arguments, command, what, cls, write):
+    """A command that makes one file of each archive.
+
+    Parameters
+    ----------
+    arguments : list of str
+    command, what : str, its name, and what it is for
+    cls : dataclass of its options
+    write : function (path, options) -> path of the file
+    """
+    text = usage(f"{command} RUN.h5 ... [-option value] ...", what, cls)
+    paths, asked = asked_for(arguments, cls, text)
+    if paths is None:
+        return asked
+    _one_output(paths, asked)
+    for path in paths:
+        told(writing(path, lambda: write(path, asked)))
+    return told()
+
+
+def _one_output(paths, asked):
+    """InputError where several archives would be shown in one file."""
+    if len(paths) > 1 and asked.output:
+        raise InputError(f"-output is '{asked.output}', but {len(paths)} archives are named: leave "
+                         "it out, or show them one by one")

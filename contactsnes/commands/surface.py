@@ -1,0 +1,37 @@
+"""The surface of a scene, drawn before it is solved: ``contactsnes plot SCENE.opts``."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ..interface import gap, shapes
+from ..options.fields import InputError
+from .session import start_petsc
+from .speech import complain
+from .summary import seam_sentences
+
+
+def plot_surface(arguments):
+    """Draw the gap of the scene that arguments stand for; the path of the figure."""
+    from ..output.figures.surface import draw_surface
+
+    scene = start_petsc(arguments).scene
+    if scene.isolated:
+        raise InputError("-scene_period is 'inf': what is drawn is the gap over a cell; give it a "
+                         "finite period")
+    axes = [(np.arange(n) - n // 2) * spacing for n, spacing in zip(scene.shape, scene.spacings)]
+    nodes = np.meshgrid(*axes, indexing="ij", sparse=True)
+    shape, (length, unit), (height, depth) = (shapes.of(scene), scene.scale("beta"),
+                                              scene.scale("u_n,r"))
+    try:
+        found = gap.initial_gap(shape, nodes, scene)
+    except (OSError, ValueError) as error:
+        raise error if isinstance(error, InputError) else InputError(str(error)) from None
+    files = [argument for argument in arguments if argument.endswith(".opts")]
+    stem = Path(files[0]).stem if files else scene.geometry
+    title = Path(scene.geometry_file).name if scene.geometry == "file" else scene.geometry
+    print(draw_surface(f"{stem}-surface.png", [length * axis for axis in axes], height * found,
+                       (unit, depth), f"{title}, {' x '.join(map(str, scene.shape))} points"))
+    for sentence in seam_sentences(scene):
+        complain("warning", sentence)
+    return 0

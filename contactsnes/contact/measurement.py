@@ -1,0 +1,179 @@
+"""A point in its contact, looked at: gap, traction and outline of the contact, and its fields."""
+
+from functools import cached_property
+
+import numpy as np
+
+from ..grid.cell import Convolution
+from ..grid.contours import first_largest
+from ..grid.outlines import outline
+from . import states
+
+
+class Measurement:
+    """A point in its contact, with gap and traction on its window evaluated once (ranges of the
+    law).
+
+    Parameters
+    ----------
+    contact : Contact
+    point : Point
+
+    Attributes
+    ----------
+    gap : array (components, nodes): normal a, tangential b
+    traction : array (components, nodes)
+    """
+
+    def __init__(self, contact, point):
+        self.contact = contact
+        self.point = point
+        self.grid = contact.grid
+        self.state, self.window = point.state, point.state.window
+        self.components = len(point.controls)
+        self.gap, self.traction = contact.evaluated(point.state)
+
+    @cached_property
+    def in_contact(self):
+        """Mask of the nodes in contact."""
+        return self.gap[0] < self.contact.scene.contact_threshold
+
+    @cached_property
+    def outline(self):
+        """`Outline` of the contact, beta."""
+        return outline(self.window, self.gap[0], self.contact.scene.contact_threshold)
+
+    @cached_property
+    def _sticking(self):
+        """Below 0 at the nodes in contact that stick, (nodes); whether some slip, and some
+        stick."""
+        scene, peak = self.contact.scene, self.contact.law.slip_peak
+        slip = np.einsum("in,in->n", self.gap[1:], self.gap[1:]) / peak ** 2 - 1.0
+        inside = slip[self.in_contact]
+        return (np.maximum(self.gap[0] / scene.contact_threshold - 1.0, slip),
+                bool((inside >= 0.0).any()), bool((inside < 0.0).any()))
+
+    @cached_property
+    def stuck(self):
+        """`Outline` of the part of the contact where the slip is short of the law's peak, beta."""
+        return outline(self.window, self._sticking[0], 0.0)
+
+    @cached_property
+    def stick_area(self):
+        """Length or area where the slip in contact is short of the law's peak."""
+        slips, sticks = self._sticking[1:] if self.components > 1 else (False, True)
+        if not (slips and sticks):
+            return self.contact_area() if sticks else 0.0
+        return min(self.contact_area(), self.window.area_below(self._sticking[0], 0.0))
+
+    def component(self, values, index):
+        """The value of a component, 0 where the leg has no such unknown."""
+        return float(values[index]) if index < self.components else 0.0
+
+    def mean(self, index):
+        """Mean displacement over the cell, u_n,r or u_t,r; around an isolated contact that is the
+        displacement far away."""
+        if self.contact.isolated:
+            return self.component(self.contact.signs(self.components) * self.point.displacements,
+                                  index)
+        return self.component(self.state.means, index) / self.contact.ranges[index]
+
+    def energy(self, name):
+        """An energy or work of the point; nan where it is that of a displacement which is not
+        defined."""
+        undefined = self.contact.datum if name in ("elastic_energy", "external_work") else 0.0
+        return getattr(self.point, name) + undefined
+
+    def contact_area(self):
+        """Length or area where the gap is below the contact threshold."""
+        return self._area
+
+    @cached_property
+    def _area(self):
+        """`contact_area`, once."""
+        return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
+
+    def minimum_gap(self):
+        """Smallest normal gap of the cell, u_n,r."""
+        smallest = self.grid.minimum(self.gap[0])
+        if smallest >= self.contact.law.range and not self.window.is_whole:
+            smallest = self.grid.minimum(self.contact.extended(self.state)[0]
+                                         + self.contact.initial_gap)
+        return float(smallest / self.contact.ranges[0])
+
+    def maximum_pressure(self):
+        """Largest compressive normal traction, p_n,r."""
+        return float(self.grid.maximum(-self.traction[0], initial=0.0))
+
+    def maximum_tangential_gap(self):
+        """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
+        if self.components == 1:
+            return 0.0
+        inside = np.linalg.norm(self.gap[1:, self.in_contact], axis=0)
+        edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
+        largest = max(self.grid.maximum(slip, initial=0.0)
+                      for slip in (inside, np.linalg.norm(edge, axis=0)))
+        return float(largest / self.contact.ranges[1])
+
+    def maximum_tangential_traction(self):
+        """Largest tangential traction, p_t,r."""
+        if self.components == 1:
+            return 0.0
+        return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
+
+    def fields(self):
+        """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest
+        window, (components of the scene, *box)."""
+        scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
+        displacement, traction = np.zeros((2, scene.components, *self.grid.shape))
+        displacement[:self.components] = self.contact.extended(self.state)
+        displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
+        self.window.put(self.traction, traction[:self.components])
+        traction *= np.reshape(_sizes(scene, "p"), each)
+        fields = ((displacement, traction) if self._null_or_leading() is None
+                  else (displacement, traction, self._mode()))
+        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
+
+    def _null_or_leading(self):
+        """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode
+        was looked for, or None."""
+        point = self.point
+        if point.mode is not None:
+            return point.mode, point.leading_eigenvalue
+        return (point.tangents[0].state, 0j) if len(point.tangents) == 1 else None
+
+    def _mode(self):
+        """The leading mode (real part of a complex one), ranges of the law over its largest value,
+        (components of the scene, *cell).
+
+        Beyond the window no traction changes: there (s - 1) v = C D v, but for a constant.
+        """
+        contact = self.contact
+        grid = self.grid
+        (mode, eigenvalue) = self._null_or_leading()
+        rate = eigenvalue - 1.0
+        field = np.zeros((contact.scene.components, *grid.shape))
+        window, inside = mode.window, field[:self.components]
+        gap = states.onto(self.state, window).copy()
+        tangent = np.zeros((self.components, self.components, window.size))
+        gap[0] += window.take(contact.initial_gap)
+        contact.law.evaluate(gap, np.empty_like(gap), tangent)
+        if not window.is_whole and rate.imag == 0.0 and abs(rate) > 1e-6:
+            window.put(np.einsum("ijn,jn->in", tangent, mode.displacement), inside)
+            flat = inside.reshape(self.components, -1)
+            Convolution(grid.whole, contact.operator(self.components),
+                        self.components).apply(flat, flat)
+            inside /= rate.real
+            rim = window.rim()
+            inside += np.mean((mode.displacement - window.take(inside))[:, rim],
+                              axis=1).reshape(-1, *[1] * len(grid.shape))
+        window.put(mode.displacement, inside)
+        return field / np.copysign(np.max(np.abs(field)),
+                                   field.flat[first_largest(field.reshape(-1))])
+
+
+def _sizes(scene, symbol):
+    """Sizes of the units of displacement ('u') or traction ('p') of each component in what the
+    scene is told in."""
+    return np.array([scene.scale(f"{symbol}_n,r")[0],
+                     *[scene.scale(f"{symbol}_t,r")[0]] * scene.dimension])

@@ -1,0 +1,114 @@
+"""Outlines of where values on a window lie below a level: intervals of a line, oriented pieces of
+curves on a plane; and what follows from them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .contours import crossings, cut_patches, refined, ringed
+
+
+class Outline(NamedTuple):
+    """Where values lie below a level.
+
+    Attributes
+    ----------
+    ends : array (pieces, 2, directions), beta: on a line left and right end of each interval, on a
+        plane ends of straight pieces of the edge, the inside on their left
+    around : whether it meets itself around the cell in each direction
+    """
+
+    ends: np.ndarray
+    around: tuple
+
+    def extent(self, axis):
+        """First and last place along a direction, beta; nan where there is none, or it goes around
+        the cell."""
+        if not len(self.ends) or self.around[axis]:
+            return np.nan, np.nan
+        return float(self.ends[..., axis].min()), float(self.ends[..., axis].max())
+
+    def length(self):
+        """Length of the edge on a plane, beta."""
+        return float(np.sum(np.linalg.norm(self.ends[:, 1] - self.ends[:, 0], axis=-1)))
+
+    def centroid(self, axis):
+        """Centroid of the inside along a direction, beta; nan as for `extent`. On a plane by
+        Green's theorem: A x = closed integral of x^2/2 dy."""
+        if not len(self.ends) or any(self.around):
+            return np.nan
+        first, last = self.ends[:, 0], self.ends[:, 1]
+        if self.ends.shape[-1] == 1:
+            return float(np.sum(last ** 2 - first ** 2) / (2.0 * np.sum(last - first)))
+        middle = np.mean([first[:, axis].min(), first[:, axis].max()])
+        x, run = first[:, axis] - middle, last[:, axis] - first[:, axis]
+        other = 1 - axis
+        rise = (last - first)[:, other] * (1.0 if axis == 0 else -1.0)
+        area = np.sum((x + 0.5 * run) * rise)
+        return float(middle + np.sum((x ** 2 + x * run + run ** 2 / 3.0) * rise) / (2.0 * area))
+
+
+def outline(window, values, level):
+    """The `Outline` of values (nodes) on a window, of one box or several.
+
+    Parameters
+    ----------
+    window : Window or Spots
+    values : array (nodes,)
+    level : float, unit of the values
+    """
+    boxes = np.reshape(values, (len(window.parts), *window.parts[0].shape))
+    made = _intervals if boxes.ndim == 2 else _pieces
+    ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
+    around = tuple(closed and any(np.any(np.take(box, [0, -1], axis) < level) for box in boxes)
+                   for axis, closed in enumerate(window.parts[0].closed))
+    return Outline(np.concatenate(ends), around)
+
+
+def _places(part, places):
+    """Coordinates, beta, of places in nodes of a box, array (..., directions)."""
+    first = np.subtract(part.start, np.floor_divide(part.grid.shape, 2))
+    return (places + first) * np.array(part.grid.spacings)
+
+
+def _intervals(part, box, level):
+    """Intervals of a line where a box (nodes) is below a level, cubic between nodes."""
+    box = np.append(box, box[0]) if part.is_whole else box
+    places, _ = crossings(box, level)
+    ends = [*([0.0] if box[0] < level else []), *places,
+            *([len(box) - 1.0] if box[-1] < level else [])]
+    return _places(part, np.reshape(ends, (-1, 2, 1)))
+
+
+def _pieces(part, box, level):
+    """Straight pieces of the edge of where a box (x, y) is below a level: bicubic within squares of
+    the grid, linear within triangles of their eighths."""
+    _, corners, patches = cut_patches(ringed(box, part.closed), level)
+    values = refined(patches, 8)
+    count = values.shape[-1]
+    fine = np.stack(np.meshgrid(*[np.arange(count) / (count - 1)] * 2, indexing="ij"), axis=-1)
+    places = np.asarray(corners).T[:, None, None, :] + fine
+    a, b, c, d = ((values[s], places[(*s, slice(None))]) for s in (
+        np.s_[:, :-1, :-1], np.s_[:, 1:, :-1], np.s_[:, 1:, 1:], np.s_[:, :-1, 1:]))
+    triangles = [_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))]
+    return _places(part, np.concatenate(triangles))
+
+
+def _crossed(values, places):
+    """Where planes through three corners, counter-clockwise, vanish: (pieces, 2, 2), negative
+    values on their left."""
+    negative = np.stack([value < 0.0 for value in values], axis=-1)
+    count = negative.sum(axis=-1)
+    cut = (count == 1) | (count == 2)
+    negative, count = negative[cut], count[cut]
+    values = np.stack([value[cut] for value in values], axis=-1)
+    places = np.stack([place[cut] for place in places], axis=-2)
+    alone = np.argmax(negative == (count == 1)[:, None], axis=-1)
+    rows, ends = np.arange(len(alone)), []
+    for step in (1, 2):
+        other = (alone + step) % 3
+        part = values[rows, alone] / (values[rows, alone] - values[rows, other])
+        ends.append(places[rows, alone] + part[:, None] * (places[rows, other]
+                                                           - places[rows, alone]))
+    one, two = np.stack(ends, axis=1), np.stack(ends[::-1], axis=1)
+    return np.where((count == 1)[:, None, None], one, two)

@@ -1,0 +1,168 @@
+"""Files of heights, as they are: numbers, and the size and unit that they tell. Files are data:
+nothing in them is executed."""
+
+import importlib.util
+import warnings
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..system.devices import failure
+
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
+"""Unit of heights -> metres."""
+OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
+"""Units as files write them."""
+UNEVEN = 0.02
+"""Part of a step by which places of points may miss a regular grid."""
+EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or install "
+         "SurfaceTopography (pip install 'contactsnes[surfaces]'), which reads the files of "
+         "instruments")
+
+
+class Heights(NamedTuple):
+    """Heights of a file (nan where there are none), its size in each direction and its unit, None
+    where it does not tell.
+
+    The size is in the unit of the heights.
+    """
+
+    values: np.ndarray
+    size: tuple = None
+    unit: str = None
+
+
+def read(specification):
+    """The `Heights` of ``FILE.suffix`` or ``FILE.h5:dataset``.
+
+    FileNotFoundError or ValueError, which name the option, where they cannot be had.
+    """
+    option = f"-scene_geometry_file {specification}"
+    filename, suffix, dataset = split(str(specification))
+    reader = READERS.get(suffix, _read_instrument)
+    if reader is _read_instrument and importlib.util.find_spec("SurfaceTopography") is None:
+        raise ValueError(f"{option}: unknown kind of file; {EXTRA}.")
+    if not Path(filename).is_file():
+        raise FileNotFoundError(
+            f"{option}: there is no file {filename}; check the name and the directory.")
+    why = failure(lambda: reader(filename, dataset)) if suffix == ".h5" else ""
+    try:
+        if why:
+            raise ValueError(why)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of files without a number
+            found = reader(filename, dataset)
+    except Exception as error:  # a damaged file: whatever it makes of itself
+        raise ValueError(f"{option}: cannot be read ({error}).") from None
+    found = found if isinstance(found, Heights) else Heights(np.asarray(found))
+    if found.values.dtype.kind not in "fiu":
+        raise ValueError(f"{option}: holds {found.values.dtype} instead of real numbers.")
+    if found.values.size == 0 or found.values.ndim not in (1, 2):
+        raise ValueError(f"{option}: holds an array of shape {found.values.shape} "
+                         "instead of heights on a line or a plane.")
+    return found
+
+
+def split(specification):
+    """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
+    stem, separator, dataset = specification.partition(".h5:")
+    filename = stem + ".h5" if separator else specification
+    return filename, Path(filename).suffix.lower(), dataset
+
+
+def _read_dataset(filename, dataset):
+    """A dataset of an HDF5 file."""
+    import h5py  # needed for this kind of file only
+
+    with h5py.File(filename, "r") as file:
+        if not isinstance(file.get(dataset or "/"), h5py.Dataset):
+            raise KeyError(f"there is no dataset '{dataset}'; write FILE.h5:dataset, "
+                           f"at the top level there are: {', '.join(file) or 'none'}")
+        return file[dataset][()]
+
+
+def _read_table(filename, _=""):
+    """Rows of numbers, separated by blanks, tabulators, semicolons or commas, after lines that are
+    none; an empty cell is a hole."""
+    lines = Path(filename).read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    lines = [line.split("#")[0].rstrip(" \r") for line in lines]
+    first = next((place for place, line in enumerate(lines) if _is_row(line)), len(lines))
+    rows = [line for line in lines[first:] if line.strip()]
+    if not rows:
+        raise ValueError("there are no numbers in it")
+    separator = _separator(rows[-1])
+    if separator == ";":
+        rows = [row.replace(",", ".") for row in rows]
+    try:
+        return np.squeeze(np.loadtxt(rows, delimiter=separator, ndmin=2))
+    except ValueError:
+        return np.squeeze(np.genfromtxt(rows, delimiter=separator, ndmin=2))
+
+
+def _separator(row):
+    """What separates the numbers of a row; None for blanks."""
+    return next((sign for sign in (";", "\t", ",") if sign in row), None)
+
+
+def _is_row(line):
+    """Whether a line has numbers, or empty cells, and nothing else."""
+    separator = _separator(line)
+    cells = line.replace(",", ".").split(separator) if separator == ";" else line.split(separator)
+    try:
+        return [float(cell) for cell in cells if cell.strip()] != []
+    except ValueError:
+        return False
+
+
+def _read_points(filename, _=""):
+    """Points x y z of a regular grid in any order (x z of a line); places without one are holes."""
+    table = np.atleast_2d(_read_table(filename))
+    if table.ndim != 2 or table.shape[1] not in (2, 3):
+        raise ValueError(f"it has {table.shape[-1]} columns; x y z, or x z of a line, are wanted")
+    table = table[np.isfinite(table[:, :-1]).all(axis=1)]
+    numbers, shape, size = [], [], []
+    for name, places in zip("xy", table[:, :-1].T):
+        number, step = _grid_numbers(places, name)
+        numbers.append(number)
+        shape.append(int(number.max()) + 1)
+        size.append(step * shape[-1])
+    if np.prod(shape) > 16 * len(table) + 1024:
+        raise ValueError(f"its {len(table)} points lie on no regular grid")
+    values = np.full(shape, np.nan)
+    values[tuple(numbers)] = table[:, -1]
+    return Heights(values, tuple(size))
+
+
+def _grid_numbers(places, name):
+    """Numbers of places on a regular grid, and its step."""
+    found = np.unique(places)
+    steps = np.diff(found)
+    steps = steps[steps > 1e-6 * np.ptp(found)]
+    if not len(steps):
+        raise ValueError(f"all points have the same {name}")
+    step = float(np.median(steps[steps < 1.5 * steps.min()]))
+    numbers = (places - found[0]) / step
+    if np.max(np.abs(numbers - np.rint(numbers))) > UNEVEN * max(1.0, 1e-3 * numbers.max()):
+        raise ValueError(f"its points are not evenly spaced along {name}")
+    return np.rint(numbers).astype(int), step
+
+
+def _read_instrument(filename, _=""):
+    """What SurfaceTopography makes of a file: its first channel, with size, unit and holes."""
+    from SurfaceTopography import open_topography
+
+    with open_topography(filename) as reader:
+        found = reader.topography()
+    values = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan)
+    unit = OWN_NAMES.get(found.unit, found.unit)
+    if unit is not None and unit not in UNITS:
+        raise ValueError(f"its unit is {unit}; known are {', '.join(UNITS)}")
+    return Heights(values, tuple(map(float, found.physical_sizes)), unit)
+
+
+READERS = {
+    ".npy": lambda filename, _: np.load(filename, allow_pickle=False),
+    ".txt": _read_table, ".csv": _read_table, ".asc": _read_table, ".dat": _read_table,
+    ".xyz": _read_points, ".h5": _read_dataset,
+}

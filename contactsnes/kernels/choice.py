@@ -1,0 +1,111 @@
+"""Which transforms and laws a contact computes with: those of the library, or NumPy's."""
+
+import os
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from ..grid.cell import Transform
+from ..grid.counter import Counter
+from ..grid.even import Cosines
+from . import library
+
+
+def default_cache():
+    """The folder for what is kept between runs, where none is named."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "contactsnes"
+
+
+class Interpreted:
+    """NumPy's forms and SciPy's transforms, and why.
+
+    Attributes
+    ----------
+    reason : why the library is left out, in words
+    law_reason : None; of `Compiled`, why its last law is not compiled
+    """
+
+    compiled = False
+    real, even, law_reason = Transform, Cosines, None
+
+    def __init__(self, reason):
+        self.reason = reason
+
+    def law(self, law):
+        """The law as it is."""
+        return law
+
+
+class Cell(NamedTuple):
+    """What a transform asks of a grid: the cell's points, and who counts."""
+
+    shape: tuple
+    counter: Counter
+
+
+class Compiled:
+    """The library's transforms, a few of which are kept for all that takes them in turn.
+
+    Parameters
+    ----------
+    cache : folder for what is kept between runs
+    """
+
+    compiled, reason = True, None
+
+    def __init__(self, cache):
+        from . import fftw, transforms
+
+        self._cache, self.law_reason = cache, None
+        fftw.remember(cache)
+        self._kinds = transforms.Real, transforms.Cosines
+        self._kept = lru_cache(maxsize=24)(self._make)
+
+    def _make(self, even, cell, shape, count):
+        return self._kinds[even](cell, shape, count)
+
+    def real(self, grid, shape, count):
+        """A transform as `grid.cell.Transform`, whose memory others use between two calls.
+
+        Parameters
+        ----------
+        grid, shape, count : as of that
+        """
+        return self._charged(False, grid, shape, count)
+
+    def even(self, grid, shape, count):
+        """A transform as `grid.even.Cosines`, whose memory others use between two calls.
+
+        Parameters
+        ----------
+        grid, shape, count : as of that
+        """
+        return self._charged(True, grid, shape, count)
+
+    def _charged(self, even, grid, shape, count):
+        made = self._kept(even, Cell(grid.shape, grid.counter), tuple(shape), count)
+        made.charge()
+        return made
+
+    def law(self, law):
+        """The law evaluated in C; as it is where it cannot be."""
+        from .laws import with_kernel
+
+        try:
+            law, self.law_reason = with_kernel(law, self._cache), None
+        except library.Unavailable as error:
+            self.law_reason = str(error)
+        return law
+
+
+def chosen(wanted=True, cache=None):
+    """What contacts compute with.
+
+    Parameters
+    ----------
+    wanted : bool, whether the library is, where there is one
+    cache : folder for what is kept between runs; None: the user's own
+    """
+    reason = library.reason() if wanted else "-contact_kernels is off"
+    return Interpreted(reason) if reason else Compiled(Path(cache or default_cache()))

@@ -1,0 +1,92 @@
+"""Plans of FFTW for the library's transforms, and what it learned about them, kept in a file."""
+
+import atexit
+import ctypes
+import os
+from ctypes import POINTER, c_char_p, c_int, c_uint, c_void_p
+from functools import lru_cache
+from pathlib import Path
+
+from .library import fftw
+
+ESTIMATE, DESTROY_INPUT = 64, 1
+"""FFTW's flags: plans are estimated, not measured, since what was fastest on a busy machine would
+decide the last bits."""
+
+_state = {"file": None, "made": 0, "read": 0}
+
+
+@lru_cache(maxsize=1)
+def _calls():
+    """FFTW's functions, with their arguments."""
+    library, sizes = fftw(), POINTER(c_int)
+    arguments = [c_int, sizes, c_int, c_void_p, sizes, c_int, c_int, c_void_p, sizes, c_int, c_int,
+                 c_uint]
+    for name in ("fftw_plan_many_dft_r2c", "fftw_plan_many_dft_c2r"):
+        getattr(library, name).argtypes = arguments
+        getattr(library, name).restype = c_void_p
+    library.fftw_destroy_plan.argtypes = [c_void_p]
+    library.fftw_destroy_plan.restype = None
+    library.fftw_import_wisdom_from_filename.argtypes = [c_char_p]
+    library.fftw_export_wisdom_to_filename.argtypes = [c_char_p]
+    return library
+
+
+class Plans:
+    """A pair of plans of real transforms of ``count`` arrays, destroyed with it.
+
+    Parameters
+    ----------
+    shape : tuple of int, points in each direction
+    count : int
+    real, half : addresses of (count, *shape) doubles and of their half spectra; both plans may
+        overwrite what they read
+    """
+
+    def __init__(self, shape, count, real, half):
+        library = _calls()
+        sizes = (c_int * len(shape))(*shape)
+        points, waves = 1, shape[-1] // 2 + 1
+        for n in shape:
+            points *= n
+        waves *= points // shape[-1]
+        flags = ESTIMATE | DESTROY_INPUT
+        self.to_half = library.fftw_plan_many_dft_r2c(len(shape), sizes, count, real, None, 1,
+                                                      points, half, None, 1, waves, flags)
+        self.to_row = library.fftw_plan_many_dft_c2r(len(shape), sizes, count, half, None, 1,
+                                                     waves, real, None, 1, points, flags)
+        _state["made"] += 1
+
+    def __del__(self):
+        for plan in (getattr(self, "to_half", None), getattr(self, "to_row", None)):
+            if plan and ctypes is not None:
+                _calls().fftw_destroy_plan(plan)
+
+
+def remember(folder):
+    """Take in what earlier runs learned about plans, from a file in a folder, and keep it there at
+    the end; a folder that cannot be written costs nothing but time."""
+    file = Path(folder) / "fftw.wisdom"
+    if _state["file"] == file:
+        return
+    if _state["file"] is None:
+        atexit.register(_keep)
+    _state["file"] = file
+    if file.exists():
+        # what is not of this FFTW is not taken
+        _calls().fftw_import_wisdom_from_filename(os.fsencode(file))
+    _state["read"] = _state["made"]
+
+
+def _keep():
+    """Write the file, whole or not at all, if plans were made."""
+    file = _state["file"]
+    if _state["made"] - _state["read"] < 2:
+        return
+    part = file.with_name(f"{file.name}.{os.getpid()}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        if _calls().fftw_export_wisdom_to_filename(os.fsencode(part)):
+            os.replace(part, file)
+    except OSError:
+        pass

@@ -1,0 +1,327 @@
+/* The displacement form, v + C t(a + v) - vbar = 0 (contact/forms.py), with the scales of even states
+   (contact/even_form.py), and the row and column of arc length (contact/bordered.py). */
+#include "kernels.h"
+#include <math.h>
+#include <string.h>
+
+enum { PART = 256 }; /* nodes of which the law's numbers stay in the processor's nearest memory */
+
+CLONES static void sheared_part(const Law *law, long components, long nodes, long at, long n,
+                         const double *gap, double *traction, double *tangent)
+{
+    double slip[PART], normal[PART], secant[PART], na[PART], nb[PART], sa[PART], sb[PART];
+    const double *s[MOST] = {0};
+    for (long k = 0; k < n; k++) slip[k] = 0.0;
+    for (long i = 1; i < components; i++) {
+        s[i] = gap + i * nodes + at;
+        for (long k = 0; k < n; k++) slip[k] += s[i][k] * s[i][k];
+    }
+    for (long k = 0; k < n; k++) slip[k] = sqrt(slip[k]);
+    law->sheared(n, law->parameters, gap + at, slip, normal, secant, na, nb, sa, sb);
+    if (tangent) memcpy(tangent + at, na, n * sizeof *na);
+    for (long i = 1; i < components && tangent; i++) {
+        double *restrict weakening = tangent + i * nodes + at;
+        double *restrict opening = tangent + i * components * nodes + at;
+        for (long k = 0; k < n; k++) {
+            weakening[k] = nb[k] * s[i][k];
+            opening[k] = sa[k] * s[i][k];
+        }
+        for (long j = 1; j < components; j++) {
+            double *restrict slipping = tangent + (i * components + j) * nodes + at;
+            for (long k = 0; k < n; k++) slipping[k] = sb[k] * s[i][k] * s[j][k];
+            for (long k = 0; k < n && i == j; k++) slipping[k] += secant[k];
+        }
+    }
+    for (long i = 1; i < components; i++)
+        for (long k = 0; k < n; k++) traction[i * nodes + at + k] = secant[k] * s[i][k];
+    memcpy(traction + at, normal, n * sizeof *normal);
+}
+
+/* Tractions and, unless null, the tangent (components, components, nodes); traction may be gap. */
+void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
+              double *tangent)
+{
+    double normal[PART], slope[PART];
+    for (long at = 0; at < nodes; at += PART) {
+        const long n = nodes - at < PART ? nodes - at : PART;
+        if (components > 1) {
+            sheared_part(law, components, nodes, at, n, gap, traction, tangent);
+            continue;
+        }
+        law->normal(n, law->parameters, gap + at, normal, slope);
+        memcpy(traction + at, normal, n * sizeof *normal);
+        if (tangent) memcpy(tangent + at, slope, n * sizeof *slope);
+    }
+}
+
+CLONES static double total(const double *restrict x, const double *restrict w, long n)
+{
+    double sum = 0.0;
+    if (w)
+        for (long k = 0; k < n; k++) sum += x[k] * w[k];
+    else
+        for (long k = 0; k < n; k++) sum += x[k];
+    return sum;
+}
+
+CLONES static void gap_of(const Form *f, const double *unknown)
+{
+    const long n = f->nodes;
+    for (long i = 0; i < f->components; i++) {
+        double *restrict g = f->work + i * n;
+        const double *restrict u = unknown + i * n, *restrict z = f->unscale, *restrict a = f->initial_gap;
+        if (z)
+            for (long k = 0; k < n; k++) g[k] = u[k] * z[k] * f->root;
+        else
+            for (long k = 0; k < n; k++) g[k] = u[k] * f->root;
+        for (long k = 0; k < n && i == 0; k++) g[k] += a[k];
+    }
+}
+
+/* Tractions into `work`; the tangent is kept for a linearisation at the same unknown, where there is
+   room for it. */
+static void tractions_at(Form *f, const double *unknown)
+{
+    gap_of(f, unknown);
+    evaluate(f->law, f->components, f->nodes, f->work, f->work, f->ahead);
+    if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
+    f->known = f->ahead != 0;
+}
+
+/* fields in `work` into the boxes of the transform, the operator times them */
+static int respond(Form *f, int transposed)
+{
+    const Response *r = f->response;
+    const long box = r->shape[0] * r->shape[1];
+    for (long i = 0; i < f->components * r->boxes; i++)
+        load_box(r->transform, i, r->shape, f->work + i * box);
+    return convolve(f->response, transposed);
+}
+
+/* out = (response - mean) factor scale + own, by component */
+CLONES static void assemble(const Form *f, const double *mean, double factor, const double *own, double *out)
+{
+    const Response *r = f->response;
+    const long c = r->shape[1];
+    long at = 0;
+    for (long i = 0; i < f->components; i++)
+        for (long b = 0; b < r->boxes; b++)
+            for (long j = 0; j < r->shape[0]; j++, at += c) {
+                const double *restrict x = row_of(r->transform, i * r->boxes + b, j);
+                const double *restrict u = own + at;
+                double *restrict o = out + at;
+                if (f->scale) {
+                    const double *restrict s = f->scale + at - i * f->nodes;
+                    for (long k = 0; k < c; k++) o[k] = (x[k] - mean[i]) * factor * s[k] + u[k];
+                } else
+                    for (long k = 0; k < c; k++) o[k] = (x[k] - mean[i]) * factor + u[k];
+            }
+}
+
+int residual(Form *f, const double *unknown, double *out)
+{
+    const long n = f->nodes, m = f->components;
+    double sum[MOST], mean[MOST];
+    f->evaluations++;
+    tractions_at(f, unknown);
+    for (long i = 0; i < m; i++) {
+        sum[i] = total(f->work + i * n, f->weight, n);
+        mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
+    }
+    int status = respond(f, 0);
+    if (status) return status;
+    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = unknown[m * n + row];
+    assemble(f, mean, 1.0 / f->root, unknown, out);
+    for (long row = 0; row < f->forced_count; row++) {
+        const long i = f->forced[row];
+        out[m * n + row] = f->row_scale[i] * sum[i] - f->target[i];
+    }
+    return 0;
+}
+
+/* Takes the tangent, that of the last residual if it was at the same unknown. */
+void linearise(Form *f, const double *unknown)
+{
+    const long m = f->components, n = f->nodes;
+    if (f->known && !memcmp(f->last, unknown, m * n * sizeof *unknown)) {
+        memcpy(f->tangent, f->ahead, m * m * n * sizeof *unknown);
+        return;
+    }
+    gap_of(f, unknown);
+    evaluate(f->law, m, n, f->work, f->work, f->tangent);
+}
+
+/* work = D vector / scale; their sums over the cell */
+CLONES static void stiffen(const Form *f, const double *vector, double *sum)
+{
+    const long n = f->nodes, m = f->components;
+    for (long i = 0; i < m; i++) {
+        double *restrict w = f->work + i * n;
+        const double *restrict d = f->tangent + i * m * n, *restrict z = f->unscale;
+        for (long k = 0; k < n; k++) w[k] = d[k] * vector[k];
+        for (long j = 1; j < m; j++) {
+            const double *restrict e = d + j * n, *restrict v = vector + j * n;
+            for (long k = 0; k < n; k++) w[k] += e[k] * v[k];
+        }
+        for (long k = 0; k < n && z; k++) w[k] *= z[k];
+        sum[i] = total(w, f->weight, n);
+    }
+}
+
+int product(Form *f, const double *vector, double *out)
+{
+    const long n = f->nodes, m = f->components;
+    double sum[MOST], mean[MOST];
+    f->products++;
+    stiffen(f, vector, sum);
+    int status = respond(f, 0);
+    if (status) return status;
+    for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] * sum[i] / f->size;
+    for (long row = 0; row < f->forced_count; row++)
+        mean[f->forced[row]] = vector[m * n + row] / f->root;
+    assemble(f, mean, 1.0, vector, out);
+    for (long row = 0; row < f->forced_count; row++) {
+        const long i = f->forced[row];
+        out[m * n + row] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + row]);
+    }
+    return 0;
+}
+
+CLONES int transposed_product(Form *f, const double *vector, double *out)
+{
+    const long n = f->nodes, m = f->components;
+    double sum[MOST], constant[MOST], none[MOST] = {0};
+    f->products++;
+    for (long i = 0; i < m; i++) {
+        double *restrict w = f->work + i * n;
+        for (long k = 0; k < n; k++) w[k] = vector[i * n + k] * (f->unscale ? f->unscale[k] : 1.0);
+        sum[i] = total(w, f->weight, n);
+        constant[i] = f->rigid[i] / f->size * sum[i];
+    }
+    for (long row = 0; row < f->forced_count; row++) {
+        const long i = f->forced[row];
+        constant[i] = f->row_scale[i] * f->root * vector[m * n + row];
+        out[m * n + row] = -sum[i] / f->root;
+    }
+    int status = respond(f, 1);
+    if (status) return status;
+    for (long i = 0; i < m; i++) none[i] = -constant[i];
+    memset(out, 0, m * n * sizeof *out);
+    assemble(f, none, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
+    for (long i = 0; i < m; i++)
+        for (long k = 0; k < n; k++) {
+            double value = vector[i * n + k];
+            for (long j = 0; j < m; j++) value += f->tangent[(j * m + i) * n + k] * f->work[j * n + k];
+            out[i * n + k] = value;
+        }
+    return 0;
+}
+
+/* ---- one more unknown, the load s, and a row for the length along the branch */
+
+static long size_of(const Form *f)
+{
+    return f->components * f->nodes + f->forced_count;
+}
+
+CLONES static double inner(const double *restrict x, const double *restrict y, long n)
+{
+    double sum = 0.0;
+    for (long k = 0; k < n; k++) sum += x[k] * y[k];
+    return sum;
+}
+
+static void set_position(const Form *f, const Arc *arc, double position)
+{
+    for (long i = 0; i < f->components; i++) {
+        const double load = arc->start[i] + position * arc->direction[i];
+        const double least = fabs(load) > 1.0 ? fabs(load) : 1.0;
+        arc->load[i] = load;
+        arc->row_scale[i] = arc->factor[i] / least;
+        arc->target[i] = load / least;
+        arc->far[i] = arc->factor[i + MOST] * load;
+    }
+}
+
+int arc_residual(Form *f, const Arc *arc, const double *unknown, double *out)
+{
+    const long n = size_of(f);
+    set_position(f, arc, unknown[n]);
+    int status = residual(f, unknown, out);
+    double gone = 0.0;
+    for (long k = 0; k < n; k++) gone += arc->tangent[k] * (unknown[k] - arc->anchor[k]);
+    out[n] = gone + arc->rate * unknown[n] - arc->length;
+    return status;
+}
+
+void arc_linearise(Form *f, const Arc *arc, const double *unknown)
+{
+    const long n = f->nodes, m = f->components;
+    set_position(f, arc, unknown[size_of(f)]);
+    linearise(f, unknown);
+    for (long i = 0; i < m; i++) {
+        const double slope = -arc->factor[i + MOST] * arc->direction[i] / f->root;
+        for (long k = 0; k < n; k++)
+            arc->load_column[i * n + k] = slope * (f->scale ? f->scale[k] : 1.0);
+    }
+    for (long row = 0; row < f->forced_count; row++) {
+        const long i = f->forced[row];
+        const double least = fabs(arc->load[i]) > 1.0 ? fabs(arc->load[i]) : 1.0;
+        memset(arc->load_column + i * n, 0, n * sizeof(double));
+        arc->load_column[m * n + row] = -arc->direction[i] / least;
+    }
+}
+
+int arc_product(Form *f, const Arc *arc, const double *vector, double *out)
+{
+    const long n = size_of(f);
+    int status = product(f, vector, out);
+    for (long k = 0; k < n; k++) out[k] += vector[n] * arc->load_column[k];
+    out[n] = inner(arc->tangent, vector, n) + arc->rate * vector[n];
+    return status;
+}
+
+int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out)
+{
+    const long n = size_of(f);
+    int status = transposed_product(f, vector, out);
+    for (long k = 0; k < n; k++) out[k] += vector[n] * arc->tangent[k];
+    out[n] = inner(arc->load_column, vector, n) + arc->rate * vector[n];
+    return status;
+}
+
+/* ---- Newton's step taken in w = a + N(a) / stiffness where it is long (Law.regularised_step) */
+
+static double gap_of_regularised(const Law *law, double target, double stiffness)
+{
+    double low = target > 0.0 ? target - law->peak / stiffness : target;
+    double high = target > 0.0 ? target : 0.0, normal, slope;
+    double now = target < 0.0 ? -law->repulsion * log1p(-stiffness * target) : target;
+    for (int turn = 0; turn < 60; turn++) {
+        law->normal(1, law->parameters, &now, &normal, &slope);
+        const double excess = now + normal / stiffness - target;
+        if (excess < 0.0) low = now;
+        if (excess > 0.0) high = now;
+        double trial = now - excess / (1.0 + slope / stiffness);
+        if (!(trial >= low && trial <= high)) trial = 0.5 * (low + high);
+        const int done = fabs(trial - now) <= 1e-10 * (1.0 + fabs(trial));
+        now = trial;
+        if (done) break;
+    }
+    return now;
+}
+
+/* Changes the steps (the update is unknown - step) of nodes that would go further than 0.1. */
+void regularised_step(const Form *f, double stiffness, const double *unknown, double *step, int *changed)
+{
+    *changed = 0;
+    for (long k = 0; k < f->nodes; k++) {
+        const double root = f->unscale ? f->root * f->unscale[k] : f->root;
+        if (!(fabs(step[k]) * root > 0.1)) continue;
+        double gap = unknown[k] * root + f->initial_gap[k], normal, slope;
+        f->law->normal(1, f->law->parameters, &gap, &normal, &slope);
+        const double target = gap + normal / stiffness - (1.0 + slope / stiffness) * root * step[k];
+        step[k] = -(gap_of_regularised(f->law, target, stiffness) - gap) / root;
+        *changed = 1;
+    }
+}

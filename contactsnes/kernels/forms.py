@@ -1,0 +1,183 @@
+"""The equations of a displacement form in the library: residual, products and arc length on the
+memory of the Python form that they are the twin of."""
+
+import ctypes
+import weakref
+
+import numpy as np
+
+from . import structures
+from .laws import kernel_of
+from .structures import MOST, TOO_MANY, address
+from .transforms import Compiled
+
+KEPT = 2 ** 14
+"""Numbers of a tangent up to which that of a residual is kept for a linearisation at the same
+unknown."""
+
+
+def twin(form, half, scale=None):
+    """A CompiledForm of a form, or None where something in it is Python's alone.
+
+    Parameters
+    ----------
+    form : DisplacementForm, HalfForm, or EvenForm with its ``half`` and ``scale``
+    half : the form that has window, convolution and tangent: itself, or an EvenForm's
+    scale : array (nodes), the unknown over the half form's; None: they are the same
+    """
+    law = kernel_of(half.contact.law)
+    transform = getattr(half.convolution, "transform", None)
+    if law is None or not isinstance(transform, Compiled):
+        return None
+    return CompiledForm(form, half, law, scale)
+
+
+def call(function, counter, *arguments):
+    """Call what transforms; RuntimeError where these are more than a limit.
+
+    Parameters
+    ----------
+    function : of the library
+    counter : Counter
+    arguments : of the function
+    """
+    if function(*arguments) == TOO_MANY:
+        counter.check()
+
+
+def _response(convolution, count):
+    """The structure of a convolution's product, and what it keeps."""
+    transform, window = convolution.transform, convolution.window
+    boxes = len(window.parts)
+    own = structures.Response(components=count, boxes=boxes)
+    own.transform = ctypes.pointer(transform.structure)
+    own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
+    blocks, product = convolution.blocks, None
+    symbols = {key: np.ascontiguousarray(block) for key, block in blocks.items()}
+    for (i, j), symbol in symbols.items():
+        own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
+    # one real block of one box is multiplied where it stands
+    if not window.even and (count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0])):
+        product = np.empty(2 * transform.spectrum.size)
+        own.product = address(product)
+    return own, (transform, symbols, product)
+
+
+class CompiledForm:
+    """Residual, tangent and products of a form, on its memory.
+
+    Parameters
+    ----------
+    form, half, scale : as of `twin`
+    law : LawKernel
+
+    Attributes
+    ----------
+    structure : of the library
+    form : the Python form; loads, tangent, work and counts are the same memory
+    """
+
+    def __init__(self, form, half, law, scale):
+        self.library, self.grid = half.convolution.transform.library, half.grid
+        self._half = weakref.ref(half)  # which holds this object
+        self.size, self.law = form.size, law
+        own = self.structure = structures.Form(
+            components=half.components, nodes=half.nodes, forced_count=len(half.forced),
+            root=half.root, size=half.grid.size)
+        own.forced[:len(half.forced)] = half.forced
+        self._response, kept = _response(half.convolution, half.components)
+        weights = getattr(half.grid, "weights", None)
+        # of more nodes the law costs less than the memory would
+        roomy = half.tangent.size <= KEPT
+        self._last = np.empty(half.count) if roomy else None
+        self._ahead = np.empty_like(half.tangent) if roomy else None
+        self._unscale = None if scale is None else 1.0 / scale
+        self._kept = kept, weights, scale
+        for name, array in {"scale": scale, "unscale": self._unscale, "weight": weights,
+                            "initial_gap": half.initial_gap, "tangent": half.tangent,
+                            "work": half.work, "last": self._last, "ahead": self._ahead,
+                            "rigid": half.rigid_compliance,
+                            "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
+                            "drag": half.drag}.items():
+            setattr(own, name, address(array))
+        own.law = ctypes.pointer(law.structure)
+        own.response = ctypes.pointer(self._response)
+        self.reference = ctypes.addressof(own)
+
+    @property
+    def half(self):
+        """The Python form that has window, convolution and tangent."""
+        return self._half()
+
+    def residual(self, unknown, out):
+        """F."""
+        call(self.library.residual, self.grid.counter, self.reference, address(unknown),
+             address(out))
+        return out
+
+    def linearise(self, unknown):
+        """Take the law's tangent at the unknown."""
+        self.library.linearise(self.reference, address(unknown))
+
+    def apply_jacobian(self, vector, out):
+        """out = J vector."""
+        call(self.library.product, self.grid.counter, self.reference, address(vector),
+             address(out))
+        return out
+
+    def apply_transpose(self, vector, out):
+        """out = J^T vector."""
+        call(self.library.transposed_product, self.grid.counter, self.reference,
+             address(vector), address(out))
+        return out
+
+
+class CompiledArc:
+    """The row and column of arc length around a compiled form.
+
+    Parameters
+    ----------
+    arc : ArcLength whose form has a kernel
+    """
+
+    def __init__(self, arc):
+        half = arc.form.kernel.half
+        contact, count = half.contact, half.components
+        self._factor = np.zeros(2 * MOST)
+        self._factor[:count] = half.factor
+        self._factor[MOST:MOST + count] = contact.far_displacement(count, np.ones(count))
+        self.kernel, self.structure = arc.form.kernel, structures.Arc()
+        self._shared = {"factor": self._factor, "load": half.load, "target": half.row_target,
+                        "far": half.far, "row_scale": half.row_scale,
+                        "load_column": arc.load_column}
+        for name, array in self._shared.items():
+            setattr(self.structure, name, address(array))
+        self.aim(arc)
+        self.reference = ctypes.addressof(self.structure)
+
+    def aim(self, arc):
+        """Take where an arc leads, and how far."""
+        own = self.structure
+        own.length, own.rate = arc.length, arc.rate
+        self._given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
+                       for name in ("start", "direction", "anchor", "tangent")}
+        for name, array in self._given.items():
+            setattr(own, name, address(array))
+
+    def residual(self, unknown, out):
+        """F of the form and of the arc length."""
+        call(self.kernel.library.arc_residual, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(unknown), address(out))
+        return out
+
+    def apply_jacobian(self, vector, out):
+        """out = J vector."""
+        call(self.kernel.library.arc_product, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(vector), address(out))
+        return out
+
+    def apply_transpose(self, vector, out):
+        """out = J^T vector."""
+        call(self.kernel.library.arc_transposed, self.kernel.grid.counter, self.kernel.reference,
+             self.reference, address(vector), address(out))
+        return out

@@ -1,0 +1,160 @@
+/* Kernels of the displacement form: law, transforms, residual, products with the Jacobian, its
+   preconditioner, and the callbacks that PETSc calls for them.
+
+   Plain C without a header but the compiler's own: what is used of FFTW and PETSc comes as pointers
+   to functions (`libraries`), so that one build serves every version of both. All memory belongs to
+   Python, which fills these structures (contactsnes/kernels/structures.py), but for what a zone
+   needs from one set-up to the next. Arrays are (components, nodes), row by row, box after box. */
+#ifndef CONTACTSNES_KERNELS_H
+#define CONTACTSNES_KERNELS_H
+
+/* one version of a function for each width of a processor's vectors */
+#if defined __GNUC__ && !defined __clang__ && defined __linux__ && defined __x86_64__
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define CLONES
+#endif
+
+enum { MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
+
+typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
+                        double *, double *, double *, double *);
+typedef void (*Normal)(long, const double *, const double *, double *, double *);
+
+typedef struct { /* a traction law: `laws.c` says what its functions fill */
+    Sheared sheared;
+    Normal normal;
+    const double *parameters;
+    double peak, repulsion; /* largest attraction without slip; overlap of a factor e */
+} Law;
+
+typedef struct { /* a cosine transform of a row from the axis outwards */
+    long points, closed;
+    double *row, *half;     /* both sides of the real FFT it is made from */
+    const double *turn;     /* open: exp(i pi k / 2 points); closed: sines, then cosines, pi k / M */
+    void *to_row, *to_half; /* plans; closed needs the last alone */
+} Line;
+
+typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points (1 x m on a line) */
+    long even, count, shape[2], waves; /* waves: numbers of a field's spectrum, complex if not even */
+    double *real, *spectrum;           /* the same memory for an even line; in the plane transposed */
+    Line line[2];
+    void *forward, *backward;
+    double cost, *counter;             /* of one transform; transforms so far, and their limit */
+} Transform;
+
+typedef struct { /* a circulant operator times fields on boxes of shape[0] x shape[1] nodes */
+    Transform *transform;
+    long components, boxes, shape[2];
+    const double *symbol[MOST][MOST]; /* null where a block is zero */
+    long is_complex[MOST][MOST];
+    double *product; /* complex, count x waves, unless even or one component */
+} Response;
+
+typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times that of the half form */
+    long components, nodes, forced_count, forced[MOST], evaluations, products, known;
+    double root, size;
+    const double *scale, *unscale, *weight; /* null where all are one */
+    const double *initial_gap;
+    double *tangent, *work;
+    double *ahead, *last; /* tangent at the last residual's unknown, which is `last`, if `known` */
+    const double *rigid, *far, *row_scale, *target, *drag; /* by component */
+    Law *law;
+    Response *response;
+} Form;
+
+typedef struct { /* of the force form; spectra have `wide` doubles a wave: of even fields they are real */
+    long components, nodes, waves, wide;
+    double *displacement, *velocity, *force, *acceleration; /* spectra */
+    double *gap, *work; /* work: of a component's spectrum, null where the body couples none */
+    const double *initial_gap, *node_weight, *weight; /* of nodes, null where all are one; of waves */
+    const double *mass, *mobility;
+    const double *stiffness[MOST][MOST], *compliance[MOST][MOST]; /* null where a block is zero */
+    long is_complex[MOST][MOST];
+    double mean_stiffness[MOST], target[MOST], mobile[MOST]; /* by component */
+    double size, range, harmless, reference, lightest, stiffening;
+    double closest, within; /* normal gap of a node; nodes within the law's range */
+    Law *law;
+    Transform *transform;
+} Motion;
+
+typedef struct { /* ArcLength around a form */
+    double *start, *direction, *load, *target, *far, *row_scale; /* by component; of the form */
+    const double *factor, *anchor, *tangent;
+    double length, rate, *load_column;
+} Arc;
+
+typedef struct { /* a circle that a core fits on: the component's compliance there, work for 1 + C D */
+    long raw[2];
+    Transform *transform;
+    const double *compliance;
+    double *symbol, no_lag; /* no_lag: kernel of the circle at lag 0 */
+} Circle;
+
+typedef struct { /* core block of a component */
+    long on, first[2], extent[2];
+    const Circle *circle;
+    double *into, *back, *outside, *mean, *column, *inverse;
+} Block;
+
+typedef struct Zone Zone;
+struct Zone { /* CoreZone, of a form or of a form under arc length */
+    Form *form;
+    Arc *arc;
+    double threshold, pad, floor;
+    long reach[2], wraps[2], applications, set_ups;
+    const Circle *circles[MOST];
+    long circle_count[MOST];
+    int (*missing)(long component, long first, long second); /* Python's: makes a circle */
+    const double *between[MOST]; /* of several boxes: kernel at their offsets, (boxes, boxes) */
+    double kernel_at_zero[MOST];
+    Block block[MOST];
+    long mean_count, means[MOST];
+    double *columns, *mask, *blur, *sums, *column, slope, inverse[MOST * MOST];
+};
+
+typedef struct {
+    Form *form;
+    Arc *arc;
+    Zone *zone;
+    double newton_stiffness;
+    double smallest[2]; /* Ritz values of the last two linear solves that told */
+    long told;
+    const char *operator_text, *zone_text;
+} System;
+
+struct Libraries {
+    void (*execute)(void *);
+    int (*get_read)(void *, const double **), (*put_read)(void *, const double **);
+    int (*get)(void *, double **), (*put)(void *, double **);
+    int (*mat_context)(void *, void *), (*pc_context)(void *, void *);
+    int (*assembly_begin)(void *, int), (*assembly_end)(void *, int);
+    int (*get_ksp)(void *, void **), (*iterations)(void *, int *);
+    int (*eigenvalues)(void *, int, double *, double *, int *);
+    int (*print)(void *, const char *, ...);
+};
+extern struct Libraries libraries;
+
+int forward(Transform *t, long rows);
+int backward(Transform *t, long rows);
+void load_box(const Transform *t, long field, const long *shape, const double *values);
+void clear_beyond(const Transform *t, const long *shape);
+double *row_of(const Transform *t, long field, long row);
+int convolve(Response *r, int transposed);
+void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
+              double *tangent);
+void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);
+int residual(Form *f, const double *unknown, double *out);
+void linearise(Form *f, const double *unknown);
+int product(Form *f, const double *vector, double *out);
+int transposed_product(Form *f, const double *vector, double *out);
+int arc_residual(Form *f, const Arc *arc, const double *unknown, double *out);
+void arc_linearise(Form *f, const Arc *arc, const double *unknown);
+int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
+int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);
+int set_up(Zone *z);
+int precondition(Zone *z, const double *vector, double *out);
+void regularised_step(const Form *f, double stiffness, const double *unknown, double *step,
+                      int *changed);
+void pseudo_inverse(double *matrix, long n, double floor, double *work);
+#endif

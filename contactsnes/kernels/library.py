@@ -1,0 +1,132 @@
+"""The compiled library: found, checked against its sources, and connected with FFTW."""
+
+import ctypes
+import hashlib
+import os
+import sys
+from functools import lru_cache
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+
+from . import structures
+
+HERE = Path(__file__).parent
+SOURCES = ("kernels.h", "transforms.c", "forms.c", "motion.c", "core_zone.c", "petsc.c", "laws.c",
+           "library.c")
+"""What the library is made of, in the order of its checksum."""
+
+
+class Unavailable(Exception):
+    """Why there is no compiled library, in words."""
+
+
+def checksum(folder=HERE):
+    """Checksum of the library's sources in a folder."""
+    found = hashlib.sha256()
+    for name in SOURCES:
+        found.update((Path(folder) / name).read_bytes())
+    return found.hexdigest()[:32]
+
+
+def built(folder=HERE):
+    """The file of the library in a folder; Unavailable where there is none."""
+    for suffix in EXTENSION_SUFFIXES:
+        file = Path(folder) / f"_compiled{suffix}"
+        if file.exists():
+            return file
+    raise Unavailable("the library was not built: that takes a C compiler when contactsnes is "
+                      "installed")
+
+
+def load(folder=HERE):
+    """The library of a folder, checked: a ctypes.CDLL.
+
+    Raises
+    ------
+    Unavailable : with the reason
+    """
+    if sys.byteorder != "little":
+        raise Unavailable("the library is for processors that are little-endian")
+    file = built(folder)
+    try:
+        library = ctypes.CDLL(str(file))
+        made_from = ctypes.c_char_p.in_dll(library, "kernels_checksum").value.decode()
+    except (OSError, ValueError) as error:
+        raise Unavailable(f"{file.name} cannot be loaded ({error}): install contactsnes anew"
+                          ) from error
+    if made_from != checksum(folder):
+        raise Unavailable(f"{file.name} was built from other sources than these: install "
+                          "contactsnes anew")
+    sizes = (ctypes.c_long * len(structures.STRUCTURES)).in_dll(library, "kernels_sizes")
+    for size, (name, cls) in zip(sizes, structures.STRUCTURES.items()):
+        if size != ctypes.sizeof(cls):
+            raise Unavailable(f"{file.name} has another layout of {name} than Python")
+    return library
+
+
+@lru_cache(maxsize=1)
+def shared():
+    """The library, connected with FFTW; Unavailable with the reason where there is none.
+
+    ``CONTACTSNES_KERNELS=off`` in the environment leaves it out.
+    """
+    if os.environ.get("CONTACTSNES_KERNELS") == "off":
+        raise Unavailable("CONTACTSNES_KERNELS is off")
+    library = load()
+    pointers(library).execute = pointer(fftw(), "fftw_execute")
+    for name, arguments in CALLS.items():
+        function = getattr(library, name)
+        function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)
+    return library
+
+
+def pointers(library):
+    """The functions of others that a library calls."""
+    return structures.Libraries.in_dll(library, "libraries")
+
+
+def pointer(library, name):
+    """The address of a function; Unavailable where a library has none of that name."""
+    try:
+        return ctypes.cast(getattr(library, name), ctypes.c_void_p).value
+    except AttributeError:
+        raise Unavailable(f"no function {name} is found in {library._name}") from None
+
+
+@lru_cache(maxsize=1)
+def fftw():
+    """FFTW in double precision, that of pyfftw."""
+    import pyfftw.pyfftw
+
+    return ctypes.CDLL(pyfftw.pyfftw.__file__)
+
+
+def reason():
+    """Why NumPy's forms are taken in place of compiled ones, in words; None where they are not."""
+    try:
+        shared()
+    except Unavailable as error:
+        return str(error)
+    return None
+
+
+_pointer, _long, _double = ctypes.c_void_p, ctypes.c_long, ctypes.c_double
+CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
+         "evaluate": [_pointer, _long, _long, _pointer, _pointer, _pointer],
+         "convolve": [_pointer, ctypes.c_int],
+         **dict.fromkeys(("residual", "product", "transposed_product", "precondition"),
+                         [_pointer, _pointer, _pointer]),
+         "linearise": [_pointer, _pointer], "set_up": [_pointer],
+         **dict.fromkeys(("arc_residual", "arc_product", "arc_transposed"),
+                         [_pointer, _pointer, _pointer, _pointer]),
+         "motion_evaluate": [_pointer], "motion_move": [_pointer, _double],
+         "motion_advance": [_pointer, _double, _pointer, _double, _pointer, _double],
+         "motion_damped": [_pointer, _double, _double, _pointer, _pointer, _pointer],
+         "motion_sums": [_pointer, _pointer, _pointer], "motion_squares": [_pointer],
+         "arc_linearise": [_pointer, _pointer, _pointer],
+         "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
+         "pseudo_inverse": [_pointer, _long, _double, _pointer]}
+"""What Python calls, and with what; a result that is none of `RETURNED` is a status."""
+
+RETURNED = {"motion_squares": _double}
+"""What returns something else."""

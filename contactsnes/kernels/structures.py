@@ -1,0 +1,148 @@
+"""The structures of kernels.h, field by field, and what fills their pointers."""
+
+import ctypes
+from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_void_p
+
+import numpy as np
+
+MOST = 3
+"""Components, at most."""
+
+TOO_MANY = 83
+"""Status of a count of transforms beyond its limit."""
+
+
+def address(array):
+    """Where a contiguous array of doubles or complex numbers begins; None of no array.
+
+    Raises
+    ------
+    ValueError : for an array of another kind
+    """
+    if array is None:
+        return None
+    if array.dtype not in (np.float64, np.complex128) or not array.flags.c_contiguous:
+        raise ValueError("kernels take contiguous arrays of doubles")
+    return array.ctypes.data
+
+
+class Law(ctypes.Structure):
+    """A traction law."""
+
+    _fields_ = [("sheared", c_void_p), ("normal", c_void_p), ("parameters", c_void_p),
+                ("peak", c_double), ("repulsion", c_double)]
+
+
+class Line(ctypes.Structure):
+    """Cosine transforms of rows."""
+
+    _fields_ = [("points", c_long), ("closed", c_long), ("row", c_void_p), ("half", c_void_p),
+                ("turn", c_void_p), ("to_row", c_void_p), ("to_half", c_void_p)]
+
+
+class Transform(ctypes.Structure):
+    """Transforms of fields."""
+
+    _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
+                ("real", c_void_p), ("spectrum", c_void_p), ("line", Line * 2),
+                ("forward", c_void_p), ("backward", c_void_p), ("cost", c_double),
+                ("counter", c_void_p)]
+
+
+class Response(ctypes.Structure):
+    """A convolution."""
+
+    _fields_ = [("transform", POINTER(Transform)), ("components", c_long), ("boxes", c_long),
+                ("shape", c_long * 2), ("symbol", c_void_p * MOST * MOST),
+                ("is_complex", c_long * MOST * MOST), ("product", c_void_p)]
+
+
+class Form(ctypes.Structure):
+    """The equations of a form."""
+
+    _fields_ = [("components", c_long), ("nodes", c_long), ("forced_count", c_long),
+                ("forced", c_long * MOST), ("evaluations", c_long), ("products", c_long),
+                ("known", c_long), ("root", c_double), ("size", c_double),
+                *((name, c_void_p) for name in ("scale", "unscale", "weight", "initial_gap",
+                                                "tangent", "work", "ahead", "last", "rigid", "far",
+                                                "row_scale", "target", "drag")),
+                ("law", POINTER(Law)), ("response", POINTER(Response))]
+
+
+class Motion(ctypes.Structure):
+    """A damped motion."""
+
+    _fields_ = [("components", c_long), ("nodes", c_long), ("waves", c_long), ("wide", c_long),
+                *((name, c_void_p) for name in ("displacement", "velocity", "force",
+                                                "acceleration", "gap", "work", "initial_gap",
+                                                "node_weight", "weight", "mass", "mobility")),
+                ("stiffness", c_void_p * MOST * MOST), ("compliance", c_void_p * MOST * MOST),
+                ("is_complex", c_long * MOST * MOST), ("mean_stiffness", c_double * MOST),
+                ("target", c_double * MOST), ("mobile", c_double * MOST),
+                *((name, c_double) for name in ("size", "range", "harmless", "reference",
+                                                "lightest", "stiffening", "closest", "within")),
+                ("law", POINTER(Law)), ("transform", POINTER(Transform))]
+
+
+class Arc(ctypes.Structure):
+    """Arc length around a form."""
+
+    _fields_ = [*((name, c_void_p) for name in ("start", "direction", "load", "target", "far",
+                                                "row_scale", "factor", "anchor", "tangent")),
+                ("length", c_double), ("rate", c_double), ("load_column", c_void_p)]
+
+
+class Circle(ctypes.Structure):
+    """A circle that a core fits on."""
+
+    _fields_ = [("raw", c_long * 2), ("transform", POINTER(Transform)), ("compliance", c_void_p),
+                ("symbol", c_void_p), ("no_lag", c_double)]
+
+
+class Block(ctypes.Structure):
+    """A core block."""
+
+    _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2),
+                ("circle", POINTER(Circle)),
+                *((name, c_void_p) for name in ("into", "back", "outside", "mean", "column",
+                                                "inverse"))]
+
+
+Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long)
+
+
+class Zone(ctypes.Structure):
+    """A preconditioner."""
+
+    _fields_ = [("form", POINTER(Form)), ("arc", POINTER(Arc)), ("threshold", c_double),
+                ("pad", c_double), ("floor", c_double), ("reach", c_long * 2),
+                ("wraps", c_long * 2), ("applications", c_long), ("set_ups", c_long),
+                ("circles", POINTER(Circle) * MOST), ("circle_count", c_long * MOST),
+                ("missing", Missing), ("between", c_void_p * MOST),
+                ("kernel_at_zero", c_double * MOST), ("block", Block * MOST),
+                ("mean_count", c_long), ("means", c_long * MOST), ("columns", c_void_p),
+                ("mask", c_void_p), ("blur", c_void_p), ("sums", c_void_p),
+                ("column", c_void_p), ("slope", c_double),
+                ("inverse", c_double * (MOST * MOST))]
+
+
+class System(ctypes.Structure):
+    """What PETSc calls back with."""
+
+    _fields_ = [("form", POINTER(Form)), ("arc", POINTER(Arc)), ("zone", POINTER(Zone)),
+                ("newton_stiffness", c_double), ("smallest", c_double * 2), ("told", c_long),
+                ("operator_text", c_char_p), ("zone_text", c_char_p)]
+
+
+class Libraries(ctypes.Structure):
+    """Functions of others that the library calls."""
+
+    _fields_ = [(name, c_void_p) for name in
+                ("execute", "get_read", "put_read", "get", "put", "mat_context", "pc_context",
+                 "assembly_begin", "assembly_end", "get_ksp", "iterations", "eigenvalues",
+                 "print")]
+
+
+STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Motion, Arc,
+                                            Circle, Block, Zone, System, Libraries)}
+"""By the name that kernels.h gives them."""

@@ -1,0 +1,147 @@
+"""Compiled transforms, with the interface of `grid.cell.Transform` and `grid.even.Cosines`."""
+
+import ctypes
+import math
+
+import numpy as np
+import pyfftw
+
+from ..grid.cell import transform_cost
+from . import structures
+from .fftw import Plans
+from .library import shared
+from .structures import TOO_MANY, address
+
+
+class Compiled:
+    """Base of what calls the library.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction
+    count : int, number of arrays
+
+    Attributes
+    ----------
+    structure : ctypes structure of the library, whose memory this object keeps
+    """
+
+    def __init__(self, grid, shape, count):
+        self.library, self.shape, self.count = shared(), tuple(shape), count
+        self._grid = grid
+        self.structure = structures.Transform()
+        self._reference = ctypes.addressof(self.structure)
+        self.structure.count = count
+        self.structure.shape[:] = (1,) * (2 - len(shape)) + self.shape
+        self.charge()
+
+    def charge(self):
+        """Take the cost of a transform in the units that the grid's counter has now."""
+        counter = self._grid.counter
+        self.structure.counter = address(counter.numbers)
+        self.structure.cost = self.count * transform_cost(math.prod(self.shape), counter.size)
+
+    def _call(self, function):
+        if function(self._reference, self.structure.shape[0]) == TOO_MANY:
+            self._grid.counter.check()
+
+    def forward(self):
+        """``real`` to ``spectrum``."""
+        self._call(self.library.forward)
+
+    def backward(self):
+        """``spectrum`` to ``real``, times ``gain``."""
+        self._call(self.library.backward)
+
+
+class Real(Compiled):
+    """Real transforms of ``count`` arrays, as `grid.cell.Transform`.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction
+    count : int, number of arrays
+    """
+
+    def __init__(self, grid, shape, count):
+        super().__init__(grid, shape, count)
+        self.gain = math.prod(shape)
+        self.real = pyfftw.zeros_aligned((count, *shape))
+        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
+                                             dtype=complex)
+        self._plans = Plans(self.shape, count, address(self.real), address(self.spectrum))
+        own = self.structure
+        own.waves = self.spectrum[0].size
+        own.real, own.spectrum = address(self.real), address(self.spectrum)
+        own.forward, own.backward = self._plans.to_half, self._plans.to_row
+
+
+class Cosines(Compiled):
+    """Cosine transforms of ``count`` even arrays, as `grid.even.Cosines`, made from real ones.
+
+    Waves stand in an order of their own, in the plane transposed: ``waves`` are their numbers in
+    the order of `grid.even.Cosines`, for each direction.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction from the axis outwards
+    count : int, number of arrays
+    """
+
+    def __init__(self, grid, shape, count):
+        super().__init__(grid, shape, count)
+        own, plane = self.structure, len(shape) == 2
+        self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
+        self.gain = math.prod(2 * (m - 1) if closed else 2 * m
+                              for m, closed in zip(shape, self.closed))
+        self.real = pyfftw.zeros_aligned((count, *shape))
+        self.spectrum = pyfftw.zeros_aligned((count, *shape[::-1])) if plane else self.real
+        own.even, own.waves = 1, self.real[0].size
+        own.real, own.spectrum = address(self.real), address(self.spectrum)
+        self.waves = [_order(m, closed) for m, closed in zip(shape, self.closed)]
+        self._lines = [_Line(m, closed) for m, closed in zip(shape, self.closed)]
+        for place, line in enumerate(self._lines, start=2 - len(shape)):
+            own.line[place] = line.structure
+
+    def wavevectors(self, spacings):
+        """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
+        axes = [np.pi / h * (order / (m - 1) if closed else (order + 0.5) / m)
+                for m, h, closed, order in zip(self.shape, spacings, self.closed, self.waves)]
+        if len(axes) == 1:
+            return tuple(axes)
+        return axes[0][None, :], axes[1][:, None]
+
+    def ordered(self, symbol):
+        """A symbol on the waves of `grid.even.Cosines`, in the order of these."""
+        return np.ascontiguousarray(symbol[np.ix_(*self.waves)].T)
+
+
+def _order(points, closed):
+    """Numbers of the waves in their order: as they are, or even ones upwards, then odd ones
+    downwards."""
+    numbers = np.arange(points)
+    return numbers if closed else np.concatenate([numbers[::2], numbers[1::2][::-1]])
+
+
+class _Line:
+    """Work, factors and plans of a direction's rows."""
+
+    def __init__(self, points, closed):
+        self.structure = own = structures.Line(points=points, closed=closed)
+        length = points
+        if closed:
+            middle = (points - 1) // 2
+            length = (points - 1) * (1 if points % 2 else 2)
+            angles = np.pi * np.arange(middle) / (points - 1)
+            self._turn = np.concatenate([np.sin(angles), np.cos(angles)])
+        else:
+            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points)
+        self._row = pyfftw.zeros_aligned(length)
+        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=complex)
+        self._plans = Plans((length,), 1, address(self._row), address(self._half))
+        own.row, own.half, own.turn = (address(part) for part in (self._row, self._half,
+                                                                  self._turn))
+        own.to_row, own.to_half = self._plans.to_row, self._plans.to_half

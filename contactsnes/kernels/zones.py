@@ -1,0 +1,163 @@
+"""The core-zone preconditioner in the library: what `solvers.core_zone.CoreZone` does, set up again
+at each tangent in the memory it has."""
+
+import ctypes
+import weakref
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from . import structures
+from .forms import call
+from .structures import address
+
+
+class CompiledZone:
+    """The preconditioner of a compiled form, or of one under arc length.
+
+    Parameters
+    ----------
+    kernel : CompiledForm
+    options : CoreOptions
+    floor : float, least response to means over that of a stiff contact, dimensionless
+    arc : CompiledArc around the form, or None
+    """
+
+    def __init__(self, kernel, options, floor=0.0, arc=None):
+        self.kernel, self.form, self.options = kernel, kernel.half, options
+        self.library, self._arc = kernel.library, arc
+        window, count = self.form.window, self.form.components
+        own = self.structure = structures.Zone(
+            threshold=options.threshold, pad=options.pad, floor=floor)
+        own.form = ctypes.pointer(kernel.structure)
+        if arc is not None:
+            own.arc = ctypes.pointer(arc.structure)
+        self._kept = []
+        self._lay_out(window, options)
+        self._circles = [[] for _ in range(count)]
+        self._errors = []
+        own.missing = structures.Missing(self._circle_maker(window, count))
+        self._blocks(window, count)
+        self._means(count)
+        self.reference = ctypes.addressof(own)
+
+    def _array(self, *shape):
+        """The address of a new array that is kept."""
+        self._kept.append(np.zeros(shape))
+        return address(self._kept[-1])
+
+    def _lay_out(self, window, options):
+        """Widths of the blur in nodes, and the directions that close on themselves."""
+        own, first = self.structure, 2 - len(window.shape)
+        width = options.width / self.form.contact.ranges[0]
+        for axis, (points, spacing, total) in enumerate(zip(window.shape, window.grid.spacings,
+                                                            window.grid.shape), start=first):
+            own.reach[axis] = min(round(np.sqrt(0.25 + (width / spacing) ** 2) - 0.5),
+                                  (points - 1) // 2)
+            own.wraps[axis] = points == total
+        nodes = self.form.nodes
+        own.mask, own.blur, own.sums = (self._array(n) for n in (nodes, nodes, window.shape[-1]))
+        own.column = self._array(max(nodes, self.kernel.size))
+
+    def _blocks(self, window, count):
+        """Memory of the blocks; of several boxes what they know of each other."""
+        own, boxes, nodes = self.structure, len(window.parts), window.size
+        for i in range(count):
+            block = own.block[i]
+            for name in ("into", "back", "outside"):
+                setattr(block, name, self._array(nodes))
+            block.mean = self._array(2 * boxes)
+            if boxes > 1:
+                kernel = self.form.contact.operator(count).kernel((i, i))
+                start = np.array(window.start)
+                lags = np.moveaxis((start[:, None] - start[None]) % window.grid.shape, -1, 0)
+                between = np.ascontiguousarray(kernel[tuple(lags)])
+                self._kept.append(between)
+                own.between[i], own.kernel_at_zero[i] = address(between), kernel.flat[0]
+                block.column = self._array(nodes)
+                block.inverse = self._array(5 * boxes, boxes)
+
+    def _means(self, count):
+        """Components whose means are eliminated."""
+        own, form = self.structure, self.form
+        means = [i for i in range(count) if i in form.forced or form.rigid_compliance[i] != 0.0]
+        own.mean_count = len(means)
+        own.means[:len(means)] = means
+        own.columns = self._array(max(len(means), 1), form.nodes)
+
+    def _circle_maker(self, window, count):
+        """What makes a circle for a component's core of a rounded extent, and enters it.
+
+        It holds neither the form nor this object, which hold it.
+        """
+        contact, circles, errors = self.form.contact, self._circles, self._errors
+        structure, plane, boxes = weakref.ref(self.structure), len(window.shape) == 2, len(
+            window.parts)
+
+        def make(component, first, second):
+            raw = (first, second) if plane else (second,)
+            try:
+                shape = tuple(min(total, next_fast_len(extent, real=True))
+                              for extent, total in zip(raw, window.limits))
+                made = Circle(contact.circle(component, count, shape, window.even, boxes), boxes,
+                              (first, second))
+            except BaseException as error:  # the library cannot pass it on; its caller does
+                errors.append(error)
+                return 1
+            circles[component].append(made)
+            made.table = (structures.Circle * len(circles[component]))(
+                *(circle.structure for circle in circles[component]))
+            structure().circles[component] = made.table
+            structure().circle_count[component] = len(made.table)
+            return 0
+
+        return make
+
+    def raise_error(self):
+        """Raise what was raised while the library worked."""
+        if self._errors:
+            raise self._errors.pop()
+
+    def set_up(self):
+        """Make the zones from the form's tangent."""
+        call(self.library.set_up, self.form.grid.counter, self.reference)
+        self.raise_error()
+
+    def apply(self, vector, out):
+        """out = M^-1 vector, arrays of the unknown's size."""
+        call(self.library.precondition, self.form.grid.counter, self.reference, address(vector),
+             address(out))
+        return out
+
+
+class Circle:
+    """A circle for cores of a component up to an extent.
+
+    Parameters
+    ----------
+    found : (transform, compliance), of `Contact.circle`
+    boxes : int
+    raw : (int, int), rounded extents that it is found by
+    """
+
+    def __init__(self, found, boxes, raw):
+        self.transform, compliance = found
+        compliance = np.array(compliance, dtype=float, order="C")
+        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
+        # stands for the rest.
+        if compliance.flat[0] == 0.0:
+            compliance.flat[0] = 2.0 * np.max(compliance)
+        self.compliance = compliance
+        self._symbol = np.empty((boxes, compliance.size))
+        own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
+        own.raw[:] = raw
+        own.transform = ctypes.pointer(self.transform.structure)
+        own.compliance, own.symbol = address(compliance), address(self._symbol)
+
+    def _at_no_lag(self):
+        """The circle's kernel at lag 0: the mean of its symbol over all waves, of which a half
+        spectrum has one column or two once."""
+        compliance, circle = self.compliance, self.transform.shape
+        once = compliance[..., :1].sum() + (compliance[..., -1:].sum() if circle[-1] % 2 == 0
+                                            else 0.0)
+        return (2.0 * compliance.sum() - once) / self.transform.gain

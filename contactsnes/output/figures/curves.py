@@ -1,0 +1,101 @@
+"""Figures of any columns against each other: of one archive, or of several together."""
+
+from collections import Counter
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ...options.fields import InputError, nearest
+from .data import NothingToShow, shear, unsheared, varies
+from .measured import draw_measured
+from .parts import draw_branch, event_handles, place_legend
+from .style import GREY, WIDTH
+
+COLOURS = 7
+"""Colours of the style's cycle; further curves are dashed."""
+
+
+def labels(records):
+    """What tells archives apart in a legend: their names, with folders where names are the same."""
+    stems = Counter(record.path.stem for record in records)
+    return [record.path.stem if stems[record.path.stem] == 1
+            else f"{record.path.parent.name}/{record.path.stem}" for record in records]
+
+
+def draw_columns(records, columns, measured=(), part_of=lambda record: slice(0, None)):
+    """Figure of columns of archives: the first along x, each of the others in a panel.
+
+    Parameters
+    ----------
+    records : list of Readable, in the same units
+    columns : list of str, two at least
+    measured : list of Measured
+    part_of : function (Readable) -> slice, the points that are shown
+    """
+    _check(records, columns)
+    x, *others = columns
+    figure = Figure((WIDTH, (0.3 + 0.5 * len(others)) * WIDTH), layout="constrained")
+    stack = figure.subplots(len(others), 1, sharex=True, squeeze=False)[:, 0]
+    points = []
+    for axes, y in zip(stack, others):
+        for number, record in enumerate(records):
+            draw_branch(axes, record, x, y, part_of(record), colour=f"C{number % COLOURS}")
+        points = draw_measured(axes, records[0], x, y, measured) or points
+        if axes is not stack[-1]:
+            axes.set_xlabel("")
+    place_legend(stack[0], _handles(records, part_of) + points)
+    figure.align_ylabels()
+    return figure
+
+
+def _handles(records, part_of):
+    """Entries of the legend: the archives, then the events that occur in any of them."""
+    if len(records) == 1:
+        return event_handles(records[0], part_of(records[0]))
+    curves = [Line2D([], [], color=f"C{number % COLOURS}", label=name)
+              for number, name in enumerate(labels(records))]
+    events = {}
+    for record in records:
+        for handle in event_handles(record, part_of(record)):
+            handle.set_color(GREY)
+            events.setdefault(handle.get_label(), handle)
+    return curves + list(events.values())
+
+
+def _check(records, columns):
+    """InputError for fewer than two columns, and for one that an archive does not have."""
+    if len(columns) < 2:
+        raise InputError(f"-plot_columns is '{','.join(columns)}': give two columns at least, for "
+                         "instance tangential_force,contact_area")
+    for record in records:
+        for name in columns:
+            known = [other for other in record if record[other].dtype.kind in "fiu"]
+            if name not in known:
+                guess = nearest(name, known)
+                raise InputError(f"-plot_columns: {record.path} has no column {name} of numbers"
+                                 + (f": did you mean {guess}?" if guess
+                                    else f"; it has {', '.join(known)}"))
+
+
+def together(records, measured):
+    """Name -> function () that draws a common figure of several archives, or raises
+    NothingToShow."""
+    def sheared(columns):
+        axes = {shear(record)[0] for record in records}
+        if len(axes) > 1:
+            raise NothingToShow("the archives are sheared in different directions")
+        axis = axes.pop()
+        return draw_columns(records, [name + axis if name.startswith("tangential") else name
+                                      for name in columns], measured,
+                            lambda record: shear(record)[1])
+
+    def approached():
+        if not any(varies(record[name][unsheared(record)]) for record in records
+                   for name in ("approach", "normal_force")):
+            raise NothingToShow("the normal load does not move")
+        return draw_columns(records, ["approach", "normal_force"], measured, unsheared)
+
+    return {"shear": lambda: sheared(["tangential_displacement", "tangential_force",
+                                      "contact_area"]),
+            "area": lambda: sheared(["tangential_force", "contact_area"]),
+            "approach": approached}

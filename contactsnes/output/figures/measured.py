@@ -1,0 +1,147 @@
+"""Measured points from CSV files, beside the curves of archives."""
+
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from ...options.fields import InputError, nearest
+from ...scene.units import PREFIXES
+
+HEADING = re.compile(r"\s*(?P<name>[\w.]+)\s*([\[(](?P<unit>.*)[\])])?\s*")
+"""A name, and a unit in brackets."""
+
+ERROR = "_error"
+LOOK = dict(linestyle="none", marker="o", markersize=3.5, markerfacecolor="white",
+            color="black", markeredgewidth=0.7, elinewidth=0.6, capsize=1.5, zorder=4)
+
+
+class Measured:
+    """A table of measured points.
+
+    Parameters
+    ----------
+    path : path of a CSV file: a heading of names of columns, perhaps with units in brackets, and
+        numbers; lines that begin with # are comments
+
+    Attributes
+    ----------
+    name : str, of the file without its ending
+    columns : dict, name -> array
+    units : dict, name -> str; empty where the heading says none: then that of the archive is meant
+    used : bool, whether a figure has shown them
+
+    Raises
+    ------
+    InputError : for a file that cannot be read so
+    """
+
+    def __init__(self, path):
+        self.path, self.name, self.used = Path(path), Path(path).stem, False
+        try:
+            with open(path, newline="", encoding="utf-8-sig") as file:
+                lines = [line for line in file if line.strip() and not line.startswith("#")]
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"-plot_with is '{path}', which cannot be read as text ({error}): "
+                             "name a CSV file whose heading names columns") from None
+        heading, *rows = csv.reader(lines, dialect=_dialect(lines)) if lines else [[]]
+        found = [HEADING.fullmatch(text) for text in heading]
+        if not rows or not all(found):
+            raise InputError(f"-plot_with is '{path}', which has no heading of names and rows of "
+                             "numbers: write for instance tangential_force,contact_area [mm^2] "
+                             "above the numbers")
+        self.units = {match["name"]: match["unit"] or "" for match in found}
+        table = [self._numbers(number, row, len(heading)) for number, row in enumerate(rows, 1)]
+        self.columns = dict(zip(self.units, np.array(table).T))
+
+    def _numbers(self, number, row, count):
+        """A row as numbers; an empty field is none."""
+        try:
+            if len(row) != count:
+                raise ValueError
+            return [float(text) if text.strip() else math.nan for text in row]
+        except ValueError:
+            raise InputError(f"-plot_with is '{self.path}', whose row {number} "
+                             f"is '{','.join(row)}': {count} numbers are allowed there") from None
+
+    def values(self, record, name):
+        """A column in the unit that figures of a `Readable` have it in; None where it is not
+        there."""
+        if name not in self.columns:
+            return None
+        return self.columns[name] * self._size(record, name) * record.factor(_plain(name))
+
+    def _size(self, record, name):
+        """Size of a column's unit in that of the archive."""
+        typed, known = self.units[name].replace("²", "^2"), record.stored_units[_plain(name)]
+        if typed in ("", known):
+            return 1.0
+        power = 2 if known.endswith("^2") else 1
+        for place, sign in PREFIXES.items():
+            if known and typed in (sign + known, sign.replace("µ", "u") + known):
+                return 10.0 ** (power * place)
+        raise InputError(f"-plot_with is '{self.path}', whose column {name} is in '{typed}', but "
+                         f"the archive has it in '{known}': give it in that unit"
+                         + (", prefixes such as m, k or µ are allowed" if known in UNITS else ""))
+
+
+UNITS = ("m", "m^2", "N", "N/m", "J", "J/m", "Pa")
+
+
+def _plain(name):
+    """The column that a name of an error belongs to, or the name."""
+    return name[:-len(ERROR)] if name.endswith(ERROR) else name
+
+
+def _dialect(lines):
+    """How a file separates: commas, semicolons, tabs."""
+    try:
+        return csv.Sniffer().sniff(lines[0], ",;\t")
+    except csv.Error:
+        return csv.excel
+
+
+def read_measured(text):
+    """The tables that an option names, with commas, a list."""
+    return [Measured(path.strip()) for path in text.split(",") if path.strip()]
+
+
+def draw_measured(axes, record, x, y, measured):
+    """Draw the measured points that have two columns, with their errors; entries of a legend.
+
+    Parameters
+    ----------
+    axes : matplotlib's
+    record : Readable
+    x, y : str, names of columns
+    measured : list of Measured
+    """
+    handles = []
+    for number, table in enumerate(measured):
+        horizontal, vertical = table.values(record, x), table.values(record, y)
+        if horizontal is None or vertical is None:
+            continue
+        look = {**LOOK, "marker": "oD^sv"[number % 5]}
+        axes.errorbar(horizontal, vertical, xerr=table.values(record, x + ERROR),
+                      yerr=table.values(record, y + ERROR), **look)
+        table.used = True
+        handles.append(Line2D([], [], label=table.name,
+                              **{name: look[name] for name in look
+                                 if name not in ("elinewidth", "capsize", "zorder")}))
+    return handles
+
+
+def check_used(measured, records):
+    """InputError for a table that no figure has shown, with the names that there are."""
+    for table in measured:
+        if not table.used:
+            known = sorted({name for record in records for name in record})
+            strange = [name for name in table.columns if _plain(name) not in known]
+            guesses = [f"{name} (did you mean {nearest(name, known)}?)" for name in strange]
+            raise InputError(f"-plot_with is '{table.path}': no figure has two of its columns, "
+                             f"{', '.join(table.columns)}"
+                             + (f"; unknown is {', '.join(guesses)}" if strange else "")
+                             + "; -plot_columns draws any pair of columns")

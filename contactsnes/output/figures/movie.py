@@ -1,0 +1,270 @@
+"""Movies of archives: profiles or maps along the load path, with the place on a curve of loads."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib
+import matplotlib.ticker
+import numpy as np
+from matplotlib import animation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
+from PIL import Image
+
+from ...options.fields import InputError
+from ..files import ArchiveError
+from ..prefixes import read
+from .data import NothingToShow, contact_region, fields, shear
+from .maps import draw_edge, draw_map, rows
+from .parts import draw_branch
+from .profiles import panels, zoom
+from .style import STYLE, ZERO, settings
+from .words import label, number, word, word_and_symbol
+
+DOTS = 150
+"""Dots per inch."""
+RATES = (2, 30)
+"""Fewest and most pictures a second."""
+
+
+class Scenes(NamedTuple):
+    """A figure, what sets it to one of its points (function of a place in the list of points: the
+    artists that move), and the points."""
+
+    figure: Figure
+    draw: object
+    points: list
+
+    def pictures(self):
+        """Iterate over the pictures, arrays (height, width, 4): what stands still is drawn once."""
+        self.figure.set_size_inches(*(2 * np.ceil(self.figure.get_size_inches() * DOTS / 2) / DOTS))
+        self.figure.set_dpi(DOTS)
+        canvas = FigureCanvasAgg(self.figure)
+        self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # what was laid out stays where it is
+        for artist in self.draw(0):
+            artist.set_animated(True)
+        canvas.draw()
+        still = canvas.copy_from_bbox(self.figure.bbox)
+        for place in range(len(self.points)):
+            canvas.restore_region(still)
+            for artist in self.draw(place):
+                artist.draw(canvas.get_renderer())
+            yield np.array(canvas.buffer_rgba())
+
+
+def write_movie(path, asked):
+    """Write the movie of an archive; the path of the file.
+
+    Parameters
+    ----------
+    path : path of the archive
+    asked : MovieOptions
+
+    Raises
+    ------
+    ArchiveError, InputError
+        Where there are no fields, no folder for the file, or no ffmpeg for an MP4 that is asked
+        for.
+    """
+    record = read(path)
+    if not record.field_points or record.initial_gap is None:
+        raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all")
+    ending = _ending(asked)
+    target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{ending}")
+    if not target.parent.is_dir():
+        raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
+                         "another")
+    rate = _rate(record, asked)
+    # Formulas take most of the time: numbers at axes are none.
+    with matplotlib.rc_context({**settings(asked.style), "axes.formatter.use_mathtext": False}):
+        pictures = _scenes(record, asked).pictures()
+        (_write_mp4 if ending == "mp4" else _write_gif)(target, rate, pictures)
+    return target
+
+
+def _write_gif(path, rate, pictures):
+    """Write pictures, arrays, as a GIF."""
+    first, *others = [Image.fromarray(picture).convert("RGB").quantize(256, dither=0)
+                      for picture in pictures]
+    first.save(path, save_all=True, append_images=others, duration=1000.0 / rate, loop=0)
+
+
+def _write_mp4(path, rate, pictures):
+    """Write pictures, arrays, as an MP4 by ffmpeg; InputError where that fails."""
+    process = None
+    for picture in pictures:
+        if process is None:
+            size = f"{picture.shape[1]}x{picture.shape[0]}"
+            process = subprocess.Popen(
+                [matplotlib.rcParams["animation.ffmpeg_path"], "-v", "error", "-y", "-f",
+                 "rawvideo", "-pix_fmt", "rgba", "-s", size, "-r", str(rate), "-i", "-", "-c:v",
+                 "libx264", "-preset", "fast", "-pix_fmt", "yuv420p", str(path)],
+                stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            process.stdin.write(picture.tobytes())
+        except BrokenPipeError:
+            break
+    _, told = process.communicate()
+    if process.returncode:
+        raise InputError(f"ffmpeg cannot write {path} ({told.decode(errors='replace').strip()}): "
+                         "take -format gif")
+
+
+def _ending(asked):
+    """mp4 where ffmpeg is and nothing else is asked for, else gif."""
+    there = animation.FFMpegWriter.isAvailable()
+    name = Path(asked.output).suffix.lower().lstrip(".")
+    if name and name not in ("mp4", "gif"):
+        raise InputError(f"-output is '{asked.output}': the name of a movie ends in .mp4 or .gif")
+    wanted = asked.format if asked.format != "auto" else name or ("mp4" if there else "gif")
+    if name and name != wanted:
+        raise InputError(f"-format is '{wanted}', but -output is '{asked.output}': leave one out")
+    if wanted == "mp4" and not there:
+        raise InputError("-format is 'mp4', which needs ffmpeg: install it, or take -format gif")
+    return wanted
+
+
+def _points(record, most):
+    """Points that are shown: all with fields, or some spread over them."""
+    stored = record.field_points
+    if len(stored) <= most:
+        return list(stored)
+    return [stored[place] for place in np.linspace(0, len(stored) - 1, most).astype(int)]
+
+
+def _rate(record, asked):
+    """Pictures a second."""
+    rate = len(_points(record, asked.frames)) / asked.seconds
+    return float(np.clip(rate, *RATES))
+
+
+def _scenes(record, asked):
+    """The figure of an archive, a line or a plane."""
+    points = _points(record, asked.frames)
+    make = _line if len(record.coordinates) == 1 else _plane
+    return make(record, points, asked.width / 2.54)
+
+
+def _curve(axes, record):
+    """Draw the curve of loads; (x, y) of all its points."""
+    try:
+        axis = shear(record)[0]
+        x, y = f"tangential_displacement{axis}", f"tangential_force{axis}"
+    except NothingToShow:
+        x, y = "approach", "normal_force"
+    try:
+        draw_branch(axes, record, x, y, slice(0, None))
+    except NothingToShow:
+        axes.plot(record[y], ".-")
+        axes.set(xlabel="point", ylabel=y.replace("_", " "))
+        return np.arange(record.points), record[y]
+    return record[x], record[y]
+
+
+def _title(record, point):
+    """The point, its controlled loads and its event."""
+    names = [name for name in ("normal_force", "tangential_force", "tangential_force_x",
+                               "normal_displacement") if name in record]
+    told = [f"${word_and_symbol(name)[1]}$ = {number(float(record[name][point]), 4)}"
+            for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
+    event = record["event"][point]
+    return f"point {point}:  " + ",  ".join(told[:3]) + (
+        f"  ({word(event)})" if event != "none" else "")
+
+
+def _line(record, points, width):
+    """Profiles below each other beside the curve of loads."""
+    profiles = fields(record, points)
+    gaps, tractions = ([pair[part] for pair in profiles] for part in (0, 1))
+    shown = panels(record, gaps, tractions)
+    figure = Figure((width, 0.62 * width), layout="constrained")
+    grid = figure.add_gridspec(len(shown), 2, width_ratios=(1.7, 1))
+    stack = [figure.add_subplot(grid[row, 0]) for row in range(len(shown))]
+    x, curves = record.coordinates[0], []
+    for axes, panel in zip(stack, shown):
+        curves += axes.plot(x, panel.values[0], color="C0")
+        axes.axhline(0, **ZERO)
+        low, high = np.min(panel.values), np.max(panel.values)
+        axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low) or 1.0)
+        axes.set_ylabel(label(panel.text, panel.symbol, panel.unit, "\n"))
+        axes.tick_params(labelbottom=axes is stack[-1])
+    zoom(stack, x, gaps, [traction[0] for traction in tractions])
+    for axes in stack[1:]:
+        axes.set_xlim(stack[0].get_xlim())
+    stack[-1].set_xlabel(label("", "x", record.units["x"]))
+    mark, along = _mark(figure.add_subplot(grid[:, 1]), record)
+
+    def draw(place):
+        for curve, panel in zip(curves, shown):
+            curve.set_ydata(panel.values[place])
+        return [*curves, *_place(figure, record, points[place], mark, along)]
+
+    draw(0)
+    return Scenes(figure, draw, points)
+
+
+def _mark(axes, record):
+    """A mark on the curve of loads that moves along it, and the places that it takes."""
+    along = _curve(axes, record)
+    (mark,) = axes.plot([], [], "o", markersize=9, markerfacecolor="none", markeredgewidth=1.6,
+                        color="black", zorder=5)
+    return mark, along
+
+
+def _place(figure, record, point, mark, along):
+    """Move the mark, and say where it is: a list of both.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    record : Readable
+    point : int
+    mark : line of matplotlib
+    along : (x, y), arrays over all points
+    """
+    mark.set_data([along[0][point]], [along[1][point]])
+    return [mark, figure.suptitle(_title(record, point), fontsize=STYLE["axes.titlesize"] + 1)]
+
+
+def _plane(record, points, width):
+    """Maps beside each other above the curve of loads."""
+    maps = fields(record, points)
+    gaps, tractions = ([pair[part] for pair in maps] for part in (0, 1))
+    window, ceiling = contact_region(record.coordinates, gaps, [each[0] for each in tractions])
+    shown = rows(record, gaps, tractions, ceiling)
+    figure = Figure((width, 0.72 * width), layout="constrained")
+    grid = figure.add_gridspec(2, len(shown), height_ratios=(1.5, 1))
+    stack = [figure.add_subplot(grid[0, column]) for column in range(len(shown))]
+    images = []
+    for axes, row in zip(stack, shown):
+        images.append(draw_map(axes, record, row.values[0], row.colormap, row.norm))
+        axes.set(xlim=window[0], ylim=window[1], xlabel=label("", "x", record.units["x"]))
+        axes.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
+        bar = figure.colorbar(images[-1], ax=axes, location="top", aspect=25,
+                              label=label(row.text, row.symbol, row.unit),
+                              extend="max" if row.text == "gap" else "neither")
+        if isinstance(row.norm, TwoSlopeNorm):
+            ticks = (row.norm.vmin, 0, row.norm.vmax)
+            bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+        # Outside of the map, which is drawn anew for each point.
+        axes.tick_params(labelleft=axes is stack[0], direction="out", top=False, right=False)
+    stack[0].set_ylabel(label("", "y", record.units["y"]))
+    mark, along = _mark(figure.add_subplot(grid[1, :]), record)
+
+    def draw(place):
+        for axes, image, row in zip(stack, images, shown):
+            image.set_data(row.values[place].T)
+            for edge in [*axes.collections]:
+                edge.remove()
+            draw_edge(axes, record, gaps[place])
+        parts = [part for axes in stack for part in (*axes.images, *axes.collections,
+                                                     *axes.spines.values())]
+        return [*parts, *_place(figure, record, points[place], mark, along)]
+
+    draw(0)
+    return Scenes(figure, draw, points)

@@ -1,0 +1,58 @@
+"""What a report says of how far an archive can be trusted."""
+
+import html
+
+import numpy as np
+
+from .words import loads, number, symbol
+
+MISSING = 0.01
+"""Part of the largest work that the balance of energies may miss without a mark."""
+
+
+def rows(record):
+    """Certificates: [what, value, whether it is fine], values as HTML."""
+    worst, unresolved = float(np.max(record["residual_norm"])), _count(record["resolved"] == 0)
+    missing = float(np.nanmax(np.abs(record["energy_imbalance"]), initial=0.0))
+    work = float(np.nanmax(np.abs(record["external_work"]), initial=0.0))
+    unit = symbol(record.units["external_work"])
+    found = [["the path was followed to its end", "yes" if record.complete else "no",
+              bool(record.complete)],
+             ["largest residual_norm, ranges of the law", number(worst, 2), worst < 1e-6],
+             ["points that the grid does not resolve", str(unresolved), not unresolved],
+             ["missing in the balance of energies", f"{number(missing, 2)} of {number(work, 3)} "
+              f"{unit}", missing <= MISSING * work or work == 0.0], *_stability(record),
+             *_errors(record)]
+    return found
+
+
+def _count(mask):
+    return int(np.count_nonzero(mask))
+
+
+def _stability(record):
+    """Whether points were found to be stable."""
+    stable, unstable = (_count(record["stable"] == value) for value in (1, 0))
+    unknown = record.points - stable - unstable
+    told = [f"{stable} stable", f"{unstable} unstable", f"{unknown} not checked"]
+    return [["stability of points", ", ".join(told), not unstable]]
+
+
+def _errors(record):
+    """Estimates of errors, where they were asked for."""
+    return [[f"largest {name.replace('_', ' ')}, relative",
+             number(float(np.nanmax(record[name], initial=0.0)), 2), True]
+            for name in ("error_normal_force", "error_contact_area", "error_slip")
+            if name in record]
+
+
+def events(record):
+    """Events: number of the point, name and kind, loads, precision of folds; as HTML."""
+    found = []
+    for point in np.flatnonzero(record["event"] != "none"):
+        kind = str(record["fold_kind"][point])
+        name = str(record["event"][point]) + (f" ({kind})" if kind else "")
+        precision = float(record["fold_precision"][point])
+        found.append([str(point), html.escape(name.replace("_", " ")), loads(record, point),
+                      number(precision, 2) if precision else ""])
+    return found

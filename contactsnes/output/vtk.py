@@ -1,0 +1,120 @@
+"""Fields of archives as files of VTK (VTKHDF), which ParaView opens: an image over the interface, a
+step of time for each point."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ..options.fields import InputError
+from ..system.devices import Lenient
+from .files import ArchiveError
+from .reading import read
+
+VERSION = (2, 2)
+"""Of the format: the first that knows several steps is 2.0."""
+
+ENDING = ".vtkhdf"
+
+
+def write_vtk(path, asked):
+    """Write the fields of an archive; the path of the file.
+
+    Parameters
+    ----------
+    path : path of the archive
+    asked : ExportOptions
+
+    Raises
+    ------
+    ArchiveError, InputError
+        Where there are no fields, or no folder for the file.
+    """
+    record = read(path)
+    points = _points(record, asked.chosen)
+    target = Path(asked.output) if asked.output else Path(path).with_suffix(ENDING)
+    if not target.parent.is_dir():
+        raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
+                         "another")
+    # ParaView knows the format by the ending.
+    target = target if target.suffix in (ENDING, ".hdf") else target.with_name(target.name + ENDING)
+    partial = target.with_name(target.name + ".partial")
+    try:
+        with Lenient(partial) as device, h5py.File(device, "w") as file:
+            _write(file.create_group("VTKHDF"), record, points,
+                   {"single": "f4", "double": "f8"}[asked.precision])
+        device.check()
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
+    return target
+
+
+def _points(record, chosen):
+    """The points that are written; ArchiveError for those without fields."""
+    if not record.field_points or record.initial_gap is None:
+        raise ArchiveError(f"{record.path} has no fields: run with -archive_fields all or last")
+    if chosen is None:
+        return record.field_points
+    chosen = [point + record.points if point < 0 else point for point in chosen]
+    strange = [point for point in chosen if point not in record.field_points]
+    if strange:
+        raise ArchiveError(f"{record.path} has no fields of point {strange[0]}; it has those of "
+                           f"{record.field_points[0]} to {record.field_points[-1]}")
+    return chosen
+
+
+def _write(group, record, points, kind):
+    """Write grid, steps and fields into the group that VTK reads."""
+    axes = [*record.coordinates, np.zeros(1), np.zeros(1)][:3]
+    group.attrs["Version"] = VERSION
+    group.attrs.create("Type", np.bytes_("ImageData"))
+    group.attrs["WholeExtent"] = [bound for axis in axes for bound in (0, len(axis) - 1)]
+    group.attrs["Origin"] = [axis[0] for axis in axes]
+    group.attrs["Spacing"] = [axis[1] - axis[0] if len(axis) > 1 else 1.0 for axis in axes]
+    group.attrs["Direction"] = np.eye(3).ravel()
+    group.attrs["unit"] = record.units["x"]
+    steps = group.create_group("Steps")
+    steps.attrs["NSteps"] = len(points)
+    steps["Values"] = np.array(points, dtype="f8")
+    data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
+    for place, (displacement, traction) in enumerate(record.each(points)):
+        for name, field in fields(record, displacement, traction).items():
+            # VTK counts y, x; it leaves out directions of one node
+            field = np.swapaxes(field, 0, 1) if len(record.coordinates) == 2 else field
+            if name not in data:
+                data.create_dataset(name, (len(points), *field.shape), kind,
+                                    chunks=(1, *field.shape), compression="gzip",
+                                    compression_opts=1, shuffle=True)
+                offsets[name] = np.arange(len(points))
+            data[name][place] = field
+
+
+def fields(record, displacement, traction):
+    """Name with its unit -> array over the nodes, of vectors with their components last.
+
+    Parameters
+    ----------
+    record : Record
+    displacement, traction : arrays (components, *grid), its fields at a point
+    """
+    shifts, stresses = (_both(record.units[name]) for name in ("displacement", "traction"))
+    found = {f"gap ({record.units['initial_gap']})": record.initial_gap + displacement[0],
+             f"normal displacement ({shifts[0]})": displacement[0],
+             f"pressure ({stresses[0]})": -traction[0]}
+    if len(displacement) > 1:
+        found |= {f"slip ({shifts[1]})": _vector(displacement[1:]),
+                  f"tangential traction ({stresses[1]})": _vector(traction[1:])}
+    return found
+
+
+def _both(units):
+    """Normal and tangential unit of a field."""
+    normal, _, tangential = units.partition("; ")
+    return normal, tangential or normal
+
+
+def _vector(components):
+    """A tangential field as vectors of three components, along x, y and z."""
+    along = [*components, *[np.zeros_like(components[0])] * (3 - len(components))]
+    return np.stack(along, axis=-1)

@@ -1,0 +1,214 @@
+"""PETSc's callbacks from the compiled library: a solve of a form that has a kernel does not enter
+Python, but for a circle of the preconditioner that is met for the first time."""
+
+import ctypes
+from functools import lru_cache
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..contact.bordered import ArcLength
+from ..kernels import library, structures
+from ..kernels.zones import CompiledZone
+from ..options.database import read
+from ..options.fields import InputError
+from .core_zone import CoreOptions
+from .operators import about
+
+MULTIPLY, MULTIPLY_TRANSPOSED, VIEW = 3, 5, 61
+"""PETSc's MATOP_MULT, MATOP_MULT_TRANSPOSE and MATOP_VIEW."""
+
+CALLED = {"get_read": "VecGetArrayRead", "put_read": "VecRestoreArrayRead", "get": "VecGetArray",
+          "put": "VecRestoreArray", "mat_context": "MatShellGetContext",
+          "pc_context": "PCShellGetContext", "assembly_begin": "MatAssemblyBegin",
+          "assembly_end": "MatAssemblyEnd", "get_ksp": "SNESGetKSP",
+          "iterations": "KSPGetIterationNumber", "eigenvalues": "KSPComputeEigenvalues",
+          "print": "PetscViewerASCIIPrintf"}
+"""Member of the library's structure -> PETSc's function."""
+
+NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or "
+               "-pc_type none with it")
+
+
+@lru_cache(maxsize=1)
+def connected():
+    """(library, PETSc), the one knowing the functions of the other; None where that cannot be."""
+    try:
+        compiled, petsc = library.shared(), ctypes.CDLL(PETSc.__file__)
+        pointers = library.pointers(compiled)
+        for member, name in CALLED.items():
+            setattr(pointers, member, library.pointer(petsc, name))
+    except library.Unavailable:
+        return None
+    # the monitor reads PETSc's integers
+    return (compiled, petsc) if np.dtype(PETSc.IntType).itemsize == 4 else None
+
+
+def available(form):
+    """Whether the solves of a form can be the library's."""
+    return getattr(form, "kernel", None) is not None and connected() is not None
+
+
+def _call(name, *arguments):
+    """Call a function of PETSc by handles and addresses; PETSc.Error where it fails."""
+    status = getattr(connected()[1], name)(*(ctypes.c_void_p(part) if isinstance(part, int)
+                                             else part for part in arguments))
+    if status:
+        raise PETSc.Error(status)
+
+
+def _function(name):
+    """The address of a function of the library."""
+    return library.pointer(connected()[0], name)
+
+
+class Callbacks:
+    """What PETSc calls for a form, and how a user sees it by -snes_view.
+
+    Parameters
+    ----------
+    form : with a kernel
+    options : CoreOptions of the preconditioner
+
+    Attributes
+    ----------
+    zone : CompiledZone
+    """
+
+    def __init__(self, form, options):
+        arc = form.kernel if isinstance(form, ArcLength) else None
+        kernel = form.kernel if arc is None else arc.kernel
+        self.form, self.kernel = form, form.kernel
+        self.zone = CompiledZone(kernel, options, 0.0 if arc is None else 1e-5, arc)
+        self._texts = (_about_operator(form).encode(), _about_zone(options).encode())
+        self.structure = structures.System(operator_text=self._texts[0], zone_text=self._texts[1])
+        self.structure.form = ctypes.pointer(kernel.structure)
+        self.structure.zone = ctypes.pointer(self.zone.structure)
+        if arc is not None:
+            self.structure.arc = ctypes.pointer(arc.structure)
+        self.address = ctypes.addressof(self.structure)
+
+
+class CompiledRitz:
+    """What the monitor of a SNES in the library keeps, as `snes.Ritz`."""
+
+    def __init__(self, structure):
+        self._structure = structure
+
+    @property
+    def smallest(self):
+        """Smallest real part of the Ritz values of the last two linear solves that told anything,
+        nan where none did."""
+        told = min(self._structure.told, 2)
+        return min(self._structure.smallest[:told], default=np.nan)
+
+
+def _about_operator(form):
+    """What -snes_view prints of the operator."""
+    return f"{about(form)}, compiled\n"
+
+
+def _about_zone(options):
+    """What -snes_view prints of the preconditioner."""
+    return (f"    CoreZone: threshold {options.threshold:g}, width {options.width:g} / "
+            f"lambda_n, pad {options.pad:g}, compiled\n")
+
+
+def operator(ksp, form):
+    """The matrix of a form's Jacobian in the library, whose preconditioner a KSP is given."""
+    pc = ksp.getPC()
+    own = Callbacks(form, read(CoreOptions, pc.getOptionsPrefix() or ""))
+    matrix = PETSc.Mat().create(PETSc.COMM_SELF)
+    matrix.setSizes([form.size, form.size])
+    matrix.setType("shell")
+    _call("MatShellSetContext", matrix.handle, own.address)
+    for operation, name in ((MULTIPLY, "mat_mult"), (MULTIPLY_TRANSPOSED, "mat_mult_transpose"),
+                            (VIEW, "mat_view")):
+        _call("MatShellSetOperation", matrix.handle, ctypes.c_int(operation), _function(name))
+    matrix.setUp()
+    pc.setType("shell")
+    _call("PCShellSetContext", pc.handle, own.address)
+    for name, function in (("SetUp", "pc_set_up"), ("Apply", "pc_apply"), ("View", "pc_view")):
+        _call(f"PCShellSet{name}", pc.handle, _function(function))
+    # it has to live as long as any of them
+    for thing in (ksp, matrix, pc):
+        thing.setAttr("callbacks", own)
+    return matrix
+
+
+def equip(snes, form):
+    """Give a SNES a form's function, Jacobian and preconditioner in the library."""
+    matrix = operator(snes.getKSP(), form)
+    own = of(matrix)
+    snes.setAttr("callbacks", own)
+    residual = PETSc.Vec().createSeq(form.size)
+    _call("SNESSetFunction", snes.handle, residual.handle, _function("snes_function"), own.address)
+    _call("SNESSetJacobian", snes.handle, matrix.handle, matrix.handle,
+          _function("snes_jacobian"), own.address)
+
+
+def of(thing):
+    """The Callbacks of a SNES, a matrix or a preconditioner, or None."""
+    return thing.getAttr("callbacks") if thing else None
+
+
+def set_from_options(snes):
+    """Have a SNES or a KSP read its options; InputError where these leave the library's
+    preconditioner no Jacobian.
+
+    ``-pc_type python`` without a type is the form's own preconditioner in Python.
+    """
+    snes.setFromOptions()
+    if not of(snes):
+        return
+    pc = (snes.getKSP() if isinstance(snes, PETSc.SNES) else snes).getPC()
+    database = PETSc.Options(snes.getOptionsPrefix() or "")
+    if pc.getType() == "python" and pc.getPythonContext() is None:
+        pc.setPythonType("contactsnes.solvers.preconditioners.ZonePC")
+        pc.setFromOptions()
+    if pc.getType() == "shell" and database.getBool("snes_mf", False):
+        raise InputError(NO_JACOBIAN)
+
+
+def regularise(snes, form, stiffness):
+    """Have Newton's steps of a SNES taken in the regularised gap.
+
+    Parameters
+    ----------
+    snes : SNES of the form, equipped here
+    form : of the equations
+    stiffness : float, kappa, phi_n/delta_n^2
+    """
+    own = of(snes)
+    own.structure.newton_stiffness = stiffness
+    search = ctypes.c_void_p()
+    _call("SNESGetLineSearch", snes.handle, ctypes.byref(search))
+    _call("SNESLineSearchSetPreCheck", search.value, _function("pre_check"), own.address)
+
+
+def watch_modes(snes):
+    """Have a SNES keep its Ritz values; the CompiledRitz that tells them."""
+    own = of(snes)
+    _call("SNESMonitorSet", snes.handle, _function("monitor_modes"), own.address,
+          ctypes.c_void_p())
+    return CompiledRitz(own.structure)
+
+
+def solve(snes, solution):
+    """Run a SNES, or a KSP of one, from a Vec, which it overwrites; exceptions of Python that the
+    library could not pass on are raised.
+
+    Parameters
+    ----------
+    snes : SNES or KSP
+    solution : Vec, or (right-hand side, Vec) of a KSP
+    """
+    right, solution = solution if isinstance(solution, tuple) else (None, solution)
+    try:
+        snes.solve(right, solution)
+    except PETSc.Error:
+        own = of(snes)
+        if own is not None:
+            own.zone.raise_error()
+            own.form.grid.counter.check()
+        raise

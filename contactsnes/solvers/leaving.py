@@ -1,0 +1,50 @@
+"""When a body under prescribed forces moves for ever: pulled off, or beyond its friction."""
+
+import numpy as np
+
+LEVELLED = 6.0
+"""Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12
+(dimensionless)."""
+
+
+def leaving(motion):
+    """The force-controlled component of a motion that no traction will balance from here on, or
+    None.
+
+    Normal: pulled, every node beyond the law's range, and still separating. Tangential: all nodes
+    within the law's range have slipped so far that friction has levelled off, below the prescribed
+    force, and the body still slides on.
+    """
+    form, grid, law = motion.form, motion.grid, motion.form.contact.law
+    for i in form.forced:
+        target, mean = motion.target[i], (i, *motion.zero)
+        if motion.velocity[mean].real * target <= 0.0 or motion.force[mean].real * target >= 0.0:
+            continue
+        if i == 0 and target > 0.0 and motion.closest() > law.range:
+            return 0
+        if i > 0 and abs(motion.displacement[mean].real) / grid.size > LEVELLED:
+            pressed = 0 in form.forced and motion.target[0] < 0.0
+            if slides(law, grid, motion.gap, abs(target) * grid.size, pressed):
+                return i
+    return None
+
+
+def slides(law, grid, gap, force, pressed):
+    """Whether friction has levelled off wherever the law acts, at a sum over nodes below ``force``.
+
+    What is ``pressed`` down where the law acts nowhere will come into contact.
+
+    Parameters
+    ----------
+    law : Law
+    grid : Grid
+    gap : array (components, nodes), ranges of the law
+    force : of the component, a sum over nodes of tractions in phi_t/delta_t
+    pressed : whether the body is pressed down
+    """
+    within = gap[0] < law.range
+    if not within.any():
+        return not pressed
+    slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
+    friction = np.linalg.norm(law.traction(gap)[1:], axis=0) * within
+    return bool(slipped[within].all()) and grid.sum(friction) < force

@@ -1,0 +1,34 @@
+"""PETSc's linear solver around the Jacobian of a form, for motions that take no nonlinear one."""
+
+from petsc4py import PETSc
+
+from . import callbacks
+from .operators import Jacobian
+from .snes import kept
+
+
+def create_ksp(form, prefix):
+    """(KSP, its matrix) of a form's Jacobian, set up by the defaults of `snes.equip` and then by
+    the user's options; its matrix is to be assembled whenever the form is linearised.
+
+    Parameters
+    ----------
+    form : of the equations
+    prefix : str, of the options, after the dash
+    """
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setOptionsPrefix(prefix)
+    ksp.setType("fgmres")
+    ksp.setGMRESRestart(60)
+    ksp.setTolerances(max_it=150)
+    if callbacks.available(form):
+        matrix = callbacks.operator(ksp, form)
+    else:
+        matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form),
+                                          comm=PETSc.COMM_SELF)
+        matrix.setUp()
+        ksp.getPC().setType("python")
+        ksp.getPC().setPythonType("contactsnes.solvers.preconditioners.ZonePC")
+    ksp.setOperators(matrix)
+    callbacks.set_from_options(ksp)
+    return kept(ksp), kept(matrix)

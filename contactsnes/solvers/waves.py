@@ -1,0 +1,75 @@
+"""The waves that a motion of the force form is followed on: those of the whole cell, or the cosines
+of fields that are even about its apex."""
+
+import numpy as np
+
+
+class CellWaves:
+    """Half spectra of fields on the whole cell.
+
+    Parameters
+    ----------
+    form : ForceForm
+
+    Attributes
+    ----------
+    transform : of all components
+    grid : whose reductions run over the nodes
+    initial_gap : array (nodes), delta_n
+    stiffness, compliance : {(i, j): K or C / N}, N nodes of the cell, on the waves
+    weights : array of the waves: how many waves of the cell each stands for
+    """
+
+    def __init__(self, form):
+        self.transform, self.grid = form.convolution.transform, form.grid
+        self.initial_gap = form.initial_gap
+        self.stiffness = {key: form.grid.size * block
+                          for key, block in form.convolution.blocks.items()}
+        self.compliance, self.respond = form.compliance.blocks, form.compliance.multiply
+        self.weights = np.full(self.transform.spectrum.shape[1:], 2.0)
+        self.weights[..., [0, -1]] = 1.0
+
+    def fold(self, values):
+        """Values (..., nodes of the cell) at these nodes."""
+        return values
+
+    unfold = fold
+
+    def inner(self, first, second):
+        """Real inner product of spectra (components, *waves): a sum over the waves of the cell."""
+        return self.grid.spectral_inner(first, second)
+
+
+class EvenWaves:
+    """Cosines of even fields on half a line or a quarter of a plane, whose spectra are real.
+
+    Parameters
+    ----------
+    form : ForceForm
+
+    Attributes
+    ----------
+    as those of `CellWaves`
+    """
+
+    def __init__(self, form):
+        window = form.half
+        self.transform = form.contact.kernels.even(form.grid, window.shape, form.components)
+        self.grid, self.initial_gap = window.grid, window.fold(form.initial_gap)
+        self.fold, self.unfold = window.fold, window.unfold
+        own, inside = self.transform, tuple(slice(0, n) for n in window.shape)
+        self.stiffness, self.compliance = (
+            {(i, i): factor * own.ordered(convolution.blocks[i, i].real[inside])
+             for i in range(form.components)}
+            for factor, convolution in ((form.grid.size, form.convolution), (1.0, form.compliance)))
+        # waves stand for as many of the cell as nodes do
+        self.weights = own.ordered(window.grid.weights.reshape(window.shape))
+
+    def respond(self, spectrum):
+        """Multiply a spectrum by C / N, in place."""
+        for (i, _), symbol in self.compliance.items():
+            spectrum[i] *= symbol
+
+    def inner(self, first, second):
+        """Inner product of spectra (components, *waves): a sum over the waves of the cell."""
+        return float(np.vdot(first, second * self.weights))

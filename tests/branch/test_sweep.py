@@ -1,0 +1,129 @@
+"""Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
+
+import numpy as np
+import pytest
+
+from contactsnes import Branch, Load, Scene, Steps, read, reference, sweep
+from contactsnes.branch.sweep import _is_done, _stem
+from contactsnes.contact import observables
+from contactsnes.options.fields import InputError
+from contactsnes.output import archive as archives
+from contactsnes.output.layout import Column
+
+SMALL = dict(points=128, period=20.0, normal_maugis=1.0)
+SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
+          contact_modulus=2e6, radius=0.01, range_normal=1.3e-6, range_tangential=1.3e-6,
+          period=0.0023, height=0.2, points=128)
+
+
+def kept(branch, path, fields="all"):
+    """The points of a branch, kept in an archive as a run does."""
+    table = observables.table(branch.scene)
+    made = archives.Archive.create(
+        path, scene=branch.attributes(), versions={}, fields=fields,
+        options=f'-load_path "{branch.load.path}"' + (
+            f'\n-load_start "{branch.load.start}"' if branch.load.start else ""),
+        columns={name: Column(row.unit, row.kind, row.names) for name, row in table.items()},
+        components=branch.scene.components,
+        **(observables.frame(branch.contact) if fields != "none" else {}))
+    points = []
+    for point in branch:
+        measurement = observables.Measurement(branch.contact, point)
+        made.append({name: row.function(measurement) for name, row in table.items()},
+                    branch.packed(point), *(measurement.fields() if fields != "none" else ()))
+        points.append(point)
+    made.finish()
+    return points
+
+
+@pytest.mark.parametrize("scene, force, shear", [(Scene(**SMALL), 2.0, 20.0),
+                                                 (Scene.typed(**SI), 5.0, 3e-5)])
+def test_a_branch_begins_at_any_point_of_an_archive(tmp_path, scene, force, shear):
+    load = Load(path=f"normal_force={force}; tangential_displacement={shear}")
+    points = kept(Branch(scene, load), tmp_path / "run.h5")
+    place = next(i for i, point in enumerate(points) if point.leg == 2) + 2
+    back = Branch.restart(tmp_path / "run.h5", "tangential_displacement=0", place)
+    assert back.scene == scene
+    first, *_, last = back
+    # The same equilibrium, found without an iteration, and back where the shear began.
+    assert first.spent["nonlinear_iterations"] == 0 and first.controls == points[place].controls
+    np.testing.assert_allclose(first.forces, points[place].forces, rtol=1e-9)
+    pressed = next(point for point in reversed(points) if point.leg == 1)
+    assert last.displacements[0] == pytest.approx(pressed.displacements[0], rel=1e-7)
+    assert abs(last.forces[1]) < 1e-7
+
+
+def test_without_fields_a_branch_begins_at_the_last_points(tmp_path):
+    points = kept(Branch(Scene(**SMALL), Load(path="normal_displacement=1")), tmp_path / "run.h5",
+                  "none")
+    first = next(iter(Branch.restart(tmp_path / "run.h5", "normal_force=0", -3)))
+    assert first.forces[0] == pytest.approx(points[-3].forces[0], rel=1e-9)
+    with pytest.raises(InputError, match="no state of point 0.*-archive_fields all"):
+        Branch.restart(tmp_path / "run.h5", "normal_force=0", 0)
+    with pytest.raises(InputError, match="has 2[0-9]: give 0 to 2"):
+        Branch.restart(tmp_path / "run.h5", "normal_force=0", 99)
+
+
+def test_a_point_says_what_it_is():
+    *points, last = Branch(Scene(**SMALL), Load(path="normal_displacement=-6", stop="pull_off"),
+                           Steps(at_fold="stop"))
+    assert points[0].event is None and last.event in ("fold", "pull_off")
+    text = repr(last)
+    assert text.startswith("<Point: leg 1") and last.event in text and len(text) < 300
+    assert "None" not in repr(points[0])
+
+
+def test_scenes_say_what_makes_them():
+    assert repr(Scene()) == "Scene()"
+    scene = Scene(**SMALL)
+    assert repr(scene) == "Scene(points=128, period=20.0, normal_maugis=1.0)"
+    assert eval(repr(scene)) == scene
+    in_si = Scene.typed(**SI)
+    assert eval(repr(in_si)) == in_si and "period=0.0023" in repr(in_si)
+    branch = Branch(scene, Load(path="normal_force=1"))
+    assert repr(scene) in repr(branch) and "'normal_force=1'" in repr(branch)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_sweep_finds_what_theory_says_and_is_taken_up_again(tmp_path, jobs, monkeypatch):
+    if jobs > 1:
+        pytest.importorskip("joblib")
+    load = Load(path="normal_displacement=-6", stop="pull_off")
+    values = (0.5, 1.0)
+    found = sweep(Scene(points=256, period=40.0), load, folder=tmp_path / "runs", jobs=jobs,
+                  normal_maugis=values, progress=False)
+    assert list(found) == list(values) and not found.failures
+    theory = [reference.maugis_line_pull_off(value, 40.0)[0] for value in values]
+    assert found.take("normal_force", min) == pytest.approx(theory, rel=0.15)
+    assert "normal_maugis of 2 values: 2 runs" in repr(found)
+    monkeypatch.setattr("contactsnes.branch.sweep.subprocess.run", lambda *_, **__: 1 / 0)
+    again = sweep(Scene(points=256, period=40.0), load, folder=tmp_path / "runs", progress=False,
+                  normal_maugis=values)
+    assert np.array_equal(again.take("normal_force"), found.take("normal_force"))
+
+
+def test_a_run_that_ends_early_says_why(tmp_path):
+    found = sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path, progress=False,
+                  load_path=["normal_force=-9", "normal_force=0.5"])
+    assert list(found.failures) == ["normal_force=-9"]
+    assert "no equilibrium" in found.failures["normal_force=-9"]
+    assert found["normal_force=-9"].points > 1 and found["normal_force=0.5"].complete
+    path = tmp_path / "load_path=normal_force=0.5.h5"
+    assert _is_done(path, {"load_path": "normal_force=0.5"})
+    assert not _is_done(path, {"load_path": "normal_force=0.6"})
+    assert read(path)["normal_force"][-1] == 0.5
+
+
+@pytest.mark.parametrize("given, word", [
+    (dict(normal_magis=[1]), "did you mean normal_maugis"),
+    (dict(normal_maugis=[1, -1]), "-scene_normal_maugis is '-1'"), ({}, "needs values"),
+    (dict(jobs=0, points=[128]), "jobs is '0'")])
+def test_a_sweep_refuses_before_it_runs(tmp_path, given, word):
+    with pytest.raises(InputError, match=word):
+        sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path / "none", **given)
+    assert not (tmp_path / "none").exists()
+
+
+def test_names_of_archives_are_those_of_files():
+    assert _stem({"points": np.int64(64), "geometry_file": "a/b c.npy"}) == (
+        "points=64-geometry_file=a_b_c.npy")

@@ -1,0 +1,77 @@
+"""Outlines against ellipses, intervals and bands that are known."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipe
+
+from contactsnes.grid.boxes import Spots
+from contactsnes.grid.cell import Grid
+from contactsnes.grid.outlines import outline
+from contactsnes.grid.windows import Window
+
+A, B, X, Y = 1.3, 0.8, 0.2, -0.1
+
+
+def ellipse(points, whole=True):
+    grid = Grid((points, points), (4.0, 4.0))
+    x, y = grid.coordinates()
+    values = ((x - X) / A) ** 2 + ((y - Y) / B) ** 2
+    window = grid.whole if whole else Window(grid, (points // 16,) * 2, (7 * points // 8,) * 2)
+    return outline(window, window.take(values), 1.0)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_an_ellipse_has_its_axes_centroid_and_perimeter(whole):
+    found = ellipse(64, whole)
+    for axis, (half, centre) in enumerate(((A, X), (B, Y))):
+        first, last = found.extent(axis)
+        assert 0.5 * (last - first) == pytest.approx(half, rel=3e-5)
+        assert found.centroid(axis) == pytest.approx(centre, abs=1e-6)
+    assert found.length() == pytest.approx(4 * A * ellipe(1 - (B / A) ** 2), rel=2e-5)
+    assert found.around == (False, False)
+
+
+def test_perimeter_is_of_second_order():
+    exact = 4 * A * ellipe(1 - (B / A) ** 2)
+    errors = [abs(ellipse(points).length() / exact - 1) for points in (32, 64, 128)]
+    assert errors[0] > 3.5 * errors[1] > 12 * errors[2]
+
+
+def test_the_inside_is_on_the_left():
+    """Green's theorem gives the area with its sign."""
+    (x0, y0), (x1, y1) = np.moveaxis(ellipse(64).ends, 0, -1)
+    assert 0.5 * np.sum(x0 * y1 - x1 * y0) == pytest.approx(np.pi * A * B, rel=1e-4)
+
+
+def test_several_boxes_are_one_outline():
+    grid = Grid((64, 64), (8.0, 8.0))
+    x, y = grid.coordinates()
+    values = np.minimum((x + 2) ** 2 + y ** 2, (x - 2) ** 2 + (y - 1) ** 2)
+    spots = Spots(grid, np.array([(8, 24), (40, 32)]), (16, 16))
+    one, several = (outline(window, window.take(values), 0.5) for window in (grid.whole, spots))
+    assert several.length() == pytest.approx(one.length(), rel=1e-12)
+    assert several.length() == pytest.approx(4 * np.pi * np.sqrt(0.5), rel=1e-3)
+    assert several.extent(0) == pytest.approx(one.extent(0), rel=1e-12)
+    assert several.centroid(1) == pytest.approx(0.5, abs=1e-5)
+
+
+def test_what_goes_around_the_cell_has_no_extent_there():
+    grid = Grid((32, 32), (4.0, 4.0))
+    x, _ = grid.coordinates()
+    band = outline(grid.whole, np.broadcast_to(x ** 2, grid.shape).reshape(-1), 1.0)
+    assert band.around == (False, True)
+    assert band.extent(0) == pytest.approx((-1.0, 1.0), rel=1e-12)
+    assert np.isnan(band.extent(1)).all() and np.isnan(band.centroid(0))
+    assert band.length() == pytest.approx(8.0, rel=1e-12)
+
+
+def test_intervals_of_a_line():
+    grid = Grid((256,), (2 * np.pi,))
+    (x,) = grid.coordinates()
+    found = outline(grid.whole, np.cos(2 * x + 0.3), 0.5)
+    edges = np.arccos(0.5)
+    assert found.ends[:, 1, 0] - found.ends[:, 0, 0] == pytest.approx(np.pi - edges, rel=1e-6)
+    assert found.extent(0) == pytest.approx((-np.pi + (edges - 0.3) / 2,
+                                             np.pi - (edges + 0.3) / 2), rel=1e-6)
+    nothing = outline(grid.whole, np.cos(x), -2.0)
+    assert np.isnan(nothing.extent(0)).all() and np.isnan(nothing.centroid(0))

@@ -1,0 +1,233 @@
+"""Measured surfaces: files as instruments and spreadsheets write them, holes, edges, fitting, sizes
+and units."""
+
+import importlib.util
+import pickle
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.interface import height_files, heights, shapes  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.scene.settings import Scene  # noqa: E402
+
+RANDOM = np.random.default_rng(4)
+MAP = RANDOM.normal(size=(24, 18))
+SI = {"units": "si", "geometry": "file", "work_of_adhesion_normal": 0.03,
+      "work_of_adhesion_tangential": 0.03, "contact_modulus": 2e6, "range_normal": 1e-7,
+      "range_tangential": 1e-7}
+
+
+def text(values, separator=" ", comma=False, empty="nan"):
+    """Rows of numbers in text; holes as ``empty``."""
+    rows = [separator.join(empty if np.isnan(value) else repr(float(value)) for value in row)
+            for row in values]
+    return "\n".join(row.replace(".", ",") if comma else row for row in rows) + "\n"
+
+
+@pytest.mark.parametrize("name, content", [
+    ("a.txt", text(MAP)), ("a.csv", text(MAP, ",")), ("a.csv", text(MAP, ";", comma=True)),
+    ("a.dat", text(MAP, "\t")), ("a.asc", "Width = 3 um\nHeight, in nm\n\n" + text(MAP)),
+    ("a.csv", "\ufeffnm;of;a;surface\r\n" + text(MAP, ";").replace("\n", "\r\n")),
+    ("A.TXT", "# x\n" + text(MAP) + "\n# end\n")])
+def test_tables_are_read(tmp_path, name, content):
+    (tmp_path / name).write_text(content, encoding="utf-8", newline="")
+    np.testing.assert_array_equal(heights.read_heights(tmp_path / name), MAP)
+
+
+def test_empty_cells_are_holes(tmp_path):
+    values = MAP.copy()
+    values[3, 4] = values[5, 0] = np.nan
+    (tmp_path / "a.csv").write_text(text(values, ",", empty=""))
+    np.testing.assert_array_equal(height_files.read(tmp_path / "a.csv").values, values)
+    with pytest.raises(ValueError, match="2 of 432 heights are missing; .*-scene_heights_fill"):
+        heights.read_heights(tmp_path / "a.csv")
+
+
+def test_points_of_a_grid_come_in_any_order(tmp_path):
+    x, y = np.meshgrid(2.0 + 0.5 * np.arange(24), -1.0 + 0.25 * np.arange(18), indexing="ij")
+    points = np.array([x.ravel(), y.ravel(), MAP.ravel()]).T
+    hole, kept = 7, np.arange(432) != 7
+    np.savetxt(tmp_path / "a.xyz", RANDOM.permutation(points[kept]), header="x y z")
+    found = height_files.read(tmp_path / "a.xyz")
+    assert found.size == pytest.approx((12.0, 4.5), rel=1e-12)
+    assert np.isnan(found.values.ravel()[hole])
+    np.testing.assert_array_equal(found.values.ravel()[kept], MAP.ravel()[kept])
+    np.savetxt(tmp_path / "b.xyz", points[:18, 1:])
+    line = height_files.read(tmp_path / "b.xyz")
+    np.testing.assert_array_equal(line.values, MAP[0])
+
+
+@pytest.mark.parametrize("points, why", [
+    (RANDOM.random((40, 3)), "no regular grid|evenly spaced"), (np.ones((5, 3)), "all points have"),
+    (np.ones((5, 4)), "4 columns; x y z")])
+def test_points_of_no_grid_are_refused(tmp_path, points, why):
+    np.savetxt(tmp_path / "a.xyz", points)
+    with pytest.raises(ValueError, match=why):
+        height_files.read(tmp_path / "a.xyz")
+
+
+class Bomb:
+    """What does harm when it is unpickled."""
+
+    def __reduce__(self):
+        return exec, ("raise SystemExit('executed')",)
+
+
+def test_files_of_surfaces_are_data(tmp_path):
+    """Nothing in them is executed: no pickled object is loaded."""
+    np.save(tmp_path / "a.npy", np.array([Bomb()], dtype=object), allow_pickle=True)
+    (tmp_path / "b.npy").write_bytes(pickle.dumps(Bomb()))
+    (tmp_path / "c.csv").write_text("=cmd|' /C calc'!A0\n__import__('os').system('x')\n")
+    for name in ("a.npy", "b.npy", "c.csv"):
+        with pytest.raises(ValueError, match="cannot be read"):
+            height_files.read(tmp_path / name)
+
+
+# Crop, holes, edges, fit
+
+
+def saved(tmp_path, values):
+    np.save(tmp_path / "map.npy", values)
+    return str(tmp_path / "map.npy")
+
+
+def test_a_part_is_taken(tmp_path):
+    found = heights.prepared(saved(tmp_path, MAP), crop="4:20,:16").values
+    np.testing.assert_array_equal(found, MAP[4:20, :16])
+
+
+@pytest.mark.parametrize("crop", ["4:20", "20:4,0:16", "0:99,0:16", "a:b,0:1", "3,0:16", "-4:3,:"])
+def test_bad_parts_are_refused(tmp_path, crop):
+    with pytest.raises(InputError, match="-scene_heights_crop is"):
+        heights.prepared(saved(tmp_path, MAP), crop=crop)
+
+
+def test_holes_are_filled():
+    x, y = np.meshgrid(np.arange(24.0), np.arange(18.0), indexing="ij")
+    plane = 2.0 + 0.3 * x - 0.1 * y
+    values = plane.copy()
+    values[5:9, 6:9] = np.nan
+    filled = {fill: heights._filled("", values, fill) for fill in ("mean", "nearest",
+                                                                   "interpolate")}
+    np.testing.assert_allclose(filled["interpolate"], plane, atol=1e-12)
+    assert np.abs(filled["nearest"] - plane).max() < 0.7
+    assert filled["mean"][6, 7] == pytest.approx(np.nanmean(values), rel=1e-12)
+    line = values[:, 7].copy()
+    np.testing.assert_allclose(heights._filled("", line, "interpolate"), plane[:, 7], atol=1e-12)
+    with pytest.raises(ValueError, match="heights are missing"):
+        heights._filled("", np.full((4, 4), np.nan), "mean")
+
+
+def test_edges_are_mended():
+    x, y = np.meshgrid(np.arange(64.0), np.arange(48.0), indexing="ij")
+    tilted = 5.0 + 0.2 * x - 0.7 * y + np.cos(2 * np.pi * x / 64)
+    assert heights.seams(tilted)
+    flat = heights.detrended(tilted)
+    slopes = np.linalg.lstsq(np.array([np.ones(x.size), x.ravel(), y.ravel()]).T, flat.ravel(),
+                             rcond=None)[0]
+    np.testing.assert_allclose(slopes, 0.0, atol=1e-12)
+    assert not heights.seams(flat)
+    tapered = heights.windowed(tilted)
+    assert np.abs(tapered[[0, -1]]).max() < 0.02 and not heights.seams(tapered)
+    np.testing.assert_allclose(tapered[20:44, 15:33], flat[20:44, 15:33], atol=1e-12)
+    around = heights.padded(tilted)
+    assert around.shape == (80, 60) and around[0, 0] == tilted.min()
+    np.testing.assert_array_equal(around[8:-8, 6:-6], tilted)
+
+
+def test_a_wave_is_fitted_to_another_grid():
+    def wave(*shape):
+        x, y = np.meshgrid(*((np.arange(n) - n // 2) / n for n in shape), indexing="ij")
+        return np.cos(2 * np.pi * x + 0.4) + 0.3 * np.sin(4 * np.pi * y)
+
+    found = heights.fitted("", wave(60, 48), (64, 32), "interpolate")
+    np.testing.assert_allclose(found, wave(64, 32), atol=2e-4)
+    with pytest.raises(ValueError, match="-scene_heights_fit interpolate"):
+        heights.fitted("", wave(60, 48), (64, 32))
+
+
+# Scenes
+
+
+def test_a_map_brings_dimension_points_and_period(tmp_path):
+    name = saved(tmp_path, 1e-6 * MAP)
+    scene = Scene.typed(**SI, geometry_file=name, heights_size=(2.4e-4, 1.8e-4))
+    assert (scene.dimension, scene.points) == (2, (24, 18))
+    assert scene.told(scene.periods, "beta") == pytest.approx((2.4e-4, 1.8e-4))
+    gap = Contact(scene).initial_gap / scene.normal_maugis * scene.scale("u_n,r")[0]
+    np.testing.assert_allclose(gap, 1e-6 * (MAP.max() - MAP), rtol=1e-10, atol=1e-18)
+
+
+def test_a_part_of_a_map_has_a_part_of_its_size(tmp_path):
+    scene = Scene.typed(**SI, geometry_file=saved(tmp_path, MAP), heights_size=(2.4e-4, 1.8e-4),
+                        heights_crop="4:20,0:16", heights_unit="um")
+    assert scene.told(scene.periods, "beta") == pytest.approx((1.6e-4, 1.6e-4))
+    found = shapes.of(scene).heights(scene) * scene.scale("u_n,r")[0]
+    np.testing.assert_allclose(found, 1e-6 * MAP[4:20, :16], rtol=1e-10)
+
+
+def test_points_bring_their_size_in_their_unit(tmp_path):
+    x, y = np.meshgrid(0.5 * np.arange(24), 0.5 * np.arange(18), indexing="ij")
+    np.savetxt(tmp_path / "a.xyz", np.array([x.ravel(), y.ravel(), MAP.ravel()]).T)
+    scene = Scene.typed(**SI, geometry_file=str(tmp_path / "a.xyz"), heights_unit="um")
+    assert scene.told(scene.periods, "beta") == pytest.approx((12e-6, 9e-6))
+    plain = Scene.typed(geometry="file", geometry_file=str(tmp_path / "a.xyz"))
+    assert plain.periods == pytest.approx((12.0, 9.0))
+
+
+def test_a_grid_of_its_own_is_fitted(tmp_path):
+    scene = Scene.typed(geometry="file", geometry_file=saved(tmp_path, MAP[:23]), period=9.0,
+                        heights_fit="interpolate", points=(32, 32), heights_edges="window")
+    assert shapes.of(scene).heights(scene).shape == (32, 32)
+    assert Scene.typed(geometry="file", geometry_file=saved(tmp_path, MAP[:23]), period=9.0,
+                       heights_fit="interpolate").points == (24, 18)
+
+
+BAD = [({}, "a map without size: give that of all of it by -scene_heights_size"),
+       ({"heights_size": 1e-4, "period": 1e-4}, "-scene_heights_size is '0.0001', but "
+        "-scene_period '0.0001' fixes the same"),
+       ({"units": "dimensionless", "heights_unit": "nm"}, "-scene_heights_unit is 'nm', but "
+        "-scene_units is 'dimensionless'"),
+       ({"period": 1e-4, "heights_unit": "inch"}, "-scene_heights_unit is 'inch': allowed is one"),
+       ({"period": 1e-4, "heights_fill": "magic"}, "-scene_heights_fill is 'magic'"),
+       ({"period": 1e-4, "heights_crop": "0:23,0:18"}, "a map of 23 x 18 heights, and grids have "
+        "even numbers of points: add -scene_heights_crop 0:22,0:18, or"),
+       ({"period": 1e-4, "geometry_file": "none.npy"}, "there is no file none.npy"),
+       ({"period": 1e-4, "geometry_file": ""}, "-scene_geometry is 'file' without a file")]
+
+
+@pytest.mark.parametrize("values, sentence", BAD)
+def test_bad_input_is_one_sentence(tmp_path, values, sentence):
+    given = {**SI, "geometry_file": saved(tmp_path, MAP), **values}
+    if given["units"] != "si":
+        given = {name: value for name, value in given.items()
+                 if name.startswith(("geo", "heights"))}
+    with pytest.raises(InputError, match=sentence) as error:
+        Scene.typed(**given)
+    assert "\n" not in str(error.value)
+
+
+def test_a_size_from_python_has_to_be_the_period(tmp_path):
+    name = saved(tmp_path, MAP)
+    with pytest.raises(InputError, match="-scene_heights_size is .*Scene.typed"):
+        Scene(geometry="file", geometry_file=name, heights_size=3.0, dimension=2, points=(24, 18))
+    assert Scene.typed(geometry="file", geometry_file=name, heights_size=3.0).periods == (3.0, 3.0)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("SurfaceTopography") is None,
+                    reason="SurfaceTopography is not installed")
+def test_files_of_instruments_bring_size_unit_and_holes(tmp_path):
+    from SurfaceTopography import Topography
+
+    values = np.ma.masked_array(MAP, mask=np.zeros(MAP.shape, dtype=bool))
+    values.mask[3, 4] = True
+    Topography(values, (2.4, 1.8), unit="um").to_netcdf(str(tmp_path / "a.nc"))
+    found = height_files.read(tmp_path / "a.nc")
+    assert (found.size, found.unit) == (pytest.approx((2.4, 1.8)), "um")
+    assert np.isnan(found.values[3, 4])
+    np.testing.assert_allclose(found.values[5:], MAP[5:])

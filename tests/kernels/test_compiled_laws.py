@@ -1,0 +1,169 @@
+"""Laws in C: those of the package, and those of one's own with their cache."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contactsnes.interface.laws import LAWS
+from contactsnes.interface.laws.law import Law
+from contactsnes.kernels import building, library
+from contactsnes.kernels.choice import chosen
+from contactsnes.kernels.laws import kernel_of, with_kernel
+from contactsnes.kernels.library import Unavailable
+from contactsnes.options.fields import option
+
+pytestmark = pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
+
+
+class Soft(Law):
+    """A law of one's own."""
+
+    steepness: float = option(1.5, "of the test", above=0)
+
+    def tractions(self, a, b):
+        return a * np.exp(-self.steepness * a), 2.0 * np.exp(-b * b) / (1.0 + a * a)
+
+
+def has_compiler():
+    try:
+        return bool(building.compiler())
+    except Unavailable:
+        return False
+
+
+compiler = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+
+
+def gaps(count, nodes=700):
+    random = np.random.default_rng(2)
+    gap = random.normal(size=(count, nodes)) * 2.0
+    gap[0, :5] = -34.0, -30.0, 0.0, 36.0, 50.0
+    gap[1:, 5:20] = 0.0
+    return gap
+
+
+def agree(law, made):
+    for count in (1, 2, 3):
+        gap = gaps(count)
+        np.testing.assert_allclose(made.traction(gap), law.traction(gap), rtol=1e-11, atol=1e-13)
+        np.testing.assert_allclose(made.tangent(gap), law.tangent(gap), rtol=1e-11,
+                                   atol=1e-13 * np.abs(law.tangent(gap)).max())
+    for one, other in zip(made.normal(gap[0]), law.normal(gap[0])):
+        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_laws_of_the_package_are_numpys(name, tmp_path):
+    law = LAWS[name]()
+    made = with_kernel(law, tmp_path)
+    assert kernel_of(made) and not kernel_of(law) and not list(tmp_path.iterdir())
+    agree(law, made)
+    assert repr(made) == repr(law)
+
+
+def test_strided_arrays_are_taken_too():
+    law = LAWS["modified"](0.3, 0.2)
+    made, gap = with_kernel(law, None), gaps(2)
+    out = np.empty((2, 2 * gap.shape[1]))[:, ::2]
+    np.testing.assert_allclose(made.evaluate(gap[:, ::-1], out), law.traction(gap[:, ::-1]))
+
+
+def test_an_option_that_is_set_later_counts():
+    made = with_kernel(LAWS["modified"](0.3, 0.2), None)
+    made.residual_friction = 0.9
+    gap = gaps(2)
+    np.testing.assert_allclose(made.traction(gap), LAWS["modified"](0.9, 0.2).traction(gap))
+
+
+@compiler
+def test_a_law_of_ones_own_is_compiled_once(tmp_path, monkeypatch):
+    agree(Soft(), with_kernel(Soft(), tmp_path))
+    (kept,) = tmp_path.iterdir()
+    monkeypatch.setattr(building, "_build", None)
+    agree(Soft(0.7), with_kernel(Soft(0.7), tmp_path))
+    assert list(tmp_path.iterdir()) == [kept]
+
+
+@compiler
+@pytest.mark.parametrize("content", [b"", b"nonsense", None], ids=["empty", "nonsense", "cut off"])
+def test_a_broken_library_is_made_anew(content, tmp_path):
+    with_kernel(Soft(), tmp_path)
+    (kept,) = tmp_path.iterdir()
+    whole = kept.read_bytes()
+    kept.unlink()
+    kept.write_bytes(whole[:len(whole) // 3] if content is None else content)
+    agree(Soft(), with_kernel(Soft(), tmp_path))
+
+
+@compiler
+def test_a_library_made_from_something_else_is_not_taken(tmp_path):
+    with_kernel(Soft(), tmp_path)
+    (kept,) = tmp_path.iterdir()
+    with pytest.raises(ValueError, match="something else"):
+        building._loaded(kept, "0" * 32)
+
+
+@compiler
+def test_two_processes_build_at_once(tmp_path):
+    code = ("import sys; sys.path.insert(0, sys.argv[2]); from test_compiled_laws import *; "
+            "agree(Soft(), with_kernel(Soft(), Path(sys.argv[1])))")
+    command = [sys.executable, "-c", code, str(tmp_path), str(Path(__file__).parent)]
+    running = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    for process in running:
+        assert (process.communicate()[1], process.returncode) == ("", 0)
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize("command, words", [("false", "does not run"),
+                                            ("no_such_compiler", "does not run")])
+def test_a_compiler_that_fails_is_told(command, words, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", command)
+    building.compiler.cache_clear()
+    try:
+        kernels = chosen(True, tmp_path)
+        law = kernels.law(Soft())
+    finally:
+        building.compiler.cache_clear()
+    assert kernel_of(law) is None and words in kernels.law_reason and command in kernels.law_reason
+
+
+@compiler
+def test_a_folder_that_cannot_be_written_is_told(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(Unavailable, match="-contact_cache"):
+        with_kernel(Soft(), tmp_path / "file" / "folder")
+
+
+def test_a_law_with_an_evaluate_of_its_own_stays_with_numpy(tmp_path):
+    class Written(LAWS["modified"]):
+        """A law that fills its arrays itself."""
+
+        def evaluate(self, gap, traction, tangent=None):
+            return super().evaluate(gap, traction, tangent)
+
+    kernels = chosen(True, tmp_path)
+    law = Written()
+    assert kernels.law(law) is law and "evaluate of its own" in kernels.law_reason
+
+
+def test_libraries_of_other_sources_are_not_taken(tmp_path):
+    """Stale, broken, or none at all: a sentence."""
+    for name in library.SOURCES:
+        (tmp_path / name).write_bytes((library.HERE / name).read_bytes())
+    with pytest.raises(Unavailable, match="was not built"):
+        library.load(tmp_path)
+    file = tmp_path / library.built().name
+    file.write_bytes(b"nonsense")
+    with pytest.raises(Unavailable, match="cannot be loaded"):
+        library.load(tmp_path)
+    file.unlink()
+    os.link(library.built(), file)
+    assert library.load(tmp_path)
+    with open(tmp_path / "forms.c", "a") as source:
+        source.write("\n")
+    with pytest.raises(Unavailable, match="built from other sources"):
+        library.load(tmp_path)

@@ -1,0 +1,196 @@
+"""Compiled forms and preconditioners against NumPy's, which are written apart from them."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.even_form import EvenForm, HalfForm
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.contact.problem import Contact
+from contactsnes.grid.boxes import Spots
+from contactsnes.grid.even import EvenWindow
+from contactsnes.grid.windows import Window
+from contactsnes.kernels import library
+from contactsnes.kernels.choice import chosen
+from contactsnes.kernels.zones import CompiledZone
+from contactsnes.scene.settings import Scene
+from contactsnes.solvers.core_zone import CoreOptions, CoreZone
+from contactsnes.solvers.preconditioners import ArcElimination, EvenCoreZone
+
+pytestmark = pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
+
+LINE = {"points": 256, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 2.0,
+        "residual_friction": 0.5}
+PLANE = {**LINE, "points": (64, 48), "period": (12.0, 9.0), "dimension": 2, "geometry": "sphere"}
+SCENES = {"line": LINE, "odd": {**LINE, "points": 254}, "coupled": {**LINE, "poisson": 0.3},
+          "plane": PLANE, "uneven": {**PLANE, "points": (62, 46)},
+          "coupled plane": {**PLANE, "poisson": 0.2}}
+EVEN = [(name, count, part, "even") for name, count in (("line", 1), ("line", 2), ("odd", 2),
+                                                        ("plane", 1), ("uneven", 1))
+        for part in ("open", "closed", "strip")]
+HALF = [("line", 2, "open", "half"), ("line", 1, "closed", "half")]
+PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled", 2),
+                                                          ("coupled plane", 3))
+         for part in ("open", "closed", "strip")]
+SPOTS = [(name, count, "spots", "plain") for name, count in (("coupled", 1), ("coupled", 2),
+                                                             ("coupled plane", 3))]
+CASES = [(*case, control) for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS,
+                                                                 ("displacement", "force"))]
+
+
+def window_of(grid, part):
+    """A window about the apex, the cell, one closed in its last direction only, or two boxes."""
+    shape = grid.shape
+    if part == "spots":
+        return Spots(grid, np.array([[n // 8 for n in shape], [n // 2 for n in shape]]),
+                     [n // 5 for n in shape])
+    if part == "closed":
+        return grid.whole
+    extent = [(n // 3) | 1 for n in shape]
+    if part == "strip":
+        extent[-1] = shape[-1]
+    return Window(grid, [n // 2 - e // 2 for n, e in zip(shape, extent)], extent)
+
+
+def form_of(compiled, name, count, part, kind, control):
+    """A form in overlap at the apex, and an unknown."""
+    contact = Contact(Scene(**SCENES[name]), kernels=chosen(compiled))
+    window, controls = window_of(contact.grid, part), (control,) * count
+    if kind == "half":
+        form = HalfForm(contact, EvenWindow(window), controls)
+    else:
+        form = (EvenForm if kind == "even" else DisplacementForm)(contact, window, controls)
+    form.set_load([1.5, 0.3, -0.2][:count])
+    half = getattr(form, "half", form)
+    assert (half.kernel is not None) == compiled
+    pressed = np.tile(-1.2 * np.exp(-half.initial_gap / 3.0), count) / half.root
+    unknown = 0.02 * np.random.default_rng(3).normal(size=form.size)
+    unknown[:form.count] += pressed * np.tile(getattr(form, "node_scale", np.ones(half.nodes)),
+                                              count)
+    return form, unknown
+
+
+def results(form, zone, unknown):
+    """Name -> array of what a form and its preconditioner compute."""
+    random = np.random.default_rng(5)
+    vector, new = random.normal(size=form.size), lambda: np.empty(form.size)
+    found = {"residual": form.residual(unknown, new())}
+    form.linearise(unknown)
+    found["tangent"] = getattr(form, "half", form).tangent.copy()
+    found["product"] = form.apply_jacobian(vector, new())
+    found["transposed"] = form.apply_transpose(vector, new())
+    found["preconditioner"] = zone(form).apply(vector, new())
+    return found
+
+
+def arc_of(form):
+    """The form under arc length."""
+    random = np.random.default_rng(7)
+    start, direction = random.normal(size=(2, form.components))
+    anchor, tangent = random.normal(size=(2, form.size))
+    return ArcLength(form, start, direction, 0.01 * anchor, tangent, 0.3, 0.7)
+
+
+def interpreted_zone(form):
+    kinds = {EvenForm: EvenCoreZone, ArcLength: ArcElimination}
+    return kinds.get(type(form), CoreZone)(form, CoreOptions())
+
+
+def compiled_zone(form):
+    arc = form.kernel if isinstance(form, ArcLength) else None
+    zone = CompiledZone(form.kernel if arc is None else arc.kernel, CoreOptions(),
+                        0.0 if arc is None else 1e-5, arc)
+    zone.set_up()
+    return zone
+
+
+def agree(expected, found):
+    for name, array in expected.items():
+        np.testing.assert_allclose(found[name], array, rtol=0, err_msg=name,
+                                   atol=(1e-12 if name == "preconditioner" else 1e-13)
+                                   * np.abs(array).max())
+
+
+@pytest.mark.parametrize("name, count, part, kind, control", CASES)
+def test_compiled_forms_are_numpys(name, count, part, kind, control):
+    both = [form_of(compiled, name, count, part, kind, control) for compiled in (False, True)]
+    zones = interpreted_zone, compiled_zone
+    expected, found = (results(form, zone, unknown)
+                       for (form, unknown), zone in zip(both, zones))
+    agree(expected, found)
+    (plain, _), (form, _) = both
+    assert form.grid.transforms == pytest.approx(plain.grid.transforms, rel=1e-12)
+    assert (form.evaluations, form.products) == (plain.evaluations, plain.products)
+
+
+@pytest.mark.parametrize("name, count, part, kind, control",
+                         [case for case in CASES if case[2] != "strip" and case[3] != "half"])
+def test_compiled_arc_length_is_numpys(name, count, part, kind, control):
+    found = []
+    for compiled, zone in ((False, interpreted_zone), (True, compiled_zone)):
+        form, unknown = form_of(compiled, name, count, part, kind, control)
+        arc = arc_of(form)
+        made = results(arc_form(arc), zone, np.append(unknown, 0.4))
+        found.append({**made, "load": form.load.copy(), "column": arc.load_column})
+    agree(*found)
+
+
+def arc_form(arc):
+    """The arc, with what `results` asks of a form."""
+    half = getattr(arc.form, "half", arc.form)
+    arc.half = half
+    return arc
+
+
+def test_a_residual_leaves_the_tangent_of_the_last_linearisation():
+    form, unknown = form_of(True, "coupled", 2, "open", "plain", "force")
+    form.linearise(unknown)
+    vector = np.random.default_rng(1).normal(size=form.size)
+    product = form.apply_jacobian(vector, np.empty(form.size))
+    form.residual(0.5 * unknown, np.empty(form.size))
+    assert np.array_equal(form.apply_jacobian(vector, np.empty(form.size)), product)
+    form.linearise(0.5 * unknown)
+    assert not np.allclose(form.apply_jacobian(vector, np.empty(form.size)), product)
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (3,), (24,), (25,), (12, 15), (40, 64)])
+def test_compiled_cosines_are_scipys(shape):
+    """Rows that close on the cell, that do not, and both, forwards and back."""
+    contact = Contact(Scene(**(LINE if len(shape) == 1 else PLANE)), kernels=chosen(True))
+    grid = contact.grid
+    closed = tuple(n // 2 + 1 for n in grid.shape)
+    shapes = [shape, closed] if len(shape) == 1 else [shape, closed, (shape[0], closed[1]),
+                                                      (closed[0], shape[1])]
+    for points in shapes:
+        ours, scipys = (kind(grid, points, 2) for kind in (contact.kernels.even,
+                                                           chosen(False).even))
+        field = np.random.default_rng(2).normal(size=scipys.real.shape)
+        for plan in (ours, scipys):
+            plan.real[...] = field
+            plan.forward()
+        for mine, theirs in zip(ours.spectrum, scipys.spectrum):
+            np.testing.assert_allclose(mine, ours.ordered(theirs),
+                                       atol=1e-13 * np.abs(theirs).max())
+        for one, other in zip(ours.wavevectors(grid.spacings), scipys.wavevectors(grid.spacings)):
+            np.testing.assert_allclose(np.sort(one.ravel()), other.ravel(), rtol=1e-14)
+        ours.backward()
+        np.testing.assert_allclose(ours.real, ours.gain * field, atol=1e-12 * ours.gain)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.1])
+@pytest.mark.parametrize("rank", [5, 3])
+def test_pseudo_inverse_is_that_of_singular_values(floor, rank):
+    random = np.random.default_rng(4)
+    matrix = random.normal(size=(5, rank)) @ random.normal(size=(rank, 5))
+    left, values, right = np.linalg.svd(matrix)
+    inverse = [1.0 / max(value, floor) if floor or value > 1e-13 * values[0] else 0.0
+               for value in values]
+    expected = (right.T * inverse) @ left.T
+    found, work = matrix.copy(), np.empty(60)
+    library.shared().pseudo_inverse(found.ctypes.data, 5, floor, work.ctypes.data)
+    if rank == 5:
+        np.testing.assert_allclose(found, expected, atol=1e-11)
+    elif not floor:
+        np.testing.assert_allclose(found, np.linalg.pinv(matrix, rcond=1e-13), atol=1e-11)

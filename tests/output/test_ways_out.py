@@ -1,0 +1,170 @@
+"""Archives as tables, data frames and files of VTK."""
+
+import csv
+import io
+
+import h5py
+import numpy as np
+import pytest
+
+from contactsnes.options.fields import InputError
+from contactsnes.options.words import read_words
+from contactsnes.output import extras, tabular
+from contactsnes.output.archive import Archive
+from contactsnes.output.asked import ExportOptions, TableOptions
+from contactsnes.output.files import ArchiveError
+from contactsnes.output.layout import Column
+from contactsnes.output.reading import read
+from contactsnes.output.vtk import write_vtk
+
+X, Y = np.arange(-3.0, 3.0), np.arange(-2.0, 2.0)
+EVENTS = ("none", "fold", "jump", "pull_off")
+
+
+def archive(path, events=("none", "fold", "jump", "none"), unit="w_n,r", fields="none",
+            friction=0.5):
+    """An archive whose point number i has the force i/3, and fields that tell their place."""
+    grid = {} if fields == "none" else dict(coordinates=(X, Y), components=3, initial_gap=gap())
+    made = Archive.create(path, scene={"residual_friction": friction, "period": (6.0, 4.0)},
+                          options="", versions={}, fields=fields,
+                          columns={"normal_force": Column(unit), "leg": Column("", "i8"),
+                                   "event": Column("", "i1", EVENTS)}, **grid)
+    for number, event in enumerate(events):
+        made.append({"normal_force": number / 3, "leg": 1, "event": event}, {}, *(
+            () if fields == "none" else (field(number), -field(number))))
+    made.finish()
+    return path
+
+
+def gap():
+    return X[:, None] ** 2 + 0.1 * Y[None, :]
+
+
+def field(number):
+    """Normal: x + 10 y; tangential along x: the number of the point; along y: 2 x."""
+    normal = X[:, None] + 10.0 * Y[None, :]
+    return np.array([normal, np.full_like(normal, number), 2.0 * X[:, None] + 0.0 * normal])
+
+
+def lines(text):
+    return list(csv.reader(io.StringIO(text)))
+
+
+def test_numbers_in_csv_are_those_of_the_archive(tmp_path):
+    path = archive(tmp_path / "a.h5")
+    table = tabular.tabulate([path], TableOptions(columns="point, normal_force,event"))
+    heading, *rows = lines(tabular.as_csv(table, units=True))
+    assert heading == ["point", "normal_force [w_n,r]", "event"]
+    assert [float(row[1]) for row in rows] == [number / 3 for number in range(4)]
+    assert rows[1][::2] == ["1", "fold"]
+    assert lines(tabular.as_csv(table))[0] == ["point", "normal_force", "event"]
+
+
+@pytest.mark.parametrize("rows, points", [("last", [3, 0]), ("event", [1]), ("jump", [2]),
+                                          ("pull_off", []), ("all", [0, 1, 2, 3, 0])])
+def test_rows_are_points_or_runs(tmp_path, rows, points):
+    paths = [archive(tmp_path / "a.h5"), archive(tmp_path / "b.h5", ["none"], friction=1.0)]
+    table = tabular.tabulate(paths, TableOptions(columns="archive,point,scene_residual_friction",
+                                                 rows=rows))
+    assert table.columns["point"].tolist() == points
+    assert len(table.notes) == 2 - len(set(table.columns["archive"]))
+    if rows == "last":
+        assert table.columns["scene_residual_friction"].tolist() == [0.5, 1.0]
+
+
+def test_a_table_refuses_what_does_not_fit(tmp_path):
+    one, other = archive(tmp_path / "a.h5"), archive(tmp_path / "b.h5", unit="N")
+    with pytest.raises(InputError, match="normal_force in 'N'.*'w_n,r'"):
+        tabular.tabulate([one, other], TableOptions())
+    with pytest.raises(InputError, match="no column normal_forc: did you mean normal_force"):
+        tabular.tabulate([one], TableOptions(columns="normal_forc"))
+    with pytest.raises(InputError, match="-rows is 'some'"):
+        read_words(["-rows", "some"], TableOptions)
+    with pytest.raises(InputError, match="by -output"):
+        tabular.write_table([one, one], None, TableOptions(format="parquet"))
+    with pytest.raises(ArchiveError, match="no such file"):
+        tabular.tabulate([tmp_path / "absent.h5"], TableOptions())
+    assert tabular.tabulate([one], TableOptions(columns="scene_period")).columns[
+        "scene_period"][0] == "6.0,4.0"
+
+
+def test_parquet_holds_values_and_units(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path = archive(tmp_path / "a.h5")
+    asked = TableOptions(format="parquet")
+    written = tabular.write_table([path], tabular.tabulate([path], asked), asked)
+    found = parquet.read_table(written)
+    assert written == tmp_path / "a.parquet"
+    assert found["normal_force"].to_pylist() == [number / 3 for number in range(4)]
+    assert found["event"].to_pylist()[1] == "fold"
+    assert found.schema.field("normal_force").metadata == {b"unit": b"w_n,r"}
+
+
+def test_a_record_is_a_data_frame(tmp_path):
+    pytest.importorskip("pandas")
+    frame = read(archive(tmp_path / "a.h5")).to_dataframe()
+    assert frame["normal_force"].tolist() == [number / 3 for number in range(4)]
+    assert frame.attrs["units"]["normal_force"] == "w_n,r" and frame.index.name == "point"
+
+
+def test_a_missing_library_says_how_to_get_it():
+    with pytest.raises(InputError, match=r"pip install no_such_library, or contactsnes\[table\]"):
+        extras.extra("no_such_library.part", "table", "this")
+
+
+def test_the_repr_of_a_record_tells_what_it_holds(tmp_path):
+    text = repr(read(archive(tmp_path / "a.h5", fields="all")))
+    for words in ("a.h5: 4 points", "normal_force 0 to 1 w_n,r", "fold, jump",
+                  "fields of 4 points"):
+        assert words in text
+
+
+def test_fields_of_an_archive_name_components_axes_and_units(tmp_path):
+    with h5py.File(archive(tmp_path / "a.h5", fields="all")) as file:
+        for name, units in (("displacement", ["u_n,r", "u_t,r", "u_t,r"]),
+                            ("traction", ["p_n,r", "p_t,r", "p_t,r"])):
+            dataset = file[f"fields/{name}"]
+            assert list(dataset.attrs["components"]) == ["normal", "tangential_x", "tangential_y"]
+            assert list(dataset.attrs["component_units"]) == units
+            axes = ["point", "component", "x", "y"]
+            assert list(dataset.attrs["axes"]) == axes == [axis.label for axis in dataset.dims]
+
+
+def test_a_file_of_vtk_has_the_layout_that_vtk_reads(tmp_path):
+    path = write_vtk(archive(tmp_path / "a.h5", fields="all"), ExportOptions(points="1,-1"))
+    with h5py.File(path) as file:
+        image = file["VTKHDF"]
+        assert image.attrs["Type"] == b"ImageData" and image.attrs["Version"][0] == 2
+        assert list(image.attrs["WholeExtent"]) == [0, 5, 0, 3, 0, 0]
+        assert list(image.attrs["Origin"]) == [-3.0, -2.0, 0.0]
+        assert list(image["Steps/Values"]) == [1.0, 3.0] and image["Steps"].attrs["NSteps"] == 2
+        assert image["PointData/slip (u_t,r)"].shape == (2, 4, 6, 3)
+
+
+def test_vtk_finds_each_value_where_it_belongs(tmp_path):
+    reader = pytest.importorskip("vtkmodules.vtkIOHDF").vtkHDFReader()
+    path = write_vtk(archive(tmp_path / "a.h5", fields="all"), ExportOptions())
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == 4
+    reader.SetStep(2)
+    reader.Update()
+    image = reader.GetOutput()
+    for number in range(image.GetNumberOfPoints()):
+        x, y, _ = image.GetPoint(number)
+        values = image.GetPointData()
+        assert values.GetArray("normal displacement (u_n,r)").GetValue(number) == x + 10.0 * y
+        assert values.GetArray("pressure (p_n,r)").GetValue(number) == x + 10.0 * y
+        assert values.GetArray("slip (u_t,r)").GetTuple(number) == (2.0, 2.0 * x, 0.0)
+        assert values.GetArray("gap (u_n,r)").GetValue(number) == pytest.approx(
+            x ** 2 + 0.1 * y + x + 10.0 * y, rel=1e-6, abs=1e-5)
+
+
+def test_an_export_refuses_what_is_not_there(tmp_path):
+    with pytest.raises(ArchiveError, match="has no fields: run with -archive_fields"):
+        write_vtk(archive(tmp_path / "a.h5"), ExportOptions())
+    path = archive(tmp_path / "b.h5", fields="all")
+    with pytest.raises(ArchiveError, match="no fields of point 9; it has those of 0 to 3"):
+        write_vtk(path, ExportOptions(points="9"))
+    with pytest.raises(InputError, match="folder does not exist"):
+        write_vtk(path, ExportOptions(output=str(tmp_path / "absent/a.vtkhdf")))

@@ -1,0 +1,59 @@
+"""scripts/sphere on coarse grids: paths to gliding, pull-off after shear, tables and figure."""
+
+import importlib.machinery
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def script():
+    """The script as a module."""
+    sys.path.insert(0, str(ROOT / "scripts"))
+    loader = importlib.machinery.SourceFileLoader("sphere_script", str(ROOT / "scripts/sphere"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    yield module
+    sys.path.remove(str(ROOT / "scripts"))
+
+
+@pytest.fixture(scope="module")
+def found(script):
+    """The runs that --quick makes."""
+    return dict(script.run(task) for task in script.tasks(quick=True).items())
+
+
+def test_paths_end_gliding_and_pulls_are_weaker_after_shear(script, found):
+    paths = [run for name, run in found.items() if name.startswith("sheared")]
+    assert len(paths) == 4 and all(run["event"][-1] == "gross_sliding" for run in paths)
+    for run in paths:
+        assert run["tangential_force_x"][0] == 0.0 and 0.2 < script.page.lost(run) < 0.9
+    pulled = script.page.Runs(found, "pulled").numbers(script.page.pull_off)
+    assert pulled[0.0, 1.0][0] < pulled[0.2, 1.0][0] < 0.0
+    # The law of Maugis and Dugdale at the same strength: -1.55 pi at lambda_n = 3.
+    assert pulled[0.0, 1.0][0] == pytest.approx(-1.55 * np.pi, rel=0.07)
+
+
+def test_tables_and_figure_tell_of_all_runs(script, found, tmp_path):
+    lines = script.page.tables(found)
+    assert sum(line.startswith("| 4 | 1 |") for line in lines) == 2
+    assert any(line.startswith("k ~ A_0^-n: n =") for line in lines)
+    assert all(" ± " in line for line in lines if line.startswith(("| 0 |", "| 4 |", "| 0.2 |")))
+    assert script.page.draw(found, tmp_path / "a.png").stat().st_size > 50000
+
+
+def test_coefficients_are_those_of_a_parabola(script):
+    force = np.linspace(0, 5, 40)
+    run = {"tangential_force_x": force, "contact_area": 20 - 0.3 * force ** 2}
+    assert script.page.coefficient(run) == pytest.approx(0.3, rel=1e-12)
+    assert script.page.curvature(run) == pytest.approx(0.0, abs=1e-12)
+    assert script.page.largest_force({**run, "tangential_force_x": force * (6 - force)}) == (
+        pytest.approx(9.0, rel=1e-12))
