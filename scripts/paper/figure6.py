@@ -70,7 +70,7 @@ def stick_width(record, point):
 def draw_area(axes, results, residual, force):
     """Contact area against the tangential force, with the fits and theory."""
     beyond = []
-    end = {25: 12.0, 0.8: 3.4}[force]
+    end = {25: 12.0, 0.8: 3.6}[force]
     for maugis, colour in COLOURS.items():
         record = results[mapped(residual, maugis, force).name]
         forces, areas = peel(record)
