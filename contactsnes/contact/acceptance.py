@@ -53,10 +53,11 @@ def strayed(contact, guess, last, found):
     grid, gap, change, aside, allowed = _compared(contact, guess, last, found)
     if _made_or_lost(grid, gap[0], gap[0] + change[0]):
         return np.inf
-    touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
-    if grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
-                                               contact.law.slip_peak)):
-        return np.inf
+    if len(gap) > 1:
+        touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
+        if grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
+                                                   contact.law.slip_peak)):
+            return np.inf
     return float(grid.maximum(aside - allowed, initial=-STRAYS))
 
 

@@ -94,6 +94,8 @@ class Coupled(Law):
         gap : array (components, nodes), ranges of the law
         work_ratio : phi_t / phi_n
         """
+        if len(gap) == 1:
+            return self.energy(gap[0]) - 1.0
         slip = np.linalg.norm(gap[1:], axis=0)
         coupled = gap[0] < self.range
         if self.decoupled_in_overlap:
