@@ -31,7 +31,7 @@ typedef struct { /* a traction law: `laws.c` says what its functions fill */
 typedef struct { /* a cosine transform of a row from the axis outwards */
     long points, closed;
     double *row, *half;     /* both sides of the real FFT it is made from */
-    const double *turn;     /* open: exp(i pi k / 2 points); closed: sines, then cosines, pi k / M */
+    const double *turn;     /* open: exp(i pi k / 2 points) */
     void *to_row, *to_half; /* plans; closed needs the last alone */
 } Line;
 

@@ -3,8 +3,7 @@
 
    Open rows (the field goes on oddly beyond the last point, FFTW's REDFT01 and REDFT10) by Makhoul,
    IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980); their waves stay in the order of his FFT:
-   even numbers upwards, then odd ones downwards. Closed rows (REDFT00) by an FFT of half their
-   period, Press et al., Numerical Recipes, section 12.4; where that is odd, by one of all of it. */
+   even numbers upwards, then odd ones downwards. Closed rows (REDFT00) by an FFT of all of their period. */
 #include "kernels.h"
 #include <string.h>
 
@@ -40,42 +39,16 @@ CLONES static void open_backward(const Line *l, double *x)
     }
 }
 
-static void closed_odd(const Line *l, double *x)
-{
-    const long m = l->points - 1;
-    memcpy(l->row, x, (m + 1) * sizeof *x);
-    for (long k = 1; k < m; k++) l->row[2 * m - k] = x[k];
-    libraries.execute(l->to_half);
-    for (long k = 0; k <= m; k++) x[k] = l->half[2 * k];
-}
-
+/* by its mirror image: shorter FFTs have been made of half as many points, but lose digits */
 CLONES static void closed_row(const Line *l, double *x)
 {
-    const long m = l->points - 1, h = m / 2;
+    const long m = l->points - 1;
     double *restrict y = l->row;
-    const double *restrict z = l->half, *restrict sine = l->turn, *restrict cosine = l->turn + h;
-    double first = x[0] - x[m];
-    if (m % 2) {
-        closed_odd(l, x);
-        return;
-    }
-    y[0] = 0.5 * (x[0] + x[m]);
-    for (long k = 1; k < h; k++) {
-        const double mean = 0.5 * (x[k] + x[m - k]), fall = x[k] - x[m - k];
-        y[k] = mean - sine[k] * fall;
-        y[m - k] = mean + sine[k] * fall;
-        first += 2.0 * cosine[k] * fall;
-    }
-    y[h] = x[h];
+    const double *restrict z = l->half;
+    memcpy(y, x, (m + 1) * sizeof *x);
+    for (long k = 1; k < m; k++) y[2 * m - k] = x[k];
     libraries.execute(l->to_half);
-    x[0] = 2.0 * z[0];
-    x[m] = 2.0 * z[m];
-    x[1] = first;
-    for (long k = 1; k < h; k++) {
-        x[2 * k] = 2.0 * z[2 * k];
-        first -= 2.0 * z[2 * k + 1];
-        x[2 * k + 1] = first;
-    }
+    for (long k = 0; k <= m; k++) x[k] = z[2 * k];
 }
 
 static void rows(const Line *l, double *x, long count, int back)

@@ -131,12 +131,9 @@ class _Line:
 
     def __init__(self, points, closed):
         self.structure = own = structures.Line(points=points, closed=closed)
-        length = points
+        length, self._turn = points, None
         if closed:
-            middle = (points - 1) // 2
-            length = (points - 1) * (1 if points % 2 else 2)
-            angles = np.pi * np.arange(middle) / (points - 1)
-            self._turn = np.concatenate([np.sin(angles), np.cos(angles)])
+            length = 2 * (points - 1)
         else:
             self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points)
         self._row = pyfftw.zeros_aligned(length)
