@@ -26,6 +26,9 @@ CALLED = {"get_read": "VecGetArrayRead", "put_read": "VecRestoreArrayRead", "get
           "print": "PetscViewerASCIIPrintf"}
 """Member of the library's structure -> PETSc's function."""
 
+OWN_ZONE = "contactsnes.solvers.preconditioners.ZonePC"
+"""What -pc_python_type calls the form's own preconditioner."""
+
 NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or "
                "-pc_type none with it")
 
@@ -126,14 +129,19 @@ def operator(ksp, form):
                             (VIEW, "mat_view")):
         _call("MatShellSetOperation", matrix.handle, ctypes.c_int(operation), _function(name))
     matrix.setUp()
-    pc.setType("shell")
-    _call("PCShellSetContext", pc.handle, own.address)
-    for name, function in (("SetUp", "pc_set_up"), ("Apply", "pc_apply"), ("View", "pc_view")):
-        _call(f"PCShellSet{name}", pc.handle, _function(function))
+    _set_shell(pc, own)
     # it has to live as long as any of them
     for thing in (ksp, matrix, pc):
         thing.setAttr("callbacks", own)
     return matrix
+
+
+def _set_shell(pc, own):
+    """Make a PETSc preconditioner that of a form's Callbacks in the library."""
+    pc.setType("shell")
+    _call("PCShellSetContext", pc.handle, own.address)
+    for name, function in (("SetUp", "pc_set_up"), ("Apply", "pc_apply"), ("View", "pc_view")):
+        _call(f"PCShellSet{name}", pc.handle, _function(function))
 
 
 def equip(snes, form):
@@ -156,16 +164,16 @@ def set_from_options(snes):
     """Have a SNES or a KSP read its options; InputError where these leave the library's
     preconditioner no Jacobian.
 
-    ``-pc_type python`` without a type is the form's own preconditioner in Python.
+    ``-pc_type python`` is the library's, too, where no other class than the form's own is named.
     """
     snes.setFromOptions()
-    if not of(snes):
+    own = of(snes)
+    if not own:
         return
     pc = (snes.getKSP() if isinstance(snes, PETSc.SNES) else snes).getPC()
     database = PETSc.Options(snes.getOptionsPrefix() or "")
-    if pc.getType() == "python" and pc.getPythonContext() is None:
-        pc.setPythonType("contactsnes.solvers.preconditioners.ZonePC")
-        pc.setFromOptions()
+    if pc.getType() == "python" and database.getString("pc_python_type", OWN_ZONE) == OWN_ZONE:
+        _set_shell(pc, own)
     if pc.getType() == "shell" and database.getBool("snes_mf", False):
         raise InputError(NO_JACOBIAN)
 

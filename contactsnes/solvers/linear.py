@@ -28,7 +28,7 @@ def create_ksp(form, prefix):
                                           comm=PETSc.COMM_SELF)
         matrix.setUp()
         ksp.getPC().setType("python")
-        ksp.getPC().setPythonType("contactsnes.solvers.preconditioners.ZonePC")
+        ksp.getPC().setPythonType(callbacks.OWN_ZONE)
     ksp.setOperators(matrix)
     callbacks.set_from_options(ksp)
     return kept(ksp), kept(matrix)

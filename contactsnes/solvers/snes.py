@@ -104,7 +104,7 @@ def equip(snes, form):
 
     snes.setJacobian(linearise, matrix, matrix)
     ksp.getPC().setType("python")
-    ksp.getPC().setPythonType("contactsnes.solvers.preconditioners.ZonePC")
+    ksp.getPC().setPythonType(callbacks.OWN_ZONE)
 
 
 class Ritz:

@@ -59,6 +59,19 @@ def test_a_solve_does_not_enter_python(kind):
     np.testing.assert_allclose(unknown.getArray(), first, atol=1e-12)
 
 
+@pytest.mark.parametrize("named", [{}, {"pc_python_type": callbacks.OWN_ZONE}],
+                         ids=["no class", "the default's class"])
+def test_the_default_that_is_spelled_out_is_the_librarys(options, named):
+    options(pc_type="python", **named)
+    form = form_of()
+    snes = create_snes(form)
+    assert snes.getKSP().getPC().getType() == "shell"
+    assert callbacks.of(snes.getKSP().getPC()) is not None
+    found = solve(snes, form)
+    options(pc_type="shell")
+    np.testing.assert_array_equal(found, solve(create_snes(form), form))
+
+
 def numbers(kernels, **given):
     """Counts and loads of a path."""
     branch = Branch(Scene(**{**SCENE, **given}), LOAD, Steps(), Form(kernels=kernels))
