@@ -29,7 +29,8 @@ def crossings(values, level):
         if not 0 < i < len(values) - 2:
             places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
             continue
-        before, left, right, after = values[i - 1:i + 3] - level
+        # floats of Python: four times as fast as NumPy's, one by one
+        before, left, right, after = (values[i - 1:i + 3] - level).tolist()
         # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its
         # sign.
         rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
