@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..grid.transfer import by_waves
 from ..options.fields import LARGEST, InputError
 from . import height_files
 from .height_files import Heights
@@ -175,12 +176,15 @@ MENDED = dict(zip(EDGES, (np.array, detrended, windowed, padded)))
 def fitted(specification, values, shape, fit="exact"):
     """Heights on a grid; ValueError where these are other nodes and that is not wanted.
 
+    Periodic heights are interpolated by their waves, which is exact where none is shorter than two
+    of their own spacings; others, whose waves would ring at the seam, by cubic splines.
+
     Parameters
     ----------
     specification : str, of the file
     values : array, heights
     shape : tuple of int, points of the grid, or None for those of the heights
-    fit : 'exact' or 'interpolate', cubic, around the cell
+    fit : 'exact' or 'interpolate', around the cell
     """
     if shape is None or values.shape == tuple(shape):
         return values
@@ -190,6 +194,10 @@ def fitted(specification, values, shape, fit="exact"):
                          "-scene_dimension to those of the file"
                          + ("." if values.ndim != len(shape)
                             else ", or -scene_heights_fit interpolate."))
+    if not seams(values):
+        for axis, points in enumerate(shape):
+            values = by_waves(values, points, axis)
+        return values
     from scipy import ndimage
 
     places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2

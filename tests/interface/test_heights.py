@@ -12,6 +12,7 @@ petsc4py.init([])
 
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.interface import height_files, heights, shapes  # noqa: E402
+from contactsnes.interface.roughness import surface  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.settings import Scene  # noqa: E402
 
@@ -146,9 +147,34 @@ def test_a_wave_is_fitted_to_another_grid():
         return np.cos(2 * np.pi * x + 0.4) + 0.3 * np.sin(4 * np.pi * y)
 
     found = heights.fitted("", wave(60, 48), (64, 32), "interpolate")
-    np.testing.assert_allclose(found, wave(64, 32), atol=2e-4)
+    np.testing.assert_allclose(found, wave(64, 32), atol=1e-13)
     with pytest.raises(ValueError, match="-scene_heights_fit interpolate"):
         heights.fitted("", wave(60, 48), (64, 32))
+
+
+@pytest.mark.parametrize("points", ((128, 96), (45, 81), (32, 20), (64, 48)))
+@pytest.mark.parametrize("known", ((60, 48), (61, 47)))
+def test_periodic_heights_are_fitted_by_their_waves(points, known):
+    """A surface of waves longer than two spacings of the file is the same on every grid, a coarser
+    one too."""
+    waves = surface((30.0, 20.0), 0.8, 0.5, 12.0, 2.0, 7)[0]
+
+    def summed(shape):
+        x = np.meshgrid(*((np.arange(n) - n // 2) * length / n
+                          for n, length in zip(shape, (30.0, 20.0))), indexing="ij")
+        angles = np.tensordot(waves.wavevectors.T, np.array(x) + np.reshape([15.0, 10.0],
+                                                                            (2, 1, 1)), axes=1)
+        return np.tensordot(waves.amplitudes, np.cos(angles + waves.phases[:, None, None]), axes=1)
+
+    found = heights.fitted("", summed(known), points, "interpolate")
+    np.testing.assert_allclose(found, summed(points), atol=1e-12)
+
+
+def test_heights_that_jump_at_the_seam_do_not_ring():
+    line = np.linspace(0.0, 1.0, 40)
+    found = heights.fitted("", line, (80,), "interpolate")
+    straight = np.interp(np.arange(80) / 2, np.arange(40), line)
+    np.testing.assert_allclose(found[20:-20], straight[20:-20], atol=1e-4)
 
 
 # Scenes
