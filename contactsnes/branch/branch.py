@@ -107,6 +107,7 @@ class Branch:
         archive : path of an archive, or a Record; its scene is taken
         path : str, legs as of ``Load``
         point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+            (of isolated contacts on active nodes)
         stop : str, as of ``Load``
         options : steps, form, log as of the class
         """
