@@ -85,9 +85,10 @@ def _loops(pressed):
                "transforms", "time (s)"]
     rows = []
     for name, run in pressed.items():
+        jumps = np.sum(np.isin(run["event"], ("fold", "jump")))
         rows.append([told(name), f"{-1e6 * run['normal_force'].min():.3f}",
                      *(f"{100 * at(run, 0.01 * FORCE, leg) / AREA:.4f}" for leg in (1, 3)),
-                     f"{1e15 * lost(run):.3g}", str(np.sum(np.isin(run["event"], ("fold", "jump")))),
+                     f"{1e15 * lost(run):.3g}", str(jumps),
                      str(len(run["leg"])), str(run["rejected"][0]),
                      f"{run['transforms'].sum():.0f}", f"{run['wall_time'].sum():.0f}"])
     return markdown(heading, rows)
