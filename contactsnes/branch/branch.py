@@ -6,6 +6,7 @@ import numpy as np
 
 from ..contact import energies, observables
 from ..contact.even_form import refuse
+from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..continuation import path, steppers
@@ -179,8 +180,17 @@ class Branch:
 
     def observe(self, point, names=None):
         """Name -> value of everything that a point can tell (``observables.table``), or of some
-        names only."""
-        return observables.observe(self.contact, point, names)
+        names only; its ``stiffness``, which takes a linear solve, by its name only."""
+        names = list(observables.table(self.scene) if names is None else names)
+        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
+        if STIFFNESS in names:
+            found[STIFFNESS] = self.stiffness(point)
+        return {name: found[name] for name in names}
+
+    def stiffness(self, point):
+        """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
+        size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
+        return size * self.corrector.stiffness(point)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""

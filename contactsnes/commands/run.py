@@ -56,6 +56,8 @@ class Run:
         self.warnings = summary.resolution_warnings(settings)
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
+        if settings.output.file and settings.output.stiffness:
+            self.table[observables.STIFFNESS] = observables.stiffness(settings.scene)
         self.archive = None
         self.waiting = 0
         self.known = 0
@@ -194,6 +196,8 @@ class Run:
         measurement, output = (observables.Measurement(self.branch.contact, point),
                                self.settings.output)
         row = self.watch.row(point) if self.watch else {}
+        if observables.STIFFNESS in self.table:
+            row[observables.STIFFNESS] = self.branch.stiffness(point)
         wanted = self.table if self.archive else self.table.keys() & self.progress.taken
         row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:

@@ -7,6 +7,7 @@ import numpy as np
 from ..grid.cell import Convolution
 from ..grid.contours import first_largest
 from ..grid.outlines import outline
+from ..grid.spots import labelled, sizes
 from . import states
 
 NOTHING = 1e-15
@@ -40,6 +41,19 @@ class Measurement:
     def in_contact(self):
         """Mask of the nodes in contact."""
         return self.gap[0] < self.contact.scene.contact_threshold
+
+    @cached_property
+    def spot_map(self):
+        """Number of the spot of contact (1, 2, ...) that each node of the cell belongs to, 0 where
+        there is none (`spots.labelled`)."""
+        touching = np.zeros(self.grid.shape, dtype=bool)
+        self.window.put(self.in_contact, touching)
+        return labelled(touching)
+
+    @cached_property
+    def spot_areas(self):
+        """Length or area of each spot: that of its nodes."""
+        return sizes(self.spot_map) * self.grid.node_area
 
     @cached_property
     def outline(self):

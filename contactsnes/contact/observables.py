@@ -3,11 +3,15 @@ label, unit."""
 
 from typing import Callable, NamedTuple
 
-from . import contact_shape
+from . import contact_shape, rough_contact
 from .energies import BALANCES, energy_unit
 from .measurement import Measurement
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
+STIFFNESS = "stiffness"
+"""The column that takes a solve."""
+STIFFNESS_UNITS = {1: "w_n,r/u_n,r", 2: "R phi_n/u_n,r"}
+"""Its unit by the dimension of the interface."""
 FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
 
 
@@ -63,9 +67,15 @@ def _in_units(row, size, unit):
 def _scaled_table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the scene's own
     units."""
-    shape = {name: Observable(*row) for name, row in contact_shape.rows(scene).items()}
+    shape = {name: Observable(*row) for module in (contact_shape, rough_contact)
+             for name, row in module.rows(scene).items()}
     return {**_loads(scene), **_energies(scene), **_contact(scene), **shape, **_costs(scene),
             **_CERTIFICATES}
+
+
+def stiffness(scene):
+    """The row of dW/dD, which a linear solve finds where it is asked for."""
+    return Observable(None, "stiffness $dW/dD$", scene.scale(STIFFNESS_UNITS[scene.dimension])[1])
 
 
 def _loads(scene):

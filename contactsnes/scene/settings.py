@@ -97,6 +97,7 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
                                                               "there is no -archive_file"),
              *((f"archive_{name}", not output.file or output.fields == "none", "no fields are kept")
                for name in ("precision", "fields_on")),
+             ("archive_stiffness", not output.file, "there is no -archive_file"),
              ("archive_resume", not output.file, "there is no -archive_file"),
              ("archive_overwrite", not output.file, "there is no -archive_file"))
     found = {}

@@ -151,6 +151,7 @@ class Output(Options):
     errors: bool = option(False, "estimate the errors of every point by solving "
                           "it again on a finer grid (-scene_points auto "
                           "does so anyway)")
+    stiffness: bool = option(False, "find the stiffness dW/dD of every point, by a linear solve")
     resume: bool = option(False, "go on from an archive of the same scene")
     overwrite: bool = option(False, "replace an existing archive")
 
