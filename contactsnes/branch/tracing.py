@@ -14,6 +14,7 @@ from ..dynamics import jumps
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.snes import WARM, create_snes, kept
+from . import coarse_motion
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
@@ -50,7 +51,7 @@ class Tracer(Corrector, Neighbours, Ends):
 
     examiner = None
     kicked = jumps.kicked
-    settle = jumps.settle
+    settle = coarse_motion.settle
 
     def told(self, controls, load):
         """Loads in words."""
