@@ -52,6 +52,7 @@ class Tracer(Corrector, Neighbours, Ends):
     examiner = None
     kicked = jumps.kicked
     settle = coarse_motion.settle
+    crossed = coarse_motion.crossed
 
     def told(self, controls, load):
         """Loads in words."""

@@ -12,9 +12,6 @@ HALVINGS = 6
 BRACKET = 0.25
 """Part of a leg's first step, and of a fortieth of it, within which a refused step is taken for a
 fold."""
-SAME = 1e-3
-"""Largest way of a node, ranges of the law, from the state that lies behind a bracket to the one
-before it, up to which both are one: no fold lies in between."""
 
 
 class BracketingSteps(NaturalSteps):
@@ -50,29 +47,48 @@ class BracketingSteps(NaturalSteps):
         place, last = self.history[-1]
         spent = self.system.account()
         try:
-            ahead, behind = self._bracketed(place, last, min(place + refused, 1.0))
+            ahead, behind, beyond = self._bracketed(place, last, min(place + refused, 1.0))
         except (NotConverged, NoEquilibrium) as failure:
             self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
                             f"not tell what lies behind it ({failure})")
             yield from super()._fold(error, refused)
             return
         if behind is None:
-            yield from self._arrive(*self._examined(replace(ahead, step=refused)))
+            yield from self._arrive(*self._examined(replace(ahead, step=beyond - place)))
             return
-        width = ahead.position - place
-        fold = replace(self._marked(last, width), spent=spent)
+        fold = replace(self._marked(last, beyond - place), spent=spent)
+        yield from self._left(fold, ahead, behind, beyond)
+
+    def _left(self, fold, ahead, behind, beyond):
+        """Yield a fold, the end of its jump, and the point behind it at the bracket's far side.
+
+        Parameters
+        ----------
+        fold, behind : Point, before and after the jump
+        ahead : state foretold at the far side
+        beyond : position of the far side
+        """
+        place, moved = self.history[-1][0], self.system.account()
         if self.at_fold == "stop":
-            yield replace(fold, spent={name: value + spent[name]
-                                       for name, value in self.system.account().items()})
+            yield replace(fold, spent={name: fold.spent[name] + moved[name] for name in moved})
             self.stopped = True
             return
         # Two points so near each other foretell no long step.
-        step = min(max(2.0 * width, BRACKET * self.shortest), self.leg.initial)
+        step = min(max(2.0 * (beyond - place), BRACKET * self.shortest), self.leg.initial)
+        where = f"at {self._place(place)}, beyond the fold ({fold.fold_kind})"
+        jump = branching.settled(self.system, self.certify, behind, where)
         self.history = []
-        points = [self._accept(replace(behind, position=place, step=step, event="jump")),
-                  self._accept(replace(ahead, step=step))]
+        jump = self._accept(replace(jump, leg=self.leg.number, position=place, step=step,
+                                    event="jump"))
+        more = self.system.account()
         yield fold
-        yield from points
+        yield replace(jump, spent={name: moved[name] + jump.spent[name] + more[name]
+                                   for name in moved})
+        try:
+            point = self._examined(self._step(beyond, self.predictor, ahead))
+        except NotConverged:
+            return
+        yield from self._arrive(replace(point[0], step=step), point[1])
 
     def _marked(self, last, width):
         """The last point as a fold that is known to a part of the leg."""
@@ -82,40 +98,26 @@ class BracketingSteps(NaturalSteps):
                        fold_precision=float(width), step=self.leg.initial, origin=self.leg.start)
 
     def _bracketed(self, place, last, beyond):
-        """(point to which motion beyond a bracket leads, point on its branch before the bracket),
-        the second None where the bracket holds no fold.
+        """(state beyond a bracket, point of its branch before it, end of the bracket); where the
+        bracket holds no fold, a point at its end, and None.
 
         Parameters
         ----------
         place, last : the point before the bracket, and its position
         beyond : position of its end
         """
+        leg = self.leg
         for _ in range(HALVINGS):
-            load = self.leg.load(beyond)
-            where = f"at {self.system.told(self.leg.controls, load)}"
-            ahead = self.system.settle(last.state, self.leg.controls, load, where, last.state)
-            ahead = branching.settled(self.system, self.certify, ahead, where)
-            ahead = replace(ahead, leg=self.leg.number, position=beyond)
             try:
-                behind = self._back(ahead, place)
+                ahead, behind = self.system.crossed(last.state, leg.controls, leg.load(place),
+                                                    leg.load(beyond), f"at {self._place(beyond)}")
+                if behind is not None:
+                    return ahead, behind, beyond
+                return self._step(beyond, self.predictor, ahead), None, beyond
             except NotConverged as failure:
-                reason, middle = str(failure), 0.5 * (place + beyond)
-                self.system.log(f'DEBUG {place} {beyond} {failure}')
-            else:
-                same = self.system.missed(last.state, behind.state, largest=True) < SAME
-                return ahead, None if same else behind
-            try:
-                return self._step(middle, after_failure(self.predictor)), None
-            except NotConverged:
-                beyond = middle
+                reason, nearer = str(failure), 0.5 * (place + beyond)
+                try:
+                    return self._step(nearer, after_failure(self.predictor)), None, nearer
+                except NotConverged:
+                    beyond = nearer
         raise NoFold(f"no branch leads back from there: {reason}")
-
-    def _back(self, ahead, place):
-        """The point at a place before another one, on its branch; NotConverged where that is not
-        clear."""
-        state = self.system.along_tangent(ahead, self.leg, ahead.position, place - ahead.position)
-        point = self.system.solve(state, self.leg.controls, self.leg.load(place))
-        if self.system.strayed(state, ahead.state, point.state) > 0.0:
-            raise NotConverged("the way back leads to another branch")
-        return replace(point, leg=self.leg.number, jump_work=ahead.jump_work,
-                       viscous_work=ahead.viscous_work)

@@ -218,6 +218,24 @@ class Motion(Protocol):
         NotConverged : where it does not settle
         """
 
+    def crossed(self, origin: Any, controls: tuple, load: np.ndarray, beyond: np.ndarray,
+                where: str) -> tuple:
+        """(the state to which motion from an equilibrium leads under a load beyond its own, the
+        point to which that leads back); no point where it is the equilibrium itself.
+
+        Parameters
+        ----------
+        origin : the equilibrium's state
+        controls, load : what is held, at the equilibrium
+        beyond : what is held during the motion
+        where : what messages say of the place
+
+        Raises
+        ------
+        NoEquilibrium : where motion shows that there is none
+        NotConverged : where the motion does not settle, or no branch leads back
+        """
+
 
 @runtime_checkable
 class System(States, Solves, Limits, Motion, Protocol):

@@ -11,7 +11,7 @@ from ..contact.force_form import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes
-from ..solvers.snes import COLD
+from ..solvers.snes import COLD, WARM
 from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from .relaxing import ENDLESS, relaxed
 
@@ -23,6 +23,11 @@ RESTS = (1e-6, 1e-8, 1e-10)
 """Speeds at which Newton's method takes over from a motion, the next if that leads elsewhere.
 
 Ranges a relaxation time.
+"""
+
+SLOWED = 0.05
+"""Part of the largest speed that a motion on a rough plane has had at which Newton's method tries
+to take over, and a tenth of it the next time: one that passes a fold has not been faster before.
 """
 
 BASIN = 0.02
@@ -152,16 +157,19 @@ def at_rest(system, motion, controls, load):
     motion : OverdampedMotion
     controls, load : of each component
     """
-    for rest in RESTS:
-        motion.follow(rest)
+    contact = system.contact
+    rough = len(contact.grid.shape) == 2 and not contact.convex
+    for rest, part in [*((RESTS[0], part) for part in rough * (SLOWED, 0.1 * SLOWED)),
+                       *((rest, 0.0) for rest in RESTS)]:
+        motion.follow(rest, part)
         try:
-            return polished(system, motion.state(), controls, load)
+            return polished(system, motion.state(), controls, load, WARM if part else COLD)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
 
 
-def polished(system, rest, controls, load):
+def polished(system, rest, controls, load, most=COLD):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
     elsewhere.
 
@@ -170,11 +178,13 @@ def polished(system, rest, controls, load):
     system : Corrector
     rest : State
     controls, load : of each component
+    most : iterations of Newton's method
     """
-    point = system.solve(rest, controls, load, COLD)
+    point = system.solve(rest, controls, load, most)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
+    if (states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0
+            and not (most == WARM and point.softest < 0.0)):
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 

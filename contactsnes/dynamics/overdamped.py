@@ -90,6 +90,7 @@ class OverdampedMotion:
     ----------
     steps : linear systems solved
     measured : whether works are summed up
+    fastest : largest speed of a step, ranges a relaxation time
     works : array (2, components), done on the interface and against viscosity: sums over nodes,
         phi_i
     """
@@ -104,6 +105,7 @@ class OverdampedMotion:
         self.steps = 0
         self.measured = True
         self.works = np.zeros((2, len(controls)))
+        self.fastest = 0.0
         self._begin(0.0, state)
 
     def _begin(self, time, state, elastic=None):
@@ -131,8 +133,9 @@ class OverdampedMotion:
         return states.State(equations.window,
                             equations.unfolded(equations.displacement(now.unknown).copy()), means)
 
-    def follow(self, rest=RESTING):
-        """Follow the motion until it slows down below a speed ``rest`` where the law acts.
+    def follow(self, rest=RESTING, part=0.0):
+        """Follow the motion until it slows down below a speed ``rest`` where the law acts, or below
+        a part of the largest that it has had.
 
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
@@ -153,8 +156,10 @@ class OverdampedMotion:
             change = moment.unknown - self.history[-1].unknown
             self.history, self._near = [*self.history[-2:], moment], self.equations.near(moment.gap)
             last, speed = speed, self.equations.size(change, self._near) / step
+            self.fastest = max(self.fastest, speed)
+            slow = max(rest, part * self.fastest)
             covered = self._covered()
-            if covered and speed < rest and (speed <= last or speed < 1e-3 * rest):
+            if covered and speed < slow and (speed <= last or speed < 1e-3 * slow):
                 self._next = step
                 return
             lost = self.equations.leaving(moment.unknown, moment.gap,

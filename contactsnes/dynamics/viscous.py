@@ -30,7 +30,7 @@ from ..solvers.snes import NewtonOptions, RegularisedStep
 
 EXACTNESS = 1e-4
 """Relative tolerance of the linear solves of a step, unless -jump_ksp_rtol gives one."""
-ROUGH = 1e-2
+ROUGH = 3e-2
 """The same where a plane's gap is not convex and nothing but the end of the motion counts: errors
 of steps that their control sees anyway."""
 

@@ -4,9 +4,10 @@ from petsc4py import PETSc
 
 from .snes import NOT_A_NUMBER
 
-BEGUN, REDUCED = 2, 0.5
-"""Iterations after which the residual norm has to lie below a part of the first one. Warm steps on
-smooth parts of a branch reduce it tenfold with each; those beyond a fold wander about."""
+FIRST, LATER = 0.7, 0.5
+"""Part of the first residual norm below which the next one has to be, and all later ones. Warm steps
+on smooth parts of a branch reduce it tenfold with each iteration; those beyond a fold wander about.
+"""
 DIVERGED = 1e4
 """PETSc's own bound of the norm over the first one."""
 
@@ -43,5 +44,5 @@ class Patience:
             return reasons.CONVERGED_FNORM_RELATIVE
         if step < stol * size:
             return reasons.CONVERGED_SNORM_RELATIVE
-        lost = self.short and iteration >= BEGUN and norm > REDUCED * self._first
+        lost = self.short and norm > (FIRST if iteration == 1 else LATER) * self._first
         return reasons.DIVERGED_DTOL if lost or norm > DIVERGED * self._first else reasons.ITERATING
