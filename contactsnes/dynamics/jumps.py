@@ -14,6 +14,7 @@ from ..solvers.capabilities import has_modes
 from ..solvers.snes import COLD, WARM
 from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from .relaxing import ENDLESS, relaxed
+from .viscous import rough
 
 BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there
@@ -26,14 +27,12 @@ Ranges a relaxation time.
 """
 
 SLOWED = 0.05
-"""Part of the largest speed that a motion on a rough plane has had at which Newton's method tries
-to take over, and a tenth of it the next time: one that passes a fold has not been faster before.
-"""
+"""Part of the largest speed that a `rough` motion has had at which Newton's method tries to take
+over, and a tenth of it the next time: one that passes a fold has not been faster before."""
 
-BASIN = 0.02
-"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
-
-Ranges of the law.
+BASIN, WIDE = 0.02, 0.1
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end, and within
+which it is where a `rough` motion has slowed down and the solution is stable: ranges of the law.
 """
 
 
@@ -157,19 +156,18 @@ def at_rest(system, motion, controls, load):
     motion : OverdampedMotion
     controls, load : of each component
     """
-    contact = system.contact
-    rough = len(contact.grid.shape) == 2 and not contact.convex
-    for rest, part in [*((RESTS[0], part) for part in rough * (SLOWED, 0.1 * SLOWED)),
+    early = rough(system.contact, len(controls)) * (SLOWED, 0.1 * SLOWED)
+    for rest, part in [*((RESTS[0], part) for part in early),
                        *((rest, 0.0) for rest in RESTS)]:
         motion.follow(rest, part)
         try:
-            return polished(system, motion.state(), controls, load, WARM if part else COLD)
+            return polished(system, motion.state(), controls, load, part > 0.0)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
 
 
-def polished(system, rest, controls, load, most=COLD):
+def polished(system, rest, controls, load, early=False):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
     elsewhere.
 
@@ -178,13 +176,13 @@ def polished(system, rest, controls, load, most=COLD):
     system : Corrector
     rest : State
     controls, load : of each component
-    most : iterations of Newton's method
+    early : whether the motion has but slowed down
     """
-    point = system.solve(rest, controls, load, most)
+    point = system.solve(rest, controls, load, WARM if early else COLD)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if (states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0
-            and not (most == WARM and point.softest < 0.0)):
+    aside = states.missed(system.contact, rest, point.state, largest=True)
+    if aside < (WIDE if early else BASIN) and far < 1.0 and not (early and point.softest < 0.0):
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 
