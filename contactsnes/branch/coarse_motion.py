@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from ..contact import states
 from ..contact.acceptance import strayed
+from ..contact.energies import far_displacements, stored, weights
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..dynamics import jumps
 from ..solvers.snes import COLD
@@ -24,6 +25,10 @@ SAME = 1e-3
 before it, up to which both are one: no fold lies in between."""
 SHORTEST = 0.2
 """Part of a bracket below which steps on the way back through it are not halved."""
+
+LENIENCE = 3.0
+"""How many times what first points leave unresolved a grid may, on which the equilibrium that a
+motion begins at stands still: only what moves is as coarse as that."""
 
 
 class NoWayBack(NotConverged):
@@ -47,33 +52,32 @@ def reached(system, start, controls, load, where):
         try:
             point = reached(coarse, start, controls, load, where)
             system.contact.coarse.cache_clear()
-            return corrected(system, finer_state(coarse.contact, system.contact, point.state),
-                             controls, load, where)
+            state = finer_state(coarse.contact, system.contact, point.state)
         except (NotConverged, NoEquilibrium) as error:
             system.log(f"the coarser grid does not serve ({error})")
+        else:
+            try:
+                return corrected(system, state, controls, load)
+            except NotConverged as error:
+                system.log(f"from the coarser grid's state motion goes on {where} ({error})")
+                return jumps.settle(system, state, controls, load, where)
     return jumps.settle(system, start(system.contact), controls, load, where)
 
 
-def corrected(system, state, controls, load, where):
-    """The point next to a state from a coarser grid; motion from there where Newton's method leads
-    elsewhere.
+def corrected(system, state, controls, load):
+    """The stable point next to a state from a coarser grid; NotConverged where there is none.
 
     Parameters
     ----------
     system : Corrector
     state : State
-    controls, load, where : as of `reached`
+    controls, load : of each component
     """
-    try:
-        point = system.solve(state, controls, load, COLD)
-        if (states.missed(system.contact, state, point.state, largest=True) < CORRECTED
-            and not point.softest < 0.0):
-            return point
-        reason = "Newton's method led elsewhere"
-    except NotConverged as error:
-        reason = str(error)
-    system.log(f"from the coarser grid's state motion goes on {where} ({reason})")
-    return jumps.settle(system, state, controls, load, where)
+    point = system.solve(state, controls, load, COLD)
+    if (states.missed(system.contact, state, point.state, largest=True) < CORRECTED
+        and not point.softest < 0.0):
+        return point
+    raise NotConverged("Newton's method led elsewhere")
 
 
 def settle(system, state, controls, load, where, origin=None):
@@ -86,27 +90,28 @@ def settle(system, state, controls, load, where, origin=None):
     state, controls, load, where, origin : as of `jumps.settle`
     """
     def motion(coarse, level):
-        return settle(coarse, level.injected(state), controls, level.load(controls, load), where,
-                      level.origin)
+        point = settle(coarse, level.injected(state), controls, level.load(controls, load), where,
+                       level.origin)
+        return _with_works(corrected(system, level.prolonged(point.state), controls, load), point)
 
-    level, point = _coarsely(system, controls, origin, motion)
-    if level is None:
-        return jumps.settle(system, state, controls, load, where, origin)
-    found = corrected(system, level.prolonged(point.state), controls, load, where)
-    return replace(found, jump_work=point.jump_work, viscous_work=point.viscous_work)
+    return (_coarsely(system, controls, origin, motion)
+            or jumps.settle(system, state, controls, load, where, origin))
 
 
-def crossed(system, origin, controls, load, beyond, where):
-    """What lies beyond a bracket of loads: the state to which motion from an equilibrium leads
-    under the load at its end, and the point to which that leads back, None where it is the
-    equilibrium itself.
+def _with_works(point, motion):
+    """A point with the works of the motion that ended next to it."""
+    return replace(point, jump_work=motion.jump_work, viscous_work=motion.viscous_work)
+
+
+def crossed(system, last, beyond, where):
+    """What lies beyond a bracket of loads: the state to which motion from a point leads under the
+    load at the bracket's end, and the point to which that leads back, None where it is the first.
 
     Parameters
     ----------
     system : Corrector
-    origin : State, the equilibrium
-    controls, load : of the equilibrium
-    beyond : the load at the bracket's end
+    last : Point, stable
+    beyond : array, the load at the bracket's end
     where : str, what messages say of the place
 
     Raises
@@ -114,31 +119,47 @@ def crossed(system, origin, controls, load, beyond, where):
     NoEquilibrium : where the body leaves or slides without end
     NotConverged : where the motion does not settle, or no branch leads back
     """
-    def motion(coarse, level):
-        return crossed(coarse, level.origin, controls, level.load(controls, load),
-                       level.load(controls, beyond), where)
+    controls, load = last.controls, last.load
+    ahead, behind = _crossing(system, last.state, controls, load, beyond, where)
+    if behind is None or not _gained(system.contact, last, behind) > 0.0:
+        return ahead, behind
+    system.log("the jump on a coarser grid would gain energy: motion on the grid itself")
+    ahead, behind = _crossed(system, last.state, controls, load, beyond, where)
+    if behind is not None and _gained(system.contact, last, behind) > 0.0:
+        raise NoWayBack("the branch beyond a refused step leads back to more energy")
+    return ahead, behind
 
-    level, found = _coarsely(system, controls, origin, motion)
-    if level is None:
-        return _crossed(system, origin, controls, load, beyond, where)
-    ahead, behind = found
-    if behind is None:
-        return level.prolonged(ahead), None
-    point = corrected(system, level.prolonged(behind.state), controls, load, where)
-    if states.missed(system.contact, origin, point.state, largest=True) < SAME:
-        return level.prolonged(ahead), None
-    return level.prolonged(ahead), replace(point, jump_work=behind.jump_work,
-                                           viscous_work=behind.viscous_work)
+
+def _gained(contact, last, found):
+    """Energy that body and interface have more than before at held loads, less what these did; nan
+    where the law has no potential."""
+    before, after = (sum(stored(contact, point)) for point in (last, found))
+    moved = far_displacements(contact, found) - far_displacements(contact, last)
+    return after - before - weights(contact, len(moved)) @ (last.forces * moved)
+
+
+def _crossing(system, origin, controls, load, beyond, where):
+    """`crossed` from a state, on coarser grids where these serve."""
+    def motion(coarse, level):
+        ahead, behind = _crossing(coarse, level.origin, controls, level.load(controls, load),
+                                  level.load(controls, beyond), where)
+        if behind is None:
+            return level.prolonged(ahead), None
+        point = corrected(system, level.prolonged(behind.state), controls, load)
+        same = states.missed(system.contact, origin, point.state, largest=True) < SAME
+        return level.prolonged(ahead), None if same else _with_works(point, behind)
+
+    return (_coarsely(system, controls, origin, motion)
+            or _crossed(system, origin, controls, load, beyond, where))
 
 
 def _crossed(system, origin, controls, load, beyond, where):
-    """`crossed` on the system's own grid."""
-    contact = system.contact
+    """The same on the system's own grid."""
     ahead = jumps.settle(system, origin, controls, beyond, where, origin)
     behind = _back(system, ahead, controls, beyond, load)
     if states.missed(system.contact, origin, behind.state, largest=True) < SAME:
         return ahead.state, None
-    return ahead.state, replace(behind, jump_work=ahead.jump_work, viscous_work=ahead.viscous_work)
+    return ahead.state, _with_works(behind, ahead)
 
 
 def _back(system, ahead, controls, beyond, load):
@@ -173,7 +194,7 @@ def _back(system, ahead, controls, beyond, load):
 
 
 def _coarsely(system, controls, origin, motion):
-    """(`Departure`, what a motion finds on a coarser grid); (None, None) where none serves.
+    """What a motion finds that begins on a coarser grid; None where none serves.
 
     Parameters
     ----------
@@ -183,13 +204,13 @@ def _coarsely(system, controls, origin, motion):
     """
     contact = system.contact
     if (origin is None or len(controls) > 1 or contact.convex or len(contact.grid.shape) < 2
-            or (coarse := resolving(system, False)) is None):
-        return None, None
+            or (coarse := resolving(system, False, LENIENCE)) is None):
+        return None
     level = Departure(contact, coarse.contact, origin)
     try:
-        return level, motion(coarser(system, level.contact, None), level)
+        return motion(coarser(system, level.contact, None), level)
     except NoWayBack:
         raise
     except (NotConverged, NoEquilibrium) as error:
         system.log(f"the coarser grid does not serve ({error})")
-        return None, None
+        return None

@@ -109,8 +109,8 @@ class BracketingSteps(NaturalSteps):
         leg = self.leg
         for _ in range(HALVINGS):
             try:
-                ahead, behind = self.system.crossed(last.state, leg.controls, leg.load(place),
-                                                    leg.load(beyond), f"at {self._place(beyond)}")
+                ahead, behind = self.system.crossed(last, leg.load(beyond),
+                                                    f"at {self._place(beyond)}")
                 if behind is not None:
                     return ahead, behind, beyond
                 return self._step(beyond, self.predictor, ahead), None, beyond

@@ -218,15 +218,13 @@ class Motion(Protocol):
         NotConverged : where it does not settle
         """
 
-    def crossed(self, origin: Any, controls: tuple, load: np.ndarray, beyond: np.ndarray,
-                where: str) -> tuple:
-        """(the state to which motion from an equilibrium leads under a load beyond its own, the
-        point to which that leads back); no point where it is the equilibrium itself.
+    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> tuple:
+        """(the state to which motion from a point leads under a load beyond its own, the point to
+        which that leads back); no point where it is the first one itself.
 
         Parameters
         ----------
-        origin : the equilibrium's state
-        controls, load : what is held, at the equilibrium
+        last : Point
         beyond : what is held during the motion
         where : what messages say of the place
 
