@@ -59,6 +59,9 @@ class Steps(Options):
     at_fold: str = option("jump", "at a limit point: jump to the next "
                           "equilibrium, stop, or trace the branch through it",
                           choices=("jump", "stop", "trace"))
+    locate_folds: bool = option(None, "locate folds to 1e-8 of the load; else steps bracket them, "
+                                "and fold_precision says how closely", kind="flag",
+                                default_text="true on lines, false on planes")
     initial_step: float | tuple = option(None, "first step of a leg", "of what moves",
                                          kind="number", above=0, many="legs",
                                          default_text="1/40 of the leg")
