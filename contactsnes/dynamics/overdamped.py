@@ -104,7 +104,7 @@ class OverdampedMotion:
         self.steps = 0
         self.measured = True
         self.works = np.zeros((2, len(controls)))
-        self._begin(0.0, state)
+        self._begin(0.0, states.boxed(contact, state))
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
