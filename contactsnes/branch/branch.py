@@ -6,6 +6,7 @@ import numpy as np
 
 from ..contact import energies, observables
 from ..contact.even_form import refuse
+from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..continuation import path, steppers
@@ -108,6 +109,7 @@ class Branch:
         archive : path of an archive, or a Record; its scene is taken
         path : str, legs as of ``Load``
         point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+            (of isolated contacts on active nodes)
         stop : str, as of ``Load``
         options : steps, form, log as of the class
         """
@@ -155,7 +157,7 @@ class Branch:
                              history=self.history,
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
-                             stepper=steppers.stepper(self.steps))
+                             stepper=steppers.stepper(self.steps, self.scene.dimension))
         works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None,
@@ -179,8 +181,17 @@ class Branch:
 
     def observe(self, point, names=None):
         """Name -> value of everything that a point can tell (``observables.table``), or of some
-        names only."""
-        return observables.observe(self.contact, point, names)
+        names only; its ``stiffness``, which takes a linear solve, by its name only."""
+        names = list(observables.table(self.scene) if names is None else names)
+        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
+        if STIFFNESS in names:
+            found[STIFFNESS] = self.stiffness(point)
+        return {name: found[name] for name in names}
+
+    def stiffness(self, point):
+        """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
+        size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
+        return size * self.corrector.stiffness(point)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""

@@ -173,11 +173,12 @@ def padded(values):
 MENDED = dict(zip(EDGES, (np.array, detrended, windowed, padded)))
 
 
-def fitted(specification, values, shape, fit="exact"):
+def fitted(specification, values, shape, fit="exact", edges="warn"):
     """Heights on a grid; ValueError where these are other nodes and that is not wanted.
 
     Periodic heights are interpolated by their waves, which is exact where none is shorter than two
-    of their own spacings; others, whose waves would ring at the seam, by cubic splines.
+    of their own spacings; others, whose waves would ring at the seam or the step to a margin, by
+    cubic splines.
 
     Parameters
     ----------
@@ -185,6 +186,7 @@ def fitted(specification, values, shape, fit="exact"):
     values : array, heights
     shape : tuple of int, points of the grid, or None for those of the heights
     fit : 'exact' or 'interpolate', around the cell
+    edges : one of `EDGES`, how they were mended
     """
     if shape is None or values.shape == tuple(shape):
         return values
@@ -194,7 +196,7 @@ def fitted(specification, values, shape, fit="exact"):
                          "-scene_dimension to those of the file"
                          + ("." if values.ndim != len(shape)
                             else ", or -scene_heights_fit interpolate."))
-    if not seams(values):
+    if edges != "pad" and not seams(values):
         for axis, points in enumerate(shape):
             values = by_waves(values, points, axis)
         return values

@@ -177,6 +177,15 @@ def test_heights_that_jump_at_the_seam_do_not_ring():
     np.testing.assert_allclose(found[20:-20], straight[20:-20], atol=1e-4)
 
 
+def test_margins_do_not_ring():
+    """The step to a margin is felt within a few nodes only."""
+    x, y = np.meshgrid(np.arange(64.0), np.arange(64.0), indexing="ij")
+    around = heights.padded(np.cos(2 * np.pi * x / 16) * np.cos(2 * np.pi * y / 16))
+    found = heights.fitted("", around, (100, 100), "interpolate", "pad")
+    np.testing.assert_allclose(found[:, 0], -1.0, atol=2e-4)
+    np.testing.assert_allclose(found[0], -1.0, atol=2e-4)
+
+
 # Scenes
 
 
