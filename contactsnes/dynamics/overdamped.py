@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..contact import states
+from ..contact import places, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
@@ -163,7 +163,7 @@ class OverdampedMotion:
             if not error <= 1.5:
                 step *= max(0.25, 0.8 * error ** (-1.0 / 3.0)) if error < np.inf else 0.25
                 if step < SHORTEST:
-                    raise Unsettled("its time steps became too short")
+                    raise Unsettled(f"its time steps became too short, fastest {self._place()}")
                 continue
             if self.measured:
                 self._account(moment, step)
@@ -185,7 +185,15 @@ class OverdampedMotion:
             if not covered:
                 self._widen()
                 step *= 0.3
-        raise Unsettled(f"it has not come to rest after {self.steps} steps")
+        raise Unsettled(f"it has not come to rest after {self.steps} steps, fastest "
+                        f"{self._place()}")
+
+    def _place(self):
+        """Where the motion is fastest, in words."""
+        equations, (before, now) = self.equations, (self.history[0], self.history[-1])
+        moved = now.unknown - before.unknown if before is not now else self.rate
+        speed = equations.unfolded(np.abs(equations.displacement(moved)) * self._near.mask)
+        return places.largest(self.contact, equations.window, speed.max(axis=0))
 
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
