@@ -1,4 +1,4 @@
-"""Natural continuation whose folds are bracketed by steps, not located: where jumps are frequent."""
+"""Natural continuation whose folds are bracketed by steps, not located: where jumps are many."""
 
 from dataclasses import replace
 
