@@ -108,6 +108,7 @@ class Branch:
         archive : path of an archive, or a Record; its scene is taken
         path : str, legs as of ``Load``
         point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+            (of isolated contacts on active nodes)
         stop : str, as of ``Load``
         options : steps, form, log as of the class
         """
@@ -155,7 +156,7 @@ class Branch:
                              history=self.history,
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
-                             stepper=steppers.stepper(self.steps))
+                             stepper=steppers.stepper(self.steps, self.scene.dimension))
         works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None,

@@ -16,6 +16,7 @@ from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
+from ..solvers.patience import Patience
 from ..solvers.snes import WARM, create_snes
 
 
@@ -56,6 +57,7 @@ class Corrector:
         self.tolerance = tolerance
         self.form = None
         self.snes = None
+        self.patience = Patience()
         self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
@@ -132,6 +134,9 @@ class Corrector:
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls)
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            if (of_snes(self.snes).has_tangent and not self.contact.convex
+                and len(self.contact.grid.shape) == 2):
+                self.snes.setConvergenceTest(self.patience.test)
             self.arc = None
         if kind.whole_cell:
             self.form.even = self.symmetry.holds(len(controls))
@@ -151,6 +156,7 @@ class Corrector:
         """
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
+        self.patience.short = most_iterations == WARM
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)

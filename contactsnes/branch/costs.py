@@ -52,9 +52,16 @@ def cost(scene, load, shape, output=None, steps=None):
     points = sum(per_leg)
     kept = {"none": 0, "last": 1, "all": points}[output.fields if output and output.file
                                                  else "none"]
-    disk = (8.0 * (NUMBERS * points + 2 * scene.components * nodes * kept)
+    disk = (8.0 * NUMBERS * points + kept * _bytes_of_fields(scene, nodes, part, output)
             if output and output.file else 0.0)
     return Cost(points, needed, disk, seconds)
+
+
+def _bytes_of_fields(scene, nodes, part, output):
+    """Bytes of the fields of a point, before they are compressed: on active nodes with their
+    numbers."""
+    each = 2 * scene.components * (4 if output.precision == "single" else 8)
+    return part * nodes * (8 + each) if output.on_active(scene) else nodes * each
 
 
 def _part(scene, load):

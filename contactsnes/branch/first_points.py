@@ -1,7 +1,7 @@
 """First points by Newton's method, where the gap is convex: from the start without overlap.
 
 By way of softer laws on coarser grids where that leads to the same state. Where the gap is not
-convex, motion decides (`jumps.settle`).
+convex, motion decides (`coarse_motion`).
 
 A sharp law is reached from far away in many Newton iterations, a soft one in few; softened to what
 a coarse grid resolves, it costs next to nothing there, and each level's solution is the next one's
@@ -14,13 +14,13 @@ from ..contact import states
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
-from ..dynamics.jumps import settle
-from ..grid.transfer import extent, interpolated, resampled
+from ..grid.transfer import extent, interpolated
 from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.capabilities import asked
 from ..solvers.snes import COLD
-from .corrector import Corrector
+from .coarser import coarser, finer_state
+from .coarse_motion import reached
 
 SPACING = 2.0 * LARGEST_RESOLUTION
 """Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks
@@ -57,9 +57,8 @@ def start(system, controls, load):
         except NotConverged as error:
             why = f"no cold solve ({error})"
     system.log(f"{why}: the first point is where motion from the undeformed body leads")
-    undeformed = beginning(system.contact, controls, load)
-    return settle(system, undeformed, controls, load,
-                  f"at {system.contact.scene.loads(controls, load)} from the undeformed body")
+    return reached(system, lambda contact: beginning(contact, controls, load), controls, load,
+                   f"at {system.contact.scene.loads(controls, load)} from the undeformed body")
 
 
 def ambiguous(system):
@@ -86,25 +85,6 @@ def cold(system, controls, load):
     """
     point = first_point(system, controls[:1], load[:1])
     return point if len(controls) == 1 else system.solve(point.state, controls, load, COLD)
-
-
-def coarser(system, contact, tolerance):
-    """A corrector for the contact on a coarser grid whose costs are this one's; None if no grid
-    but its own serves it.
-
-    Parameters
-    ----------
-    system : Corrector
-    contact : Contact on a coarser grid
-    tolerance : of the residual norm, ranges of the law; None: that of -snes_atol
-    """
-    form = system.settings
-    if not (form.cascade and not FORMS[form.form].whole_cell and form.first == "none"
-            and asked().has_tangent):
-        return None
-    coarse = Corrector(contact, system.settings, system.log, tolerance)
-    coarse.totals = system.totals
-    return coarse
 
 
 def first_point(system, controls, load):
@@ -242,8 +222,7 @@ def refined(contact, finer, state):
     state : State of the first of them
     """
     if contact.ranges[0] == finer.ranges[0]:
-        cell = resampled(contact.grid, finer.grid, contact.extended(state))
-        return states.State(finer.grid.whole, cell.reshape(len(cell), -1), state.means)
+        return finer_state(contact, finer, state)
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
     stiffness = finer.law.moving_stiffness
     window = Window(finer.grid, [2 * first for first in coarse.start],

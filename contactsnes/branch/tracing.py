@@ -15,6 +15,7 @@ from ..dynamics import jumps
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.snes import WARM, create_snes, kept
+from . import coarse_motion
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
@@ -51,7 +52,8 @@ class Tracer(Corrector, Neighbours, Ends):
 
     examiner = None
     kicked = jumps.kicked
-    settle = jumps.settle
+    settle = coarse_motion.settle
+    crossed = coarse_motion.crossed
 
     def told(self, controls, load):
         """Loads in words."""

@@ -38,6 +38,19 @@ def frame(contact):
                       **both}}
 
 
+def compliance(contact):
+    """(circle, blocks) of the body's compliance in the units of the fields: points of the circle of
+    the widest window, and (i, j) -> half spectrum."""
+    scene, window = contact.scene, contact.widest
+    ends = "n" + "t" * scene.dimension
+    factor = {(i, j): scene.scale(f"u_{one},r")[0] / contact.ranges[i]
+              / scene.scale(f"p_{other},r")[0]
+              for i, one in enumerate(ends) for j, other in enumerate(ends)}
+    operator = contact.operator(scene.components)
+    return window.circle(), {key: operator.on_window(key, window) * factor[key]
+                             for key in operator.blocks}
+
+
 def table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the order of the
     archive and the scene's units."""

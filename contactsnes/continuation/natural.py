@@ -66,10 +66,9 @@ class NaturalSteps(LoadSteps):
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
                                 f"next one is {step:.3g} of the leg")
-                short = min(self.leg.initial, SHORT)
                 # What a search missed beyond a longer step may be near where the last ones end.
-                if step < self.leg.smallest or searched != position and (
-                        step < 0.1 * short or failures > 1 and step < short):
+                if step < self.leg.smallest or searched != position and self._due(4.0 * step,
+                                                                                  failures):
                     searched, before = position, self.history[-1][1]
                     yield from self._look_ahead(error, step)
                     if self.stopped:
@@ -87,6 +86,15 @@ class NaturalSteps(LoadSteps):
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _due(self, refused, failures):
+        """Whether it is time to look for a fold, after a refused step and failures in turn."""
+        return refused < 0.4 * self.shortest or failures > 1 and refused < 4.0 * self.shortest
+
+    @property
+    def shortest(self):
+        """Length of a step, part of the leg, below which refused ones look like a fold."""
+        return min(self.leg.initial, SHORT)
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps, as `_fold` does; where nothing is found, shorter ones go

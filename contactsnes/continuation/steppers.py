@@ -2,6 +2,7 @@
 
 from ..options.fields import InputError
 from .arclength import ArcLengthSteps
+from .bracketing import BracketingSteps
 from .natural import NaturalSteps
 
 
@@ -31,8 +32,17 @@ def refuse(steps, method):
                          "jumps or stops at a fold")
 
 
-def stepper(steps):
-    """The class of steps that ``-continuation_type`` and ``-continuation_at_fold`` ask for."""
+def stepper(steps, dimension):
+    """The class of steps that ``-continuation_type``, ``_at_fold`` and ``_locate_folds`` ask for.
+
+    Parameters
+    ----------
+    steps : Steps
+    dimension : of the interface; folds of a plane are bracketed unless their location is asked for
+    """
     if steps.type == "arclength":
         return ArcLengthSteps
-    return TracedSteps if steps.at_fold == "trace" else NaturalSteps
+    if steps.at_fold == "trace":
+        return TracedSteps
+    located = dimension == 1 if steps.locate_folds is None else steps.locate_folds
+    return NaturalSteps if located else BracketingSteps

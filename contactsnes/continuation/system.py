@@ -218,6 +218,22 @@ class Motion(Protocol):
         NotConverged : where it does not settle
         """
 
+    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> tuple:
+        """(the state to which motion from a point leads under a load beyond its own, the point to
+        which that leads back); no point where it is the first one itself.
+
+        Parameters
+        ----------
+        last : Point
+        beyond : what is held during the motion
+        where : what messages say of the place
+
+        Raises
+        ------
+        NoEquilibrium : where motion shows that there is none
+        NotConverged : where the motion does not settle, or no branch leads back
+        """
+
 
 @runtime_checkable
 class System(States, Solves, Limits, Motion, Protocol):

@@ -11,9 +11,10 @@ from ..contact.force_form import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes
-from ..solvers.snes import COLD
+from ..solvers.snes import COLD, WARM
 from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from .relaxing import ENDLESS, relaxed
+from .viscous import rough
 
 BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there
@@ -25,10 +26,13 @@ RESTS = (1e-6, 1e-8, 1e-10)
 Ranges a relaxation time.
 """
 
-BASIN = 0.02
-"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
+SLOWED = 0.05
+"""Part of the largest speed that a `rough` motion has had at which Newton's method tries to take
+over, and a tenth of it the next time: one that passes a fold has not been faster before."""
 
-Ranges of the law.
+BASIN, WIDE = 0.02, 0.1
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end, and within
+which it is where a `rough` motion has slowed down and the solution is stable: ranges of the law.
 """
 
 
@@ -152,16 +156,18 @@ def at_rest(system, motion, controls, load):
     motion : OverdampedMotion
     controls, load : of each component
     """
-    for rest in RESTS:
-        motion.follow(rest)
+    early = rough(system.contact, len(controls)) * (SLOWED, 0.1 * SLOWED)
+    for rest, part in [*((RESTS[0], part) for part in early),
+                       *((rest, 0.0) for rest in RESTS)]:
+        motion.follow(rest, part)
         try:
-            return polished(system, motion.state(), controls, load)
+            return polished(system, motion.state(), controls, load, part > 0.0)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
 
 
-def polished(system, rest, controls, load):
+def polished(system, rest, controls, load, early=False):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
     elsewhere.
 
@@ -170,11 +176,13 @@ def polished(system, rest, controls, load):
     system : Corrector
     rest : State
     controls, load : of each component
+    early : whether the motion has but slowed down
     """
-    point = system.solve(rest, controls, load, COLD)
+    point = system.solve(rest, controls, load, WARM if early else COLD)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
+    aside = states.missed(system.contact, rest, point.state, largest=True)
+    if aside < (WIDE if early else BASIN) and far < 1.0 and not (early and point.softest < 0.0):
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 

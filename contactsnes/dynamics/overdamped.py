@@ -17,15 +17,28 @@ from ..contact import states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .viscous import Equations
+from .viscous import Equations, rough
 
 RESTING = 1e-6
 """Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
-TURNING = 0.25
-"""Part of a step by which it may miss its prediction: next to an unstable state a long implicit
-step would lead back to it."""
-STILL = 1e-4
-"""Length of a step, ranges, below which it does not matter how it was predicted."""
+class Control(NamedTuple):
+    """What steps of a motion may miss.
+
+    Attributes
+    ----------
+    error : their error, over -jump_motion_tolerance
+    turning : part of a step by which it may miss its prediction: next to an unstable state a long
+        implicit step would lead back to it
+    still : length of a step, ranges, below which it does not matter how it was predicted
+    """
+
+    error: float
+    turning: float
+    still: float
+
+
+FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4), Control(4.0, 0.5, 1e-2)
+"""Of motions whose works are summed up, and of `rough` ones."""
 ENDLESS = 30.0
 """Time for which nothing may hold back a body that slides before it is said to slide for ever,
 relaxation times.
@@ -90,6 +103,7 @@ class OverdampedMotion:
     ----------
     steps : linear systems solved
     measured : whether works are summed up
+    fastest : largest speed of a step, ranges a relaxation time
     works : array (2, components), done on the interface and against viscosity: sums over nodes,
         phi_i
     """
@@ -104,6 +118,8 @@ class OverdampedMotion:
         self.steps = 0
         self.measured = True
         self.works = np.zeros((2, len(controls)))
+        self.fastest = 0.0
+        self._control = ROUGHLY if rough(contact, len(controls)) else FOLLOWED
         self._begin(0.0, state)
 
     def _begin(self, time, state, elastic=None):
@@ -131,8 +147,9 @@ class OverdampedMotion:
         return states.State(equations.window,
                             equations.unfolded(equations.displacement(now.unknown).copy()), means)
 
-    def follow(self, rest=RESTING):
-        """Follow the motion until it slows down below a speed ``rest`` where the law acts.
+    def follow(self, rest=RESTING, part=0.0):
+        """Follow the motion until it slows down below a speed ``rest`` where the law acts, or below
+        a part of the largest that it has had.
 
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
@@ -153,8 +170,10 @@ class OverdampedMotion:
             change = moment.unknown - self.history[-1].unknown
             self.history, self._near = [*self.history[-2:], moment], self.equations.near(moment.gap)
             last, speed = speed, self.equations.size(change, self._near) / step
+            self.fastest = max(self.fastest, speed)
+            slow = max(rest, part * self.fastest)
             covered = self._covered()
-            if covered and speed < rest and (speed <= last or speed < 1e-3 * rest):
+            if covered and speed < slow and (speed <= last or speed < 1e-3 * slow):
                 self._next = step
                 return
             lost = self.equations.leaving(moment.unknown, moment.gap,
@@ -173,7 +192,8 @@ class OverdampedMotion:
         leads."""
         equations = self.equations
         history = self.history
-        tolerance = self.options.tolerance
+        control = self._control
+        tolerance = control.error * self.options.tolerance
         now = history[-1]
         shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)
         guess = self._predicted(step)
@@ -189,9 +209,9 @@ class OverdampedMotion:
             return np.inf, None
         aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
         turned = (equations.size(aside, self._near)
-                  / max(equations.size(unknown - now.unknown, self._near), STILL))
+                  / max(equations.size(unknown - now.unknown, self._near), control.still))
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
-                    turned / TURNING)
+                    turned / control.turning)
         gap = equations.gap(unknown)
         traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.

@@ -95,8 +95,8 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
              ("contact_cascade", form.form == "force",
               "the force form is solved on the whole cell"), ("archive_fields", not output.file,
                                                               "there is no -archive_file"),
-             ("archive_precision", not output.file or output.fields == "none",
-              "no fields are kept"),
+             *((f"archive_{name}", not output.file or output.fields == "none", "no fields are kept")
+               for name in ("precision", "fields_on")),
              ("archive_stiffness", not output.file, "there is no -archive_file"),
              ("archive_resume", not output.file, "there is no -archive_file"),
              ("archive_overwrite", not output.file, "there is no -archive_file"))

@@ -59,6 +59,9 @@ class Steps(Options):
     at_fold: str = option("jump", "at a limit point: jump to the next "
                           "equilibrium, stop, or trace the branch through it",
                           choices=("jump", "stop", "trace"))
+    locate_folds: bool = option(None, "locate folds to 1e-8 of the load; else steps bracket them, "
+                                "and fold_precision says how closely", kind="flag",
+                                default_text="true on lines, false on planes")
     initial_step: float | tuple = option(None, "first step of a leg", "of what moves",
                                          kind="number", above=0, many="legs",
                                          default_text="1/40 of the leg")
@@ -142,6 +145,10 @@ class Output(Options):
                        default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    fields_on: str = option(None, "nodes on which displacements and tractions are kept: those of "
+                            "the cell, or active ones, where the law acts, of which reading makes "
+                            "the cell's", kind="text", choices=("cell", "active"),
+                            default_text="active on planes, cell on lines")
     precision: str = option("double", "of these fields; single ones take half the room, and are "
                             "compressed when the path is done", choices=("double", "single"))
     errors: bool = option(False, "estimate the errors of every point by solving "
@@ -150,6 +157,10 @@ class Output(Options):
     stiffness: bool = option(False, "find the stiffness dW/dD of every point, by a linear solve")
     resume: bool = option(False, "go on from an archive of the same scene")
     overwrite: bool = option(False, "replace an existing archive")
+
+    def on_active(self, scene):
+        """Whether fields of a scene are kept on active nodes."""
+        return (self.fields_on or ("active" if scene.dimension == 2 else "cell")) == "active"
 
     def __post_init__(self):
         super().__post_init__()

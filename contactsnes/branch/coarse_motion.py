@@ -1,0 +1,216 @@
+"""Motion on coarser grids: to first points from the undeformed body, and out of folds.
+
+Which of several equilibria a body reaches is decided by its motion. On a grid on which gap and
+cohesive zone are resolved this is the same motion as on finer ones, so that the coarsest of these
+grids decides; each finer one only corrects what it finds.
+"""
+
+from dataclasses import replace
+
+from ..contact import states
+from ..contact.acceptance import strayed
+from ..contact.energies import far_displacements, stored, weights
+from ..continuation.points import NoEquilibrium, NotConverged
+from ..dynamics import jumps
+from ..solvers.snes import COLD
+from .coarser import coarser, finer_state, resolving
+from .departure import Departure
+
+CORRECTED = 0.3
+"""Ranges of the law by which a finer grid may move a node where the law acts: a spot that has
+jumped is moved by more."""
+
+SAME = 1e-3
+"""Largest way of a node, ranges of the law, from the state that lies behind a bracket to the one
+before it, up to which both are one: no fold lies in between."""
+SHORTEST = 0.2
+"""Part of a bracket below which steps on the way back through it are not halved."""
+
+LENIENCE = 3.0
+"""How many times what first points leave unresolved a grid may, on which the equilibrium that a
+motion begins at stands still: only what moves is as coarse as that."""
+
+
+class NoWayBack(NotConverged):
+    """The branch beyond a bracket of loads does not reach back through it."""
+
+
+def reached(system, start, controls, load, where):
+    """The first point, where motion from a start leads.
+
+    Parameters
+    ----------
+    system : Corrector
+    start : function (Contact) -> State, the undeformed body
+    controls, load : of each component
+    where : str, what messages say of the place
+    """
+    coarse = resolving(system, len(controls) > 1)
+    if coarse is not None:
+        system.log(f"motion on {coarse.contact.grid.size} nodes leads to the first point on "
+                   f"{system.contact.grid.size}, which Newton's method corrects")
+        try:
+            point = reached(coarse, start, controls, load, where)
+            system.contact.coarse.cache_clear()
+            state = finer_state(coarse.contact, system.contact, point.state)
+        except (NotConverged, NoEquilibrium) as error:
+            system.log(f"the coarser grid does not serve ({error})")
+        else:
+            try:
+                return corrected(system, state, controls, load)
+            except NotConverged as error:
+                system.log(f"from the coarser grid's state motion goes on {where} ({error})")
+                return jumps.settle(system, state, controls, load, where)
+    return jumps.settle(system, start(system.contact), controls, load, where)
+
+
+def corrected(system, state, controls, load):
+    """The stable point next to a state from a coarser grid; NotConverged where there is none.
+
+    Parameters
+    ----------
+    system : Corrector
+    state : State
+    controls, load : of each component
+    """
+    point = system.solve(state, controls, load, COLD)
+    if (states.missed(system.contact, state, point.state, largest=True) < CORRECTED
+        and not point.softest < 0.0):
+        return point
+    raise NotConverged("Newton's method led elsewhere")
+
+
+def settle(system, state, controls, load, where, origin=None):
+    """The equilibrium that motion from a state leads to (`jumps.settle`), on coarser grids first
+    where it begins beside an equilibrium of a rough plane.
+
+    Parameters
+    ----------
+    system : Corrector
+    state, controls, load, where, origin : as of `jumps.settle`
+    """
+    def motion(coarse, level):
+        point = settle(coarse, level.injected(state), controls, level.load(controls, load), where,
+                       level.origin)
+        return _with_works(corrected(system, level.prolonged(point.state), controls, load), point)
+
+    return (_coarsely(system, controls, origin, motion)
+            or jumps.settle(system, state, controls, load, where, origin))
+
+
+def _with_works(point, motion):
+    """A point with the works of the motion that ended next to it."""
+    return replace(point, jump_work=motion.jump_work, viscous_work=motion.viscous_work)
+
+
+def crossed(system, last, beyond, where):
+    """What lies beyond a bracket of loads: the state to which motion from a point leads under the
+    load at the bracket's end, and the point to which that leads back, None where it is the first.
+
+    Parameters
+    ----------
+    system : Corrector
+    last : Point, stable
+    beyond : array, the load at the bracket's end
+    where : str, what messages say of the place
+
+    Raises
+    ------
+    NoEquilibrium : where the body leaves or slides without end
+    NotConverged : where the motion does not settle, or no branch leads back
+    """
+    controls, load = last.controls, last.load
+    ahead, behind = _crossing(system, last.state, controls, load, beyond, where)
+    if behind is None or not _gained(system.contact, last, behind) > 0.0:
+        return ahead, behind
+    system.log("the jump on a coarser grid would gain energy: motion on the grid itself")
+    ahead, behind = _crossed(system, last.state, controls, load, beyond, where)
+    if behind is not None and _gained(system.contact, last, behind) > 0.0:
+        raise NoWayBack("the branch beyond a refused step leads back to more energy")
+    return ahead, behind
+
+
+def _gained(contact, last, found):
+    """Energy that body and interface have more than before at held loads, less what these did; nan
+    where the law has no potential."""
+    before, after = (sum(stored(contact, point)) for point in (last, found))
+    moved = far_displacements(contact, found) - far_displacements(contact, last)
+    return after - before - weights(contact, len(moved)) @ (last.forces * moved)
+
+
+def _crossing(system, origin, controls, load, beyond, where):
+    """`crossed` from a state, on coarser grids where these serve."""
+    def motion(coarse, level):
+        ahead, behind = _crossing(coarse, level.origin, controls, level.load(controls, load),
+                                  level.load(controls, beyond), where)
+        if behind is None:
+            return level.prolonged(ahead), None
+        point = corrected(system, level.prolonged(behind.state), controls, load)
+        same = states.missed(system.contact, origin, point.state, largest=True) < SAME
+        return level.prolonged(ahead), None if same else _with_works(point, behind)
+
+    return (_coarsely(system, controls, origin, motion)
+            or _crossed(system, origin, controls, load, beyond, where))
+
+
+def _crossed(system, origin, controls, load, beyond, where):
+    """The same on the system's own grid."""
+    ahead = jumps.settle(system, origin, controls, beyond, where, origin)
+    behind = _back(system, ahead, controls, beyond, load)
+    if states.missed(system.contact, origin, behind.state, largest=True) < SAME:
+        return ahead.state, None
+    return ahead.state, _with_works(behind, ahead)
+
+
+def _back(system, ahead, controls, beyond, load):
+    """The point at a load on the branch of one beyond it, in steps as long as they stay on it.
+
+    Parameters
+    ----------
+    system, ahead : Corrector, and the Point
+    controls, beyond, load : what is held, where the way begins, and where it ends
+    """
+    known, step = [(0.0, ahead.state)], 1.0
+    while known[-1][0] < 1.0:
+        here, last = known[-1]
+        place = min(here + step, 1.0)
+        guess = last
+        if len(known) > 1:
+            part = (place - here) / (here - known[-2][0])
+            guess = states.combined(system.contact, [known[-2][1], last], [-part, 1.0 + part])
+        try:
+            point = system.solve(guess, controls, beyond + place * (load - beyond))
+            lost = point.softest < 0.0 or strayed(system.contact, guess, last, point.state) > 0.0
+        except NotConverged:
+            lost = True
+        if not lost:
+            known = [*known[-1:], (place, point.state)]
+            step *= 2.0
+        elif step > SHORTEST:
+            step *= 0.5
+        else:
+            raise NoWayBack("the branch beyond a refused step does not reach back")
+    return point
+
+
+def _coarsely(system, controls, origin, motion):
+    """What a motion finds that begins on a coarser grid; None where none serves.
+
+    Parameters
+    ----------
+    system, controls : Corrector, and what is held
+    origin : State, the equilibrium beside which the motion begins, or None
+    motion : function (Corrector on the coarser grid, Departure) -> what it finds
+    """
+    contact = system.contact
+    if (origin is None or len(controls) > 1 or contact.convex or len(contact.grid.shape) < 2
+            or (coarse := resolving(system, False, LENIENCE)) is None):
+        return None
+    level = Departure(contact, coarse.contact, origin)
+    try:
+        return motion(coarser(system, level.contact, None), level)
+    except NoWayBack:
+        raise
+    except (NotConverged, NoEquilibrium) as error:
+        system.log(f"the coarser grid does not serve ({error})")
+        return None

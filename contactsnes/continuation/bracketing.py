@@ -1,0 +1,123 @@
+"""Natural continuation whose folds are bracketed by steps, not located: where jumps are frequent."""
+
+from dataclasses import replace
+
+from . import branching
+from .natural import NaturalSteps, fold_kind
+from .points import NoEquilibrium, NoFold, NotConverged
+from .predictors import after_failure
+
+HALVINGS = 6
+"""How often a bracket is halved whose far side belongs to a branch that does not reach back."""
+BRACKET = 0.25
+"""Part of a leg's first step, and of a fortieth of it, within which a refused step is taken for a
+fold."""
+
+
+class BracketingSteps(NaturalSteps):
+    """Steps that do not locate a fold: between a point and a step beyond it that is refused, motion
+    under the load of the latter tells.
+
+    It ends in an equilibrium, which is followed back to the point's load. Where that leads to the
+    point itself, there is no fold, and steps go on from what was found; where it leads elsewhere,
+    the point is the fold, known to the length of the step, and what was found there the end of the
+    jump. Where no motion or no way back is found, the fold is located. Parameters as of
+    `LoadSteps`.
+    """
+
+    def _resumed(self):
+        """What follows a fold from which the path goes on: the step behind it is taken up again."""
+        last = self.history[-1][1]
+        if last.event == "fold" and last.leg == self.leg.number and self.at_fold == "jump":
+            yield from self._fold(NotConverged("no way is known out of the fold at "
+                                               f"{self._place(last.position)}"), last.step)
+
+    def _due(self, refused, failures):
+        """Whether a refused step is to be taken for a fold."""
+        return refused <= BRACKET * self.shortest
+
+    def _fold(self, error, refused):
+        """Find out what stops the steps before the end of a refused step; yield what is there.
+
+        Parameters
+        ----------
+        error : NotConverged, why the step was refused
+        refused : float, its length
+        """
+        place, last = self.history[-1]
+        spent = self.system.account()
+        try:
+            ahead, behind, beyond = self._bracketed(place, last, min(place + refused, 1.0))
+        except (NotConverged, NoEquilibrium) as failure:
+            self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
+                            f"not tell what lies behind it ({failure})")
+            yield from super()._fold(error, refused)
+            return
+        if behind is None:
+            yield from self._arrive(*self._examined(replace(ahead, step=beyond - place)))
+            return
+        fold = replace(self._marked(last, beyond - place), spent=spent)
+        yield from self._left(fold, ahead, behind, beyond)
+
+    def _left(self, fold, ahead, behind, beyond):
+        """Yield a fold, the end of its jump, and the point behind it at the bracket's far side.
+
+        Parameters
+        ----------
+        fold, behind : Point, before and after the jump
+        ahead : state foretold at the far side
+        beyond : position of the far side
+        """
+        place, moved = self.history[-1][0], self.system.account()
+        if self.at_fold == "stop":
+            yield replace(fold, spent={name: fold.spent[name] + moved[name] for name in moved})
+            self.stopped = True
+            return
+        # Two points so near each other foretell no long step.
+        step = min(max(2.0 * (beyond - place), BRACKET * self.shortest), self.leg.initial)
+        where = f"at {self._place(place)}, beyond the fold ({fold.fold_kind})"
+        jump = branching.settled(self.system, self.certify, behind, where)
+        self.history = []
+        jump = self._accept(replace(jump, leg=self.leg.number, position=place, step=step,
+                                    event="jump"))
+        more = self.system.account()
+        yield fold
+        yield replace(jump, spent={name: moved[name] + jump.spent[name] + more[name]
+                                   for name in moved})
+        try:
+            point = self._examined(self._step(beyond, self.predictor, ahead))
+        except NotConverged:
+            return
+        yield from self._arrive(replace(point[0], step=step), point[1])
+
+    def _marked(self, last, width):
+        """The last point as a fold that is known to a part of the leg."""
+        moving = self.leg.moving
+        width = abs(width * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
+        return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
+                       fold_precision=float(width), step=self.leg.initial, origin=self.leg.start)
+
+    def _bracketed(self, place, last, beyond):
+        """(state beyond a bracket, point of its branch before it, end of the bracket); where the
+        bracket holds no fold, a point at its end, and None.
+
+        Parameters
+        ----------
+        place, last : the point before the bracket, and its position
+        beyond : position of its end
+        """
+        leg = self.leg
+        for _ in range(HALVINGS):
+            try:
+                ahead, behind = self.system.crossed(last, leg.load(beyond),
+                                                    f"at {self._place(beyond)}")
+                if behind is not None:
+                    return ahead, behind, beyond
+                return self._step(beyond, self.predictor, ahead), None, beyond
+            except NotConverged as failure:
+                reason, nearer = str(failure), 0.5 * (place + beyond)
+                try:
+                    return self._step(nearer, after_failure(self.predictor)), None, nearer
+                except NotConverged:
+                    beyond = nearer
+        raise NoFold(f"no branch leads back from there: {reason}")

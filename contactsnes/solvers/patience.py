@@ -1,0 +1,48 @@
+"""Newton's steps on rough planes, given up early where they do not lead on."""
+
+from petsc4py import PETSc
+
+from .snes import NOT_A_NUMBER
+
+FIRST, LATER = 0.7, 0.5
+"""Part of the first residual norm below which the next one has to be, and all later ones. Warm steps
+on smooth parts of a branch reduce it tenfold with each iteration; those beyond a fold wander about.
+"""
+DIVERGED = 1e4
+"""PETSc's own bound of the norm over the first one."""
+
+
+class Patience:
+    """Convergence test of a SNES that gives up early while ``short``: else PETSc's own.
+
+    A rough plane has a fold for each of its spots. What is solved beyond one costs ten times a step
+    of the branch until it fails, or ends where nothing but chance led it.
+    """
+
+    def __init__(self):
+        self.short, self._first = False, 0.0
+
+    def test(self, snes, iteration, norms):
+        """The reason to stop, or to go on.
+
+        Parameters
+        ----------
+        snes : SNES
+        iteration : int
+        norms : (of the unknown, of the step, of the residual)
+        """
+        reasons, (size, step, norm) = PETSc.SNES.ConvergedReason, norms
+        rtol, atol, stol, _ = snes.getTolerances()
+        if not norm < float("inf"):
+            return NOT_A_NUMBER
+        self._first = norm if iteration == 0 else self._first
+        if norm <= atol:
+            return reasons.CONVERGED_FNORM_ABS
+        if iteration == 0:
+            return reasons.ITERATING
+        if norm <= rtol * self._first:
+            return reasons.CONVERGED_FNORM_RELATIVE
+        if step < stol * size:
+            return reasons.CONVERGED_SNORM_RELATIVE
+        lost = self.short and norm > (FIRST if iteration == 1 else LATER) * self._first
+        return reasons.DIVERGED_DTOL if lost or norm > DIVERGED * self._first else reasons.ITERATING
