@@ -21,6 +21,10 @@ AREA, LENGTH, FORCE = 1e-8, 1e-4, 2.5e-3
 """Of the cell, m^2; its period, m; the largest normal force, N."""
 
 
+OTHERS = {"coarse": ", waves of 256²", "long": ", waves of 6.4 µm and more"}
+"""Waves of runs that have not those of their grid, in words."""
+
+
 def runs_of(found, kind):
     """Name without the kind -> columns of the runs of a kind."""
     return {name.removeprefix(f"{kind}-"): run for name, run in found.items()
@@ -29,9 +33,8 @@ def runs_of(found, kind):
 
 def told(name):
     """A run's name in words."""
-    points, seed, *coarse = name.split("-")
-    waves = ", waves of 256²" if coarse else ""
-    return f"{points}², seed {seed}{waves}"
+    points, seed, *waves = name.split("-")
+    return f"{points}², seed {seed}{OTHERS[waves[0]] if waves else ''}"
 
 
 def full(run):
@@ -121,9 +124,10 @@ def reach(run):
 
 
 def draw(found, path):
-    """Force, area, spots and their sizes of the runs without shear that are not for error bars."""
+    """Force, area, spots and their sizes of the runs that have the waves of their grid."""
     every = runs_of(found, "pressed")
-    pressed = {name: run for name, run in every.items() if not name.endswith("coarse")} or every
+    pressed = {name: run for name, run in every.items()
+               if not name.endswith(tuple(OTHERS))} or every
     with matplotlib.rc_context(STYLE):
         figure = Figure((2.1 * WIDTH, 1.6 * WIDTH), layout="constrained")
         (force, area), (count, sizes) = figure.subplots(2, 2)
