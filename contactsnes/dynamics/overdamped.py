@@ -120,7 +120,7 @@ class OverdampedMotion:
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
         self._control = ROUGHLY if rough(contact, len(controls)) else FOLLOWED
-        self._begin(0.0, state)
+        self._begin(0.0, states.boxed(contact, state))
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
