@@ -14,6 +14,7 @@ from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
+from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
@@ -261,4 +262,4 @@ class Corrector:
         sliding = components > 1 and in_contact and grid.count(touching & ~slipped) == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
                      sliding, imbalance.norm, largest_residual=imbalance.largest,
-                     spent={"last_iterations": iterations})
+                     spent={"last_iterations": iterations}, units=units(contact.scene))
