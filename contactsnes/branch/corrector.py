@@ -11,6 +11,7 @@ from ..contact.balance import Balance, Imbalance
 from ..contact.even_form import Symmetry
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
+from ..contact.scattered import boxed, on_nodes
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.boxes import in_words
@@ -117,8 +118,8 @@ class Corrector:
         if not whole:
             # Coarser grids for the full approximation scheme are made of one box.
             one = asked().one_window
-            made = states.on_nodes if self.contact.scattered and not one else states.fitted
-            state = made(self.contact, state, afresh)
+            state = (on_nodes(self.contact, state, afresh) if self.contact.scattered and not one
+                     else states.fitted(self.contact, boxed(self.contact, state), afresh))
             whole = len(state.window.parts) > 1 and one
         if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
