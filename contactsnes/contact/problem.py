@@ -27,6 +27,13 @@ APPROACH = "approach"
 holds."""
 
 
+SUPPORT = 2
+"""Nodes about one in contact that an interpolation of the edge of contact there may ask for."""
+ROOM = 3.0
+"""Gap beyond that of contact, ranges of the law, of nodes that a window reckons with as in contact
+later."""
+
+
 class Contact:
     """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much
     is made of each part.
@@ -263,9 +270,9 @@ class Contact:
 
     def acting(self, normal_gap):
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or
-        that an interpolation of the edge of contact asks for."""
-        touching = normal_gap < self.scene.contact_threshold + 1.0
-        return (normal_gap < self.law.range) | widened(touching, 2)
+        that an interpolation of the edge of contact asks for, with room for it to move."""
+        touching = normal_gap < self.scene.contact_threshold + ROOM
+        return (normal_gap < self.law.range) | widened(touching, SUPPORT)
 
 
 def _of_heights(scene, heights):

@@ -13,7 +13,7 @@ from ..grid.boxes import reaching
 from ..grid.cell import Convolution
 from ..grid.nearest import nearest
 from ..grid.roots import bracketed_root
-from .problem import APPROACH, FORCE
+from .problem import APPROACH, FORCE, SUPPORT
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
@@ -154,9 +154,11 @@ def covers(contact, state):
     """Whether every node outside the state's window is certainly out of the law's range."""
     if state.window.is_whole:
         return True
-    if isinstance(state.window, Nodes):
-        return contact.grid.minimum(contact.gap_outside(state)) >= contact.law.certain
     gap = normal_gap(contact, state)
+    if isinstance(state.window, Nodes):
+        touching = gap < contact.scene.contact_threshold
+        return (state.window.surround(touching, SUPPORT)
+                and contact.grid.minimum(contact.gap_outside(state)) >= contact.law.certain)
     if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
         return False
     if contact.convex:

@@ -9,6 +9,7 @@ from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.even_form import EvenForm, HalfForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
+from contactsnes.grid.active import Nodes
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.windows import Window
@@ -36,13 +37,20 @@ PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled
          for part in ("open", "closed", "strip")]
 SPOTS = [(name, count, "spots", "plain") for name, count in (("coupled", 1), ("coupled", 2),
                                                              ("coupled plane", 3))]
-CASES = [(*case, control) for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS,
-                                                                 ("displacement", "force"))]
+NODES = [(name, count, part, "plain") for name, count in (("plane", 1), ("coupled plane", 3))
+         for part in ("nodes of a box", "nodes of the cell")]
+CASES = [(*case, control)
+         for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS + NODES,
+                                                ("displacement", "force"))]
 
 
 def window_of(grid, part):
-    """A window about the apex, the cell, one closed in its last direction only, or two boxes."""
+    """A window about the apex, the cell, one closed in its last direction only, two boxes, or some
+    nodes of a box or of the cell."""
     shape = grid.shape
+    if part.startswith("nodes"):
+        hull = window_of(grid, "closed" if "cell" in part else "open")
+        return Nodes(hull, np.flatnonzero(np.random.default_rng(2).random(hull.size) < 0.6))
     if part == "spots":
         return Spots(grid, np.array([[n // 8 for n in shape], [n // 2 for n in shape]]),
                      [n // 5 for n in shape])
