@@ -14,6 +14,7 @@ from ..contact.problem import APPROACH, FORCE
 from ..contact.scattered import boxed, on_nodes
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
+from ..grid.active import Nodes
 from ..grid.boxes import in_words
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
@@ -65,6 +66,7 @@ class Corrector:
                                      "function_evaluations", "jacobian_products"), 0)
         self.symmetry = Symmetry(contact, settings, asked(), log)
         self.balance = Balance(contact)
+        self._balanced = None, None  # the last state that was asked for its imbalance, and that
         self._accounted = self._spent_so_far()
 
     def _spent_so_far(self):
@@ -100,7 +102,7 @@ class Corrector:
                                            form.pack(guess.displacement,
                                                      guess.means[form.forced]), most_iterations)
             state = form.state(unknown)
-            if not states.covers(self.contact, state):
+            if not self.covers(form, state):
                 guess = self.fitted(state, afresh=True)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
@@ -230,8 +232,17 @@ class Corrector:
         if form.whole_cell:
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
-        self.totals["function_evaluations"] += 1
-        return self.balance(state, form.controls, form.load, form)
+        if self._balanced[0] is not state:
+            self.totals["function_evaluations"] += 1
+            self._balanced = state, self.balance(state, form.controls, form.load, form)
+        return self._balanced[1]
+
+    def covers(self, form, state):
+        """Whether every node outside the window of a state that a form led to is certainly out of
+        the law's range: the residual of some nodes tells of the whole cell."""
+        closest = (self._imbalance(form, state).closest if isinstance(state.window, Nodes)
+                   else None)
+        return states.covers(self.contact, state, closest)
 
     def _point(self, form, state, imbalance, iterations):
         """The Point of a state that passes the test of convergence; NotConverged for one that does

@@ -150,15 +150,23 @@ def wider(state, window):
     return State(wide, onto(state, wide), state.means)
 
 
-def covers(contact, state):
-    """Whether every node outside the state's window is certainly out of the law's range."""
+def covers(contact, state, closest=None):
+    """Whether every node outside the state's window is certainly out of the law's range.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    closest : smallest normal gap outside of a window of some nodes, if that is known
+    """
     if state.window.is_whole:
         return True
     gap = normal_gap(contact, state)
     if isinstance(state.window, Nodes):
         touching = gap < contact.scene.contact_threshold
-        return (state.window.surround(touching, SUPPORT)
-                and contact.grid.minimum(contact.gap_outside(state)) >= contact.law.certain)
+        if closest is None:
+            closest = contact.grid.minimum(contact.gap_outside(state))
+        return closest >= contact.law.certain and state.window.surround(touching, SUPPORT)
     if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
         return False
     if contact.convex:

@@ -260,3 +260,16 @@ def test_the_form_is_that_of_the_cell_where_the_rest_has_no_traction(tmp_path, s
     for one, other in zip(found, expected):
         other = point.state.window.take(other.reshape(3, *contact.grid.shape))
         np.testing.assert_allclose(one, other, atol=1e-8 * max(1.0, np.abs(other).max()))
+
+
+def test_the_gap_beyond_the_window_is_known_from_a_residual(tmp_path, self_affine):
+    scene = rough(tmp_path, self_affine, poisson=0.3)
+    branch, points = followed(scene, SHEARED[0])
+    point = points[-1]
+    form, before = branch.corrector.form, branch.contact.grid.transforms
+    found = branch.corrector.balance(point.state, point.controls, point.load, form)
+    spent = branch.contact.grid.transforms - before
+    assert spent == pytest.approx(2 * form.components)  # those of the residual alone
+    outside = branch.contact.gap_outside(point.state)
+    assert found.closest == pytest.approx(outside.min(), rel=1e-12)
+    assert found.closest >= branch.contact.law.certain
