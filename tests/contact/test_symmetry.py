@@ -511,7 +511,7 @@ def test_a_slip_that_is_not_odd_ends_symmetry():
     branch = Branch(scene, load)
     *_, point = branch
     across = branch.corrector.solve(point.state, point.controls, point.load + [0.0, 0.0, 0.2])
-    assert not isinstance(branch.corrector.form, EvenForm) and across.forces[2] > 0.01
+    assert not isinstance(branch.corrector.form, EvenForm) and across.forces[2] > 1e-3
 
 
 def test_a_path_goes_on_from_an_archive():
