@@ -59,6 +59,16 @@ def branch(axes, record, x, y, part=slice(None), **look):
         look = {**look, "color": line.get_color(), "label": None}
 
 
+def key(axes, label, look="k-", **more):
+    """An entry of a legend for what is drawn in several colours, or by other means."""
+    axes.plot([], [], look, **{"linewidth": 0.8, "markersize": 4, **more}, label=label)
+
+
+ONSET = ("onset", "k*", {"markerfacecolor": "w", "markeredgewidth": 0.5, "markersize": 6})
+JUMP = ("jump", "k:", {"linewidth": 0.7})
+"""Entries of stars at onsets and of the dotted lines of `branch`."""
+
+
 def shades(count, name="viridis"):
     """Colours of a family of curves, dark to light."""
     return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))
