@@ -17,7 +17,8 @@ from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
 from .linearised import Overdamped, symmetries
-from .modes import ACCURATE, joined, leading_modes, oriented, summed
+from .modes import ACCURATE, leading_modes, oriented, summed
+from .projection import joined
 
 CERTIFIED = ("stable: all eigenvalues of the discrete problem on this "
              "grid, linearised at the point under its controls, have "
