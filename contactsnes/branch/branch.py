@@ -15,6 +15,7 @@ from ..continuation.points import Leg, NotConverged, Point
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
+from ..grid.active import Nodes
 from ..grid.boxes import of_boxes
 from ..interface import shapes
 from ..options.database import check_names, check_values
@@ -156,7 +157,8 @@ class Branch:
                              history=self.history,
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
-                             stepper=steppers.stepper(self.steps, self.scene.dimension))
+                             stepper=steppers.stepper(self.steps, self.scene.dimension == 1
+                                                      or self.contact.convex))
         works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None,
@@ -198,9 +200,13 @@ class Branch:
         return {**{name: getattr(point, name) for name in KEPT},
                 "event": point.event or "none", "displacement": state.displacement,
                 "means": state.means, "window_start": np.array(state.window.start),
-                "window_shape": np.array(state.window.shape),
+                "window_shape": np.array(state.window.shape), **self._picked(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}
+
+    def _picked(self, window):
+        """What else tells the nodes of a window that are some of its box."""
+        return {"window_nodes": window.places} if isinstance(window, Nodes) else {}
 
     def restored(self, packed):
         """The point that was ``packed``; InputError for one that another version of this program
@@ -211,6 +217,8 @@ class Branch:
                              f"{', '.join(lost)}: it was kept by another version "
                              "of this program; begin anew")
         window = of_boxes(self.contact.grid, packed["window_start"], packed["window_shape"])
+        if "window_nodes" in packed:
+            window = Nodes(window, packed["window_nodes"])
         state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),

@@ -100,7 +100,7 @@ class Corrector:
                                                      guess.means[form.forced]), most_iterations)
             state = form.state(unknown)
             if not states.covers(self.contact, state):
-                guess = states.fitted(self.contact, state, afresh=True)
+                guess = self.fitted(state, afresh=True)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
             if imbalance is not None:
@@ -109,14 +109,17 @@ class Corrector:
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 
-    def fitted(self, state):
-        """The state on the window that the settings and the law ask for."""
+    def fitted(self, state, afresh=False):
+        """The state on the window that the settings and the law ask for, ``afresh`` where its own
+        will not do."""
         widest = self.contact.widest
         whole = self.settings.window == "off" or FORMS[self.settings.form].whole_cell
         if not whole:
-            state = states.fitted(self.contact, state)
-            # Coarser grids for the full approximation scheme are made of one window.
-            whole = len(state.window.parts) > 1 and asked().one_window
+            # Coarser grids for the full approximation scheme are made of one box.
+            one = asked().one_window
+            made = states.on_nodes if self.contact.scattered and not one else states.fitted
+            state = made(self.contact, state, afresh)
+            whole = len(state.window.parts) > 1 and one
         if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
         return self.symmetry.centred(state)

@@ -84,7 +84,7 @@ class Tracer(Corrector, Neighbours, Ends):
             arc.set_position(unknown[-1])
             state = form.state(unknown[:-1])
             if not states.covers(self.contact, state):
-                guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
+                guess, position = self.fitted(state, afresh=True), unknown[-1]
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:

@@ -9,9 +9,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from ..grid.active import widened
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform
-from ..grid.even import asymmetry
+from ..grid.even import UNEVEN, asymmetry
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, initial_gap, is_convex
@@ -114,6 +115,12 @@ class Contact:
     def unevenness(self):
         """Largest difference between mirror images about the apex in the initial gap, delta_n."""
         return asymmetry(self.grid.whole, self.initial_gap.reshape(1, -1))
+
+    @cached_property
+    def scattered(self):
+        """Whether the law may act on any nodes of a plane, so that solves are on these instead of
+        on boxes: the gap is neither convex nor even."""
+        return self.scene.dimension == 2 and not self.convex and self.unevenness > UNEVEN
 
     @property
     def periodic(self):
@@ -253,6 +260,12 @@ class Contact:
         range."""
         made = enclosing if self.convex else fitting
         return made(self.grid, normal_gap < self.law.range, margin=0.05)
+
+    def acting(self, normal_gap):
+        """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or
+        that an interpolation of the edge of contact asks for."""
+        touching = normal_gap < self.scene.contact_threshold + 1.0
+        return (normal_gap < self.law.range) | widened(touching, 2)
 
 
 def _of_heights(scene, heights):

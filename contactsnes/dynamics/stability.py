@@ -126,9 +126,10 @@ class Stability:
         accurate : residual; None where signs alone are asked for
         number : of the last mode that is to be accurate, 0 for the leading one
         """
-        state = states.fitted(self.contact, point.state)
+        scattered = self.contact.scattered
+        state = point.state if scattered else states.fitted(self.contact, point.state)
         axes = []
-        if len(state.window.parts) == 1:
+        if len(state.window.parts) == 1 and not scattered:
             window = centred(state.window)
             even = State(window, states.onto(state, window), state.means)
             axes = symmetries(self.contact, even)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 from scipy import ndimage
 
+from .active import Nodes
 from .cell import Transform
 
 
@@ -104,10 +105,12 @@ def smooth(window, values, width):
 
     Parameters
     ----------
-    window : Window, Spots or EvenWindow
+    window : Window, Spots, Nodes or EvenWindow
     values : array (..., nodes)
     width : float, standard deviation, beta
     """
+    if isinstance(window, Nodes):
+        return smooth(window.hull, window.spread(values), width)[..., window.places]
     box = window.box(values)
     first = box.ndim - len(window.shape)
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).

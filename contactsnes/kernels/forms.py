@@ -6,6 +6,7 @@ import weakref
 
 import numpy as np
 
+from ..grid.active import Nodes
 from . import structures
 from .laws import kernel_of
 from .structures import MOST, TOO_MANY, address
@@ -60,6 +61,9 @@ def _response(convolution, count):
     if not window.even and (count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0])):
         product = np.empty(2 * transform.spectrum.size)
         own.product = address(product)
+    if isinstance(window, Nodes):
+        own.picked, own.on_circle = window.size, address(window.on_circle)
+        own.in_box = address(window.places)
     return own, (transform, symbols, product)
 
 

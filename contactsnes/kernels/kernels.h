@@ -49,6 +49,8 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     const double *symbol[MOST][MOST]; /* null where a block is zero */
     long is_complex[MOST][MOST];
     double *product; /* complex, count x waves, unless even or one component */
+    long picked;     /* some nodes of one box, if not 0: their number */
+    const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
 
 typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times that of the half form */
@@ -95,6 +97,8 @@ typedef struct { /* core block of a component */
     long on, first[2], extent[2];
     const Circle *circle;
     double *into, *back, *outside, *mean, *column, *inverse;
+    long picked; /* of a response with picked nodes: those of the core, and their numbers on its circle */
+    int *node, *at;
 } Block;
 
 typedef struct Zone Zone;
