@@ -21,7 +21,7 @@ AREA, LENGTH, FORCE = 1e-8, 1e-4, 2.5e-3
 """Of the cell, m^2; its period, m; the largest normal force, N."""
 
 
-OTHERS = {"fine": ", waves of 128²", "long": ", waves of 6.4 µm and more"}
+OTHERS = {"fine": ", waves of 128²"}
 """Waves of runs that have not those of their grid, in words."""
 
 
