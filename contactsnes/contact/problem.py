@@ -12,7 +12,8 @@ import numpy as np
 from ..grid.active import widened
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform
-from ..grid.even import UNEVEN, asymmetry
+from ..grid.even import asymmetry
+from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, initial_gap, is_convex
