@@ -122,8 +122,7 @@ def test_sign_and_phase_of_a_mode_do_not_hang_on_what_finds_it(turn):
 
 
 def test_images_of_nearly_dependent_vectors_stay_accurate():
-    """Vectors of a Krylov sequence as they come: kept as sums of products, images were off by 5e4,
-    and stable points had unstable modes."""
+    """Vectors of a Krylov sequence as they come."""
     class Diagonal:
         size = 400
         values = np.linspace(0.5, 1.5, size)
