@@ -158,4 +158,4 @@ def _settled(modes, accurate, number, neutral):
 def _all_modes(operator):
     """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
     unit = np.eye(operator.size)
-    return projected(unit, np.array([operator.apply(one) for one in unit]), unit, 1)
+    return projected(unit, np.array([operator.apply(one) for one in unit]), 1)

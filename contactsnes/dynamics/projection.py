@@ -88,16 +88,19 @@ class Space:
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
         certain = 1 if self.axes else 2
-        return [projected(sector.basis, sector.products, sector.mixed, certain)
+        return [projected(sector.basis, sector.images, certain)
                 for sector in self._sectors if sector.count]
 
 
 class _Sector:
-    """Orthonormal vectors of one symmetry, rows of an array that grows, and their images: these are
-    ``mixed`` @ ``products``, for each pass through long vectors counts."""
+    """Orthonormal vectors of one symmetry and their images, rows of arrays that grow.
+
+    Images are kept as such, not as sums of the products they come from: where vectors are nearly
+    dependent, such sums cancel.
+    """
 
     def __init__(self, size):
-        self._rows, self._mixed, self.count = np.empty((2, 8, size)), np.zeros((8, 8)), 0
+        self._rows, self.count = np.empty((2, 8, size)), 0
 
     @property
     def basis(self):
@@ -105,54 +108,42 @@ class _Sector:
         return self._rows[0, :self.count]
 
     @property
-    def products(self):
-        """What J has made of the vectors as they came, rows."""
+    def images(self):
+        """Their images, rows."""
         return self._rows[1, :self.count]
 
-    @property
-    def mixed(self):
-        """Triangular matrix of the images in terms of the products."""
-        return self._mixed[:self.count, :self.count]
-
-    def append(self, vector, product, scale):
-        """Append a vector, made orthonormal to the others, and its product; not what is hardly
+    def append(self, vector, image, scale):
+        """Append a vector, made orthonormal to the others, and its image; not what is hardly
         new."""
-        basis, parts = self.basis, np.zeros(self.count)
         # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87).
         for _ in range(2):
-            more = basis @ vector
-            vector, parts = vector - more @ basis, parts + more
+            parts = self.basis @ vector
+            vector, image = vector - parts @ self.basis, image - parts @ self.images
         norm = np.linalg.norm(vector)
         if norm > 1e-6 * scale:
-            last = self.count
-            if last == self._rows.shape[1]:
+            if self.count == self._rows.shape[1]:
                 self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-                self._mixed = np.pad(self._mixed, (0, last))
-            self._rows[0, last], self._rows[1, last] = vector / norm, product
-            self._mixed[last, :last] = -parts @ self.mixed / norm
-            self._mixed[last, last] = 1.0 / norm
+            self._rows[:, self.count] = vector / norm, image / norm
             self.count += 1
 
 
-def projected(basis, products, mixed, certain):
+def projected(basis, images, certain):
     """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
     ----------
     basis : orthonormal vectors, rows
-    products : J times other vectors of the same space, rows
-    mixed : matrix that makes the images of ``basis`` of these, ``mixed @ products``
+    images : J times these, rows
     certain : int, modes after the unstable ones that are to be accurate
     """
-    values, coefficients = linalg.eig(basis @ products.T @ mixed.T)
+    values, coefficients = linalg.eig(basis @ images.T)
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)
     kept = kept[:certain + 1]
-    coefficients = coefficients[:, kept].T
-    vectors = _combined(coefficients, basis)
-    defects = _combined(coefficients @ mixed, products) - values[kept, None] * vectors
-    return Modes(values[kept], vectors, defects, np.arange(len(kept)) < certain)
+    vectors, moved = (_combined(coefficients[:, kept].T, rows) for rows in (basis, images))
+    return Modes(values[kept], vectors, moved - values[kept, None] * vectors,
+                 np.arange(len(kept)) < certain)
 
 
 def _combined(coefficients, rows):

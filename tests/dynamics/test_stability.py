@@ -304,3 +304,11 @@ def test_a_rough_projection_does_not_certify_an_instability():
 
     assert settled(0.8, 0.21) and not settled(-0.8, 0.21)
     assert settled(-0.8, 0.01)
+
+
+def test_a_wide_soft_contact_has_no_unstable_mode():
+    """Long searches of its modes hold nearly dependent vectors: images told as sums of products
+    cancelled, and it had two of its odd modes unstable."""
+    point = next(iter(branch({"points": 2048, "normal_maugis": 0.55}, "normal_displacement=2.809",
+                             "sign", start="normal_displacement=2.809")))
+    assert (point.stable, point.unstable_modes) == (1, 0)
