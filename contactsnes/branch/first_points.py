@@ -122,7 +122,7 @@ def first_point(system, controls, load):
     try:
         guess = through_grids(system, start, controls, load)
         if guess is not None:
-            return system.solve(guess, controls, load)
+            return system.solve(guess, controls, load, COLD)
     except NotConverged as error:
         system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
     return on_grid(system, controls, load, start)
@@ -215,7 +215,7 @@ def through_grids(system, start, controls, load):
         if coarse is None:
             return None
         point = (on_grid(coarse, controls, load) if state is None
-                 else coarse.solve(state, controls, load))
+                 else coarse.solve(state, controls, load, COLD))
         state = refined(level, finer, point.state)
     system.contact.coarse.cache_clear()
     return state
