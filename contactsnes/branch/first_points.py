@@ -260,4 +260,7 @@ def refined(contact, finer, state):
     known = window.box(gap - window.take(finer.initial_gap))[part]
     window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
                     known.shape)
-    return states.State(window, known.reshape(1, -1), state.means / ratio)
+    found = states.State(window, known.reshape(1, -1), state.means / ratio)
+    # Beyond half of the cell its own circle is shorter than a padded one.
+    beyond = any(n < total < 2 * n for n, total in zip(window.shape, finer.grid.shape))
+    return states.fitted(finer, found, afresh=True) if beyond else found
