@@ -32,7 +32,7 @@ class Form(Options):
     window: str = option("auto", "auto: nodes within the range of the law, in "
                          "several boxes where that is cheaper, enlarged on "
                          "demand; off: the whole cell", choices=("auto", "off"))
-    symmetry: str = option("auto", "states even about the apex on half the "
+    symmetry: str = option("auto", "states even or odd about the apex on half the "
                            "line or a quarter of the plane: auto (where "
                            "gap, body, load, state and method allow it), "
                            "even (an error where they do not), off",
