@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import energies, observables
-from ..contact.even_form import refuse
 from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
+from ..contact.symmetry import refuse
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
 from ..continuation.points import Leg, NotConverged, Point
@@ -83,7 +83,7 @@ class Branch:
         self._heights = shapes.of(scene).heights(scene)
         self.contact = contact_of(scene, load, form, self._heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
-        refuse(self.contact, self._sheared, form, self.method)
+        refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
         refuse_without_tangent(self.steps.stability, form)
         steppers.refuse(self.steps, self.method)
         self.corrector = Tracer(self.contact, form, log)
@@ -295,4 +295,5 @@ class Branch:
                                                                             controls[moving]]].unit
         length = abs(end[moving] - start[moving]) * self.scene.scale(unit)[0]
         initial, largest, smallest = np.array(sizes(length)) / length
+        self.corrector.symmetry.loaded_by(start, end)
         return Leg(number, controls, start, end, moving, initial, largest, smallest)

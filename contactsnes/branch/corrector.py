@@ -8,10 +8,10 @@ from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
-from ..contact.even_form import Symmetry
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..contact.scattered import boxed, on_nodes
+from ..contact.symmetry import Symmetry
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.active import Nodes
@@ -91,6 +91,7 @@ class Corrector:
         most_iterations : of Newton's method, after which the solve has failed
         """
         guess = states.with_components(finite(guess), len(controls))
+        self.symmetry.loaded_by(load)
         if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
             guess = self.symmetry.checked(nearer(self, guess, controls, load,
                                                  self.settings.first_tolerance))
@@ -132,20 +133,21 @@ class Corrector:
         kept = self.form
         kind = FORMS[self.settings.form]
         kind = kind if kind.whole_cell else self.symmetry.form(len(controls))
+        parities = None if kind.whole_cell else self.symmetry.parities(len(controls))
         if (type(kept) is not kind or kept.window != guess.window
-            or kept.controls != tuple(controls)):
+            or kept.controls != tuple(controls) or kept.parities != parities):
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
-                             controls)
+                             controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
             if (of_snes(self.snes).has_tangent and not self.contact.convex
                 and len(self.contact.grid.shape) == 2):
                 self.snes.setConvergenceTest(self.patience.test)
             self.arc = None
         if kind.whole_cell:
-            self.form.even = self.symmetry.holds(len(controls))
+            self.form.even = self.symmetry.plain(len(controls))
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):

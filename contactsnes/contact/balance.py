@@ -40,8 +40,8 @@ class Response:
     """Product of a circulant operator of the cell with fields on a window, at all of its nodes: as
     `boxes.convolution`.
 
-    Fields that are even to rounding, which is asked of each, take half of the transforms, or a
-    quarter, where the operator leaves the components apart.
+    Fields that are even or odd to rounding, which is asked of each, take half of the transforms, or
+    a quarter.
 
     Parameters
     ----------
@@ -54,13 +54,14 @@ class Response:
 
     def __init__(self, window, operator, count, half, make=Transform):
         self._given, self._whole = (window, operator, count, make), None
-        self._half = half if all(i == j for i, j in operator.blocks) else None
+        self._half = half
 
     def apply(self, values, out):
         """out (components, nodes) = operator times values (components, nodes), perhaps the same
         array."""
-        if self._half is not None and asymmetry(self._given[0],
-                                                values) <= ROUNDING * np.max(np.abs(values)):
+        if self._half is not None and asymmetry(
+                self._given[0], values,
+                self._half.window.parities) <= ROUNDING * np.max(np.abs(values)):
             folded = self._half.window.fold(values)
             out[...] = self._half.window.unfold(self._half.apply(folded, folded))
             return out

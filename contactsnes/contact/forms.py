@@ -49,7 +49,7 @@ class DisplacementForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell, even = True, False, False
+    in_displacements, whole_cell, even, parities = True, False, False, None
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 

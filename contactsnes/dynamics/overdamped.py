@@ -108,7 +108,7 @@ class OverdampedMotion:
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
-        even = self.symmetry.holds(len(self.controls))
+        even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load)
         unknown = equations.pack(state.displacement, state.means)

@@ -29,7 +29,8 @@ SCENES = {"line": LINE, "odd": {**LINE, "points": 254}, "coupled": {**LINE, "poi
           "plane": PLANE, "uneven": {**PLANE, "points": (62, 46)},
           "coupled plane": {**PLANE, "poisson": 0.2}}
 EVEN = [(name, count, part, "even") for name, count in (("line", 1), ("line", 2), ("odd", 2),
-                                                        ("plane", 1), ("uneven", 1))
+                                                        ("plane", 1), ("uneven", 1), ("plane", 3),
+                                                        ("coupled", 2), ("coupled plane", 3))
         for part in ("open", "closed", "strip")]
 HALF = [("line", 2, "open", "half"), ("line", 1, "closed", "half")]
 PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled", 2),
@@ -164,17 +165,23 @@ def test_a_residual_leaves_the_tangent_of_the_last_linearisation():
 
 
 @pytest.mark.parametrize("shape", [(1,), (2,), (3,), (24,), (25,), (12, 15), (40, 64)])
-def test_compiled_cosines_are_scipys(shape):
-    """Rows that close on the cell, that do not, and both, forwards and back."""
+@pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
+def test_compiled_cosines_are_scipys(shape, signs):
+    """Rows that close on the cell, that do not, and both, of even and odd fields, forwards and
+    back."""
+    signs = signs[-len(shape):]
     contact = Contact(Scene(**(LINE if len(shape) == 1 else PLANE)), kernels=chosen(True))
     grid = contact.grid
     closed = tuple(n // 2 + 1 for n in grid.shape)
     shapes = [shape, closed] if len(shape) == 1 else [shape, closed, (shape[0], closed[1]),
                                                       (closed[0], shape[1])]
     for points in shapes:
-        ours, scipys = (kind(grid, points, 2) for kind in (contact.kernels.even,
-                                                           chosen(False).even))
+        ours, scipys = (kind(grid, points, 2, (signs, signs)) for kind in (contact.kernels.even,
+                                                                           chosen(False).even))
         field = np.random.default_rng(2).normal(size=scipys.real.shape)
+        for axis, (sign, ends) in enumerate(zip(signs, ours.closed), start=1):
+            if sign < 0:
+                np.moveaxis(field, axis, 0)[[0, -1] if ends else 0] = 0.0
         for plan in (ours, scipys):
             plan.real[...] = field
             plan.forward()
