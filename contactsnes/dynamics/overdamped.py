@@ -250,8 +250,8 @@ class OverdampedMotion:
         window, contact = self.equations.window, self.contact
         if window in (contact.grid.whole, contact.widest):
             return True
-        if not contact.scattered and self.equations.rim_gap(
-                self.history[-1].gap) < contact.law.certain:
+        near = self.equations.rim_gap(self.history[-1].gap) < contact.law.certain
+        if near and not contact.scattered:
             return False
         if contact.convex:
             return True
