@@ -1,10 +1,13 @@
 """Windows of any nodes: their convolution, and that all results of a rough plane are those of the
 whole cell."""
 
+from types import SimpleNamespace as Namespace
+
 import numpy as np
 import pytest
 
 from contactsnes.branch.branch import Branch
+from contactsnes.commands.summary import start_window
 from contactsnes.contact import observables, states
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
@@ -273,3 +276,11 @@ def test_the_gap_beyond_the_window_is_known_from_a_residual(tmp_path, self_affin
     outside = branch.contact.gap_outside(point.state)
     assert found.closest == pytest.approx(outside.min(), rel=1e-12)
     assert found.closest >= branch.contact.law.certain
+
+
+def test_what_would_be_solved_tells_the_nodes(tmp_path, self_affine):
+    scene = rough(tmp_path, self_affine)
+    branch, points = followed(scene, "normal_displacement=4")
+    window = start_window(Namespace(scene=scene, load=branch.load, form=Form()), branch)
+    assert isinstance(window, Nodes)
+    assert window.size == pytest.approx(points[0].state.window.size, rel=0.5)
