@@ -5,16 +5,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import energies, observables
-from ..contact.even_form import refuse
+from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
+from ..contact.symmetry import refuse
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
 from ..continuation.points import Leg, NotConverged, Point
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
-from ..grid.boxes import of_boxes
+from ..grid.numbers import numbers_of, of_numbers
 from ..interface import shapes
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
@@ -82,7 +83,7 @@ class Branch:
         self._heights = shapes.of(scene).heights(scene)
         self.contact = contact_of(scene, load, form, self._heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
-        refuse(self.contact, self._sheared, form, self.method)
+        refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
         refuse_without_tangent(self.steps.stability, form)
         steppers.refuse(self.steps, self.method)
         self.corrector = Tracer(self.contact, form, log)
@@ -107,6 +108,7 @@ class Branch:
         archive : path of an archive, or a Record; its scene is taken
         path : str, legs as of ``Load``
         point : int, from 0 or, if negative, from the end; one of the last four, or with fields
+            (of isolated contacts on active nodes)
         stop : str, as of ``Load``
         options : steps, form, log as of the class
         """
@@ -179,16 +181,24 @@ class Branch:
 
     def observe(self, point, names=None):
         """Name -> value of everything that a point can tell (``observables.table``), or of some
-        names only."""
-        return observables.observe(self.contact, point, names)
+        names only; its ``stiffness``, which takes a linear solve, by its name only."""
+        names = list(observables.table(self.scene) if names is None else names)
+        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
+        if STIFFNESS in names:
+            found[STIFFNESS] = self.stiffness(point)
+        return {name: found[name] for name in names}
+
+    def stiffness(self, point):
+        """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
+        size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
+        return size * self.corrector.stiffness(point)
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
                 "event": point.event or "none", "displacement": state.displacement,
-                "means": state.means, "window_start": np.array(state.window.start),
-                "window_shape": np.array(state.window.shape),
+                "means": state.means, **numbers_of(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}
 
@@ -200,8 +210,8 @@ class Branch:
             raise InputError("a point to go on from says nothing of "
                              f"{', '.join(lost)}: it was kept by another version "
                              "of this program; begin anew")
-        window = of_boxes(self.contact.grid, packed["window_start"], packed["window_shape"])
-        state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
+        state = State(of_numbers(self.contact.grid, packed), np.array(packed["displacement"]),
+                      np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                      **{**{name: packed[name] for name in KEPT},
@@ -285,4 +295,5 @@ class Branch:
                                                                             controls[moving]]].unit
         length = abs(end[moving] - start[moving]) * self.scene.scale(unit)[0]
         initial, largest, smallest = np.array(sizes(length)) / length
+        self.corrector.symmetry.loaded_by(start, end)
         return Leg(number, controls, start, end, moving, initial, largest, smallest)

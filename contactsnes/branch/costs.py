@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ..interface import shapes
 from ..scene.settings import tangential_legs
-from .grid_choice import cell_of, window_part
+from .grid_choice import active_part, cell_of, window_part
 from .memory import memory_of_solve
 
 TRANSFORMS = {(1, False): 20.0, (1, True): 60.0, (2, False): 120.0, (2, True): 200.0}
@@ -16,6 +16,10 @@ SECONDS, EACH = 1.5e-9, 0.015
 besides; measured on one core."""
 STEPS = 25
 """Points of a leg with default steps, about."""
+PACKED = 0.45
+"""Bytes of active fields in the file over those before they are compressed; measured."""
+SINGLE = 0.57
+"""Part of the law's range beyond which tractions are nothing in single precision."""
 NUMBERS = 50
 """Columns of an archive, about."""
 
@@ -52,17 +56,35 @@ def cost(scene, load, shape, output=None, steps=None):
     points = sum(per_leg)
     kept = {"none": 0, "last": 1, "all": points}[output.fields if output and output.file
                                                  else "none"]
-    disk = (8.0 * (NUMBERS * points + 2 * scene.components * nodes * kept)
+    disk = (8.0 * NUMBERS * points + kept * _bytes_of_fields(scene, load, nodes, output)
             if output and output.file else 0.0)
     return Cost(points, needed, disk, seconds)
 
 
-def _part(scene, load):
-    """The part of the cell that the window takes, 1 where that is not known."""
+def _bytes_of_fields(scene, load, nodes, output):
+    """Bytes of the fields of a point; of active nodes with their numbers, packed.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    nodes : int, of the grid
+    output : Output
+    """
+    single = output.precision == "single"
+    each = 2 * scene.components * (4 if single else 8)
+    if not output.on_active(scene):
+        return nodes * each
+    return nodes * PACKED * (8 + each) * _part(scene, load, active_part, SINGLE if single else 1.0)
+
+
+def _part(scene, load, part=window_part, *more):
+    """The part of the cell that the window, or another ``part``, takes, 1 where that is not
+    known."""
     if shapes.of(scene).gridded or shapes.of(scene).memory(scene):
         return 1.0
     try:
-        return window_part(cell_of(scene, load), load)
+        return part(cell_of(scene, load), load, *more)
     except (ArithmeticError, ValueError):
         return 1.0
 

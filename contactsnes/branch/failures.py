@@ -154,7 +154,8 @@ def short_waves(contact, point):
     window = point.state.window
     found = 0.0
     for component in contact.evaluated(point.state)[1]:
-        boxes, largest = component.reshape(-1, *window.parts[0].shape), np.abs(component).max()
+        boxes = window.box(component).reshape(-1, *window.parts[0].shape)
+        largest = np.abs(component).max()
         for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
             # A window that fills a direction closes on itself; beyond others the law does not act.
             mode = "wrap" if extent == total else "constant"
@@ -187,7 +188,7 @@ def narrow(contact, before, after):
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
-    boxes = changed.reshape(len(window.parts), *window.parts[0].shape)
+    boxes = window.box(changed).reshape(len(window.parts), *window.parts[0].shape)
     return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max()
                                       for box in boxes) < NARROW)
 

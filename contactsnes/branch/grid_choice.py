@@ -8,6 +8,8 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 
+import numpy as np
+
 from ..contact import states
 from ..contact.isolated import lay_out
 from ..contact.problem import Contact
@@ -193,14 +195,33 @@ def window_part(scene, load):
     That of the body bent without a law, on few points: the window of a contact with adhesion is
     somewhat larger.
     """
+    contact, gaps = _bent(scene, load)
+    return min(1.0, 1.2 * max(contact.window(gap).size for gap in gaps) / contact.grid.size)
+
+
+def active_part(scene, load, reach=1.0):
+    """The largest part of the nodes that the law acts on, as of `window_part`: not of a box around
+    them.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    reach : float, part of the law's range within which it counts
+    """
+    contact, gaps = _bent(scene, load)
+    return max(float(np.mean(gap < reach * contact.law.range)) for gap in gaps)
+
+
+def _bent(scene, load):
+    """The contact on few points, and normal gaps (*grid) of the body bent without a law where the
+    path begins and at the ends of its legs."""
     contact = Contact(on(scene, FEW[scene.dimension]))
     legs = scene.legs(load) if load.path else ()
     controls = [scene.initial(load)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]
-    windows = [contact.window(states.normal_gap(contact,
-                                                states.undeformed(contact, (its.control,),
-                                                                  [its.value])) .reshape(
-        contact.grid.shape)) for its in controls if its.value is not None]
-    return min(1.0, 1.2 * max(window.size for window in windows) / contact.grid.size)
+    return contact, [states.normal_gap(contact, states.undeformed(contact, (its.control,),
+                                                                  [its.value])).reshape(
+        contact.grid.shape) for its in controls if its.value is not None]
 
 
 def _too_large(scene, load, points):

@@ -5,6 +5,7 @@ from dataclasses import fields
 import numpy as np
 
 from ..contact.states import State
+from ..grid.windows import Window
 from ..options.fields import InputError, as_text
 from ..output import resuming
 from ..output.reading import Record, read
@@ -86,10 +87,23 @@ def state_at(branch, record, point):
                          + (" and before" if len(set(where)) > 4 else "")
                          + "; -archive_fields all keeps every one")
     contact, scene = branch.contact, branch.scene
-    if scene.isolated:
+    if scene.isolated and not record.on_active:
         raise InputError(f"{record.path} has the last points of an isolated contact to go on from: "
-                         "its fields do not hold the displacement of the body as a whole")
+                         "fields of the cell do not hold the displacement of the body as a whole; "
+                         "-archive_fields_on active keeps it")
     field = record.field("displacement", point)
     sizes = [scene.scale(unit)[0] for unit in ("u_n,r", *["u_t,r"] * (len(field) - 1))]
-    scaled = field.reshape(len(field), -1) * (contact.ranges[:len(field)] / sizes)[:, None]
-    return State(contact.grid.whole, scaled, contact.grid.mean(scaled))
+    factors = contact.ranges[:len(field)] / sizes
+    scaled = field.reshape(len(field), -1) * factors[:, None]
+    mean = (record.active(point)["mean"] * factors if record.on_active
+            else contact.grid.mean(scaled))
+    return State(_about_centre(contact.widest, field.shape[1:]), scaled, mean)
+
+
+def _about_centre(widest, shape):
+    """The window of some nodes about the middle of the widest one, which may have other nodes where
+    a contact is isolated."""
+    if widest.shape == shape:
+        return widest
+    return Window(widest.grid, [start + (n - nodes) // 2 for start, n, nodes
+                                in zip(widest.start, widest.shape, shape)], shape)

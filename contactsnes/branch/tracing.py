@@ -9,6 +9,7 @@ from petsc4py import PETSc
 from ..contact import states
 from ..contact.bordered import ArcLength
 from ..contact.forms import DisplacementForm
+from ..contact.problem import DISPLACEMENT, FORCE
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
 from ..solvers import callbacks
@@ -82,8 +83,8 @@ class Tracer(Corrector, Neighbours, Ends):
                 unknown, iterations = self.run(arc, start, WARM, snes)
             arc.set_position(unknown[-1])
             state = form.state(unknown[:-1])
-            if not states.covers(self.contact, state):
-                guess, position = states.fitted(self.contact, state, afresh=True), unknown[-1]
+            if not self.covers(form, state):
+                guess, position = self.fitted(state, afresh=True), unknown[-1]
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:
@@ -167,6 +168,31 @@ class Tracer(Corrector, Neighbours, Ends):
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means)
+
+    def stiffness(self, point):
+        """dW/dD at a point, w_n,r/u_n,r or R phi_n/u_n,r, other loads held as they are controlled
+        there: one linear solve with the Jacobian, to `EXACT`; nan where that fails, as at a fold.
+
+        D moves by 1 or, of an isolated contact, which has no mean displacement, W does.
+        """
+        contact, state = self.contact, point.state
+        controls = (FORCE if contact.isolated else DISPLACEMENT, *point.controls[1:])
+        form = DisplacementForm(contact, state.window, controls)
+        form.set_load([(force if control == FORCE else displacement) for control, force,
+                       displacement in zip(controls, point.forces, point.displacements)])
+        form.linearise(form.pack(state.displacement, state.means[form.forced]))
+        moved = form.load_derivative(-np.eye(form.components)[0], np.empty(form.size))
+        try:
+            change = self._linear(create_snes(form, "" if asked().has_tangent else "arc_"), form,
+                                  moved, EXACT)
+        except NotConverged:
+            return np.nan
+        tangent = contact.law.tangent(contact.evaluated(state)[0])
+        response = np.einsum("jn,jn->n", tangent[0], form.displacement(change))
+        if not contact.isolated:
+            return float(form.factor[0] * contact.grid.sum(response))
+        mean = form.scalars(change)[0] + form.rigid_compliance[0] * contact.grid.mean(response)
+        return float(-contact.ranges[0] / mean) + contact.datum
 
     def _on_chord(self, chord, length, guess, position, leg, border=(1.0, 0.0)):
         """Form, form with the arc length, its SNES and its unknown, for a state and position on or

@@ -56,6 +56,8 @@ class Run:
         self.warnings = summary.resolution_warnings(settings)
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
+        if settings.output.file and settings.output.stiffness:
+            self.table[observables.STIFFNESS] = observables.stiffness(settings.scene)
         self.archive = None
         self.waiting = 0
         self.known = 0
@@ -80,6 +82,8 @@ class Run:
         if output.fields != "none":
             content |= (observables.frame(self.branch.contact)
                         | {"modes": self.branch.steps.keeps_modes})
+            if output.on_active(scene):
+                content["compliance"] = observables.compliance(self.branch.contact)
         if not output.resume:
             return Archive.create(output.file, overwrite=output.overwrite, **content)
         archive = Archive.resume(output.file, **content)
@@ -189,13 +193,20 @@ class Run:
 
     def _accept(self, point):
         """Keep and show a point."""
-        measurement = observables.Measurement(self.branch.contact, point)
+        measurement, output = (observables.Measurement(self.branch.contact, point),
+                               self.settings.output)
         row = self.watch.row(point) if self.watch else {}
+        if observables.STIFFNESS in self.table:
+            row[observables.STIFFNESS] = self.branch.stiffness(point)
         wanted = self.table if self.archive else self.table.keys() & self.progress.taken
         row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
-            fields = measurement.fields() if self.settings.output.fields != "none" else ()
-            self.archive.append(row, self.branch.packed(point), *fields)
+            fields, active = (), {}
+            if output.fields != "none" and output.on_active(self.settings.scene):
+                active = measurement.active_fields()
+            elif output.fields != "none":
+                fields = measurement.fields()
+            self.archive.append(row, self.branch.packed(point), *fields, **active)
         self.progress.point(row, point.position)
         self.branch.corrector.account()  # what observing and keeping took is not the next point's
 

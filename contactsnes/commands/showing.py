@@ -4,6 +4,7 @@ import errno
 import os
 
 from ..options.fields import InputError
+from ..options.files import is_option
 from ..options.help import entries_of
 from ..options.words import asks_for_help, read_words
 from ..output import tabular
@@ -63,8 +64,9 @@ def plot(arguments):
     if any(word.endswith(".opts") or word.startswith("-scene_") for word in arguments):
         from .surface import plot_surface
 
-        os.environ.pop("MPLBACKEND", None)
-        return plot_surface(arguments)
+        own, rest = _parted(arguments)
+        _, asked = read_words(own, PlotOptions, PLOT)
+        return writing("the surface", lambda: plot_surface(rest, asked))
     text = usage("plot RUN.h5 ... [-plot_option value] ...",
                  "Figures of archives, beside them.", PlotOptions)
     paths, asked = asked_for(arguments, PlotOptions, text, PLOT)
@@ -81,6 +83,19 @@ def plot(arguments):
 
     writing(", ".join(paths), make)
     return told()
+
+
+def _parted(arguments):
+    """Words of a command line: those of options of plot with their values, and the others."""
+    own, rest, into = [], [], None
+    for word in arguments:
+        if is_option(word):
+            name = word.lstrip("-").partition("=")[0].lower()
+            into = own if name in PLOT or name.startswith(PlotOptions.prefix) else rest
+        elif word.endswith(".opts"):
+            into = rest
+        (rest if into is None else into).append(word)
+    return own, rest
 
 
 def table(arguments):

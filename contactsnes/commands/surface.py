@@ -11,8 +11,8 @@ from .speech import complain
 from .summary import seam_sentences
 
 
-def plot_surface(arguments):
-    """Draw the gap of the scene that arguments stand for; the path of the figure."""
+def plot_surface(arguments, asked):
+    """Draw the gap of the scene that arguments stand for, as `PlotOptions` ask; the exit status."""
     from ..output.figures.surface import draw_surface
 
     scene = start_petsc(arguments).scene
@@ -30,8 +30,12 @@ def plot_surface(arguments):
     files = [argument for argument in arguments if argument.endswith(".opts")]
     stem = Path(files[0]).stem if files else scene.geometry
     title = Path(scene.geometry_file).name if scene.geometry == "file" else scene.geometry
-    print(draw_surface(f"{stem}-surface.png", [length * axis for axis in axes], height * found,
-                       (unit, depth), f"{title}, {' x '.join(map(str, scene.shape))} points"))
+    if asked.output and not Path(asked.output).is_dir():
+        raise InputError(f"-plot_output is '{asked.output}': there is no such folder")
+    files = [Path(asked.output) / f"{stem}-surface{suffix}" for suffix in asked.formats]
+    draw_surface(files, [length * axis for axis in axes], height * found, (unit, depth),
+                 f"{title}, {' x '.join(map(str, scene.shape))} points", asked)
+    print(*files, sep="\n")
     for sentence in seam_sentences(scene):
         complain("warning", sentence)
     return 0

@@ -6,6 +6,7 @@ import weakref
 import numpy as np
 from scipy import ndimage
 
+from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.contours import crossings
 from ..grid.transfer import extent
@@ -110,8 +111,22 @@ def follow_edge(contact, states, weights, half=False):
     weights : numbers, one a state
     half : bool
     """
+    window = states[-1].window
+    if isinstance(window, Nodes):
+        return _follow_on_nodes(contact, states, weights)
     ahead = _follow_spot(contact, states, weights, half)
     return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
+
+
+def _follow_on_nodes(contact, states, weights):
+    """The same on the box of a window of some of its nodes, where spots are few."""
+    window = states[-1].window
+    labels, count = ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
+    if not 0 < count <= MOST:
+        return None
+    box = [State(window.hull, onto(state, window.hull), state.means) for state in states]
+    ahead = follow_edge(contact, box, weights)
+    return ahead and State(window, ahead.displacement[:, window.places], ahead.means)
 
 
 def _follow_spot(contact, states, weights, half=False):
@@ -181,10 +196,10 @@ def carried(contact, change, origin, state):
     state : State that it is wanted for
     """
     fixed = State(state.window, onto(change, state.window), change.means)
-    known = followed_places(contact, [origin, state])
+    window = state.window
+    known = None if isinstance(window, Nodes) else followed_places(contact, [origin, state])
     if known is None:
         return fixed
-    window = state.window
     near = window.box(normal_gap(contact, state)) < NEAR
     part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
     places = known[0] + _nodes_between(window, origin.window)[:, None]

@@ -7,7 +7,11 @@ import numpy as np
 from ..grid.cell import Convolution
 from ..grid.contours import first_largest
 from ..grid.outlines import outline
+from ..grid.spots import labelled, sizes
 from . import states
+
+NOTHING = 1e-15
+"""Part of a point's largest traction up to which there is none."""
 
 
 class Measurement:
@@ -37,6 +41,19 @@ class Measurement:
     def in_contact(self):
         """Mask of the nodes in contact."""
         return self.gap[0] < self.contact.scene.contact_threshold
+
+    @cached_property
+    def spot_map(self):
+        """Number of the spot of contact (1, 2, ...) that each node of the cell belongs to, 0 where
+        there is none (`spots.labelled`)."""
+        touching = np.zeros(self.grid.shape, dtype=bool)
+        self.window.put(self.in_contact, touching)
+        return labelled(touching)
+
+    @cached_property
+    def spot_areas(self):
+        """Length or area of each spot: that of its nodes."""
+        return sizes(self.spot_map) * self.grid.node_area
 
     @cached_property
     def outline(self):
@@ -120,6 +137,33 @@ class Measurement:
         if self.components == 1:
             return 0.0
         return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
+
+    def active_fields(self):
+        """Fields on the nodes where the law acts, name -> array: ``nodes``, their numbers in the
+        fields over the widest window; ``displacement`` and ``traction`` (components of the scene,
+        nodes) and ``mean`` displacement, in their units; ``mode`` where there is one, over the
+        widest window."""
+        scene, widest = self.contact.scene, self.contact.widest
+        size = np.max(np.abs(self.traction), axis=0)
+        acting = size > NOTHING * np.max(size, initial=0.0)
+        every = np.arange(self.grid.size).reshape(self.grid.shape)
+        numbers = self.window.take(every)[acting]
+        if not widest.is_whole:
+            inside = widest.take(every)
+            order = np.argsort(inside)
+            numbers = order[np.searchsorted(inside, numbers, sorter=order)]
+        order = np.argsort(numbers)
+        displacement, traction = np.zeros((2, scene.components, len(numbers)))
+        lengths = _sizes(scene, "u") / self.contact.ranges
+        displacement[:self.components] = self.state.displacement[:, acting][:, order]
+        traction[:self.components] = self.traction[:, acting][:, order]
+        mean = np.zeros(scene.components)
+        mean[:self.components] = self.state.means
+        found = {"nodes": numbers[order], "displacement": displacement * lengths[:, None],
+                 "traction": traction * _sizes(scene, "p")[:, None], "mean": mean * lengths}
+        if self._null_or_leading() is not None:
+            found["mode"] = widest.box(widest.take(self._mode()))
+        return found
 
     def fields(self):
         """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest

@@ -3,11 +3,15 @@ label, unit."""
 
 from typing import Callable, NamedTuple
 
-from . import contact_shape
+from . import contact_shape, rough_contact
 from .energies import BALANCES, energy_unit
 from .measurement import Measurement
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
+STIFFNESS = "stiffness"
+"""The column that takes a solve."""
+STIFFNESS_UNITS = {1: "w_n,r/u_n,r", 2: "R phi_n/u_n,r"}
+"""Its unit by the dimension of the interface."""
 FOLD_KINDS = ("", "pull_off", "jump_in", "sliding")
 
 
@@ -34,6 +38,19 @@ def frame(contact):
                       **both}}
 
 
+def compliance(contact):
+    """(circle, blocks) of the body's compliance in the units of the fields: points of the circle of
+    the widest window, and (i, j) -> half spectrum."""
+    scene, window = contact.scene, contact.widest
+    ends = "n" + "t" * scene.dimension
+    factor = {(i, j): scene.scale(f"u_{one},r")[0] / contact.ranges[i]
+              / scene.scale(f"p_{other},r")[0]
+              for i, one in enumerate(ends) for j, other in enumerate(ends)}
+    operator = contact.operator(scene.components)
+    return window.circle(), {key: operator.on_window(key, window) * factor[key]
+                             for key in operator.blocks}
+
+
 def table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the order of the
     archive and the scene's units."""
@@ -50,9 +67,15 @@ def _in_units(row, size, unit):
 def _scaled_table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the scene's own
     units."""
-    shape = {name: Observable(*row) for name, row in contact_shape.rows(scene).items()}
+    shape = {name: Observable(*row) for module in (contact_shape, rough_contact)
+             for name, row in module.rows(scene).items()}
     return {**_loads(scene), **_energies(scene), **_contact(scene), **shape, **_costs(scene),
             **_CERTIFICATES}
+
+
+def stiffness(scene):
+    """The row of dW/dD, which a linear solve finds where it is asked for."""
+    return Observable(None, "stiffness $dW/dD$", scene.scale(STIFFNESS_UNITS[scene.dimension])[1])
 
 
 def _loads(scene):

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..grid.active import Nodes
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
 from ..grid.nearest import nearest
 from ..grid.roots import bracketed_root
-from .problem import APPROACH, FORCE
+from .problem import APPROACH, FORCE, SUPPORT
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
 below 1e-5 of its peak."""
-
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -116,13 +116,12 @@ def onto(state, window):
     """The state on another window; where it was not known, its nearest known displacement."""
     if window == state.window:
         return state.displacement
-    boxes = [nearest(state.displacement, state.window, part) for part in window.parts]
-    return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+    return nearest(state.displacement, state.window, window)
 
 
 def fitted(contact, state, afresh=False):
-    """The state on the window that the law needs for it: the same state where its window will do,
-    unless ``afresh``.
+    """The state on the box that the law needs for it, or the boxes: the same state where its window
+    will do, unless ``afresh``.
 
     Parameters
     ----------
@@ -151,11 +150,23 @@ def wider(state, window):
     return State(wide, onto(state, wide), state.means)
 
 
-def covers(contact, state):
-    """Whether every node outside the state's window is certainly out of the law's range."""
+def covers(contact, state, closest=None):
+    """Whether every node outside the state's window is certainly out of the law's range.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    closest : smallest normal gap outside of a window of some nodes, if that is known
+    """
     if state.window.is_whole:
         return True
     gap = normal_gap(contact, state)
+    if isinstance(state.window, Nodes):
+        touching = gap < contact.scene.contact_threshold
+        if closest is None:
+            closest = contact.grid.minimum(contact.gap_outside(state))
+        return closest >= contact.law.certain and state.window.surround(touching, SUPPORT)
     if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
         return False
     if contact.convex:

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
+from .active import Nodes, NodesConvolution
 from .cell import Convolution, Transform, clear_padding
 from .windows import Window, enclosing
 
@@ -75,8 +76,8 @@ class Spots:
         for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
             field[(..., *part.indices)] = own
 
-    def box(self, values):
-        """View values (..., nodes) as (..., boxes, *box)."""
+    def box(self, values, beyond=0.0):
+        """View values (..., nodes) as (..., boxes, *box), of which there are no others."""
         return values.reshape(*values.shape[:-1], len(self.parts), *self.shape)
 
     def rim(self):
@@ -104,17 +105,6 @@ class Spots:
     def circle(self):
         """Shape of the circle on which each box is transformed."""
         return self.parts[0].circle()
-
-
-def of_boxes(grid, start, shape):
-    """The window of one box or, where there are several first nodes, of several.
-
-    Parameters
-    ----------
-    grid : Grid
-    start, shape : first node, (directions,) or (boxes, directions); nodes of each box
-    """
-    return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
 
 
 def reaching(window):
@@ -202,15 +192,15 @@ class SpotsConvolution:
 
 
 def convolution(window, operator, count, make=Transform):
-    """The product of an operator with fields on a window, of one box or several.
+    """The product of an operator with fields on a window, of any kind.
 
     Parameters
     ----------
-    window : Window or Spots
+    window : Window, Spots or Nodes
     operator, count, make : as of `cell.Convolution`
     """
-    several = len(window.parts) > 1
-    return (SpotsConvolution if several else Convolution)(window, operator, count, make)
+    kind = {Spots: SpotsConvolution, Nodes: NodesConvolution}.get(type(window), Convolution)
+    return kind(window, operator, count, make)
 
 
 def cost(window):

@@ -1,9 +1,45 @@
-"""Fields of a window at the nodes of another box: the same nodes, or the nearest ones."""
+"""Fields of a window at the nodes of another one: the same nodes, or the nearest ones."""
 
 import numpy as np
+from scipy.spatial import cKDTree
+
+from .active import Nodes
 
 
-def nearest(field, source, box):
+def nearest(field, source, window):
+    """Values of a field at the nodes of a window, where it is not known those of the nearest known
+    node, array (components, nodes of the window).
+
+    Parameters
+    ----------
+    field : array (components, nodes of the source)
+    source, window : Window, Spots or Nodes
+    """
+    if isinstance(window, Nodes):
+        if isinstance(source, Nodes):
+            return field.take(_numbers_among(source, window), axis=-1)
+        return nearest(field, source, window.hull).take(window.places, axis=-1)
+    if isinstance(source, Nodes):
+        field, source = source.filled(field), source.hull
+    boxes = [_in_box(field, source, part) for part in window.parts]
+    return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+
+
+def _numbers_among(source, window):
+    """For each of some nodes the number of the same one, or the nearest, among others."""
+    places = np.full(source.grid.size, -1, dtype=np.int32)
+    places[source.numbers] = np.arange(source.size, dtype=np.int32)
+    found = places[window.numbers]
+    missing = np.flatnonzero(found < 0)
+    if missing.size:
+        shape = source.grid.shape
+        tree = cKDTree(np.transpose(source.indices), boxsize=shape)
+        found[missing] = tree.query(np.transpose(np.unravel_index(window.numbers[missing],
+                                                                  shape)))[1]
+    return found
+
+
+def _in_box(field, source, box):
     """Values of a field at the nodes of a box, where it is not known those of the nearest known
     node, array (components, nodes of the box).
 

@@ -53,11 +53,12 @@ def outline(window, values, level):
 
     Parameters
     ----------
-    window : Window or Spots
+    window : Window, Spots or Nodes
     values : array (nodes,)
     level : float, unit of the values
     """
-    boxes = np.reshape(values, (len(window.parts), *window.parts[0].shape))
+    shape = len(window.parts), *window.parts[0].shape
+    boxes = np.reshape(window.box(values, np.max(values)), shape)
     made = _intervals if boxes.ndim == 2 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
     around = tuple(closed and any(np.any(np.take(box, [0, -1], axis) < level) for box in boxes)

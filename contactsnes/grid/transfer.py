@@ -1,10 +1,12 @@
-"""Fields over nodes: from a grid to one on twice as many nodes in each direction, and blurred."""
+"""Fields over nodes: from a grid to one on twice as many nodes in each direction, or on others, and
+blurred."""
 
 import math
 
 import numpy as np
 from scipy import ndimage
 
+from .active import Nodes
 from .cell import Transform
 
 
@@ -103,10 +105,12 @@ def smooth(window, values, width):
 
     Parameters
     ----------
-    window : Window, Spots or EvenWindow
+    window : Window, Spots, Nodes or EvenWindow
     values : array (..., nodes)
     width : float, standard deviation, beta
     """
+    if isinstance(window, Nodes):
+        return smooth(window.hull, window.spread(values), width)[..., window.places]
     box = window.box(values)
     first = box.ndim - len(window.shape)
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
@@ -141,3 +145,26 @@ def extent(mask, axis, margin=0):
     first, after = (line[0] - margin, line[-1] + 1 + margin) if line.size else (0, 0)
     return (slice(int(first), int(after)) if 0 <= first and after <= mask.shape[axis]
             else slice(0, mask.shape[axis]))
+
+
+def by_waves(values, points, axis):
+    """Periodic values at other places along an axis, (.., points, ..): those of the trigonometric
+    polynomial through them, node i of n at (i - n//2)/n of the period.
+
+    Parameters
+    ----------
+    values : array
+    points : int
+    axis : int
+    """
+    count = values.shape[axis]
+    if count == points:
+        return values
+    # Dirichlet's kernel of the distance, in half turns: 1 at a node, 0 at the others
+    angle = np.pi * (((np.arange(points) - points // 2) / points)[:, None]
+                     - (np.arange(count) - count // 2) / count)
+    wave = np.tan if count % 2 == 0 else np.sin  # (of even numbers the shortest wave goes halves)
+    at_node = np.abs(np.sin(angle)) < 1e-12
+    kernel = np.where(at_node, 1.0, np.sin(count * angle)
+                      / (count * wave(np.where(at_node, 1.0, angle))))
+    return np.moveaxis(np.tensordot(kernel, values, axes=(1, axis)), 0, axis)

@@ -76,8 +76,9 @@ class Window:
         """Write values (..., nodes) into a field (..., *grid) at the window's nodes."""
         field[(..., *self.indices)] = values.reshape(*values.shape[:-1], *self.shape)
 
-    def box(self, values):
-        """View values (..., nodes) as (..., *box)."""
+    def box(self, values, beyond=0.0):
+        """View values (..., nodes) as (..., *box); ``beyond`` stands at nodes of a box that are
+        none of the window's, if it has such (`active.Nodes`)."""
         return values.reshape(*values.shape[:-1], *self.shape)
 
     def rim(self):

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..grid.transfer import by_waves
 from ..options.fields import LARGEST, InputError
 from . import height_files
 from .height_files import Heights
@@ -104,16 +105,16 @@ def _cropped(crop, values):
 
 def _filled(option, values, fill):
     """Heights with values where there were none; ValueError where that is not wanted."""
-    if values.dtype.kind != "f" or not np.isnan(values).any():
+    holes = ~np.isfinite(values)
+    if not holes.any():
         return values
-    holes = np.isnan(values)
     share = f"{np.count_nonzero(holes)} of {holes.size} heights are missing"
     if fill == "none" or holes.all():
         raise ValueError(f"{option}: some heights are not finite (nan or inf), {share}; fill the "
                          "missing points first: -scene_heights_fill interpolate, nearest or mean.")
     values = np.array(values, dtype=float)
     if fill == "mean":
-        values[holes] = np.nanmean(values)
+        values[holes] = np.mean(values[~holes])
         return values
     from scipy import ndimage  # as in `fitted`: many scenes need none of it, and it takes time
     from scipy.interpolate import griddata
@@ -172,15 +173,20 @@ def padded(values):
 MENDED = dict(zip(EDGES, (np.array, detrended, windowed, padded)))
 
 
-def fitted(specification, values, shape, fit="exact"):
+def fitted(specification, values, shape, fit="exact", edges="warn"):
     """Heights on a grid; ValueError where these are other nodes and that is not wanted.
+
+    Periodic heights are interpolated by their waves, which is exact where none is shorter than two
+    of their own spacings; others, whose waves would ring at the seam or the step to a margin, by
+    cubic splines.
 
     Parameters
     ----------
     specification : str, of the file
     values : array, heights
     shape : tuple of int, points of the grid, or None for those of the heights
-    fit : 'exact' or 'interpolate', cubic, around the cell
+    fit : 'exact' or 'interpolate', around the cell
+    edges : one of `EDGES`, how they were mended
     """
     if shape is None or values.shape == tuple(shape):
         return values
@@ -190,6 +196,10 @@ def fitted(specification, values, shape, fit="exact"):
                          "-scene_dimension to those of the file"
                          + ("." if values.ndim != len(shape)
                             else ", or -scene_heights_fit interpolate."))
+    if edges != "pad" and not seams(values):
+        for axis, points in enumerate(shape):
+            values = by_waves(values, points, axis)
+        return values
     from scipy import ndimage
 
     places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2

@@ -2,8 +2,10 @@
 
 h(x) = sum_q a(q) cos(q.(x + L/2) + phase(q)) over the wave vectors of the cell with 2 pi/longest <=
 |q| < 2 pi/shortest, each once, a(q) ~ |q|^-(H + d/2) in d dimensions: a power spectrum that falls
-as |q|^-(2H + d). Phases are random, and belong to the wave vector whatever the other waves are. The
-mean of |grad h|^2 is the sum of (a |q|)^2/2, which sets the rms slope.
+as |q|^-(2H + d). Waves longer than the roll-off have all the spectrum of the roll-off (Jacobs,
+Junge and Pastewka, Surface Topography 5, 013001, 2017). Phases are random, and belong to the wave
+vector whatever the other waves are. The mean of |grad h|^2 is the sum of (a |q|)^2/2, which sets
+the rms slope.
 """
 
 import math
@@ -30,12 +32,14 @@ CANDIDATES = 32
 
 class Surface(NamedTuple):
     """Waves of a rough surface on a cylinder (one dimension) or a sphere: whole numbers
-    (directions, waves), amplitudes, phases."""
+    (directions, waves), amplitudes, phases; and the curvature of what they are on, u_n,r/beta^2, 0
+    of a flat."""
 
     periods: tuple
     numbers: np.ndarray
     amplitudes: np.ndarray
     phases: np.ndarray
+    curvature: float = 1.0
 
     @property
     def wavevectors(self):
@@ -62,19 +66,22 @@ class Surface(NamedTuple):
         return transform.real[0].copy()
 
     def gap(self, points):
-        """|x|^2/2 - h on a grid, node i at (i - N/2) L/N, u_n,r."""
-        return sum(x ** 2 for x in Grid(points, self.periods).coordinates()) / 2 - self.heights(
-            points)
+        """c |x|^2/2 - h on a grid, node i at (i - N/2) L/N, u_n,r; c is the curvature."""
+        heights = self.heights(points)
+        if not self.curvature:
+            return -heights
+        squares = sum(x ** 2 for x in Grid(points, self.periods).coordinates())
+        return self.curvature / 2 * squares - heights
 
     def lowest(self):
-        """The smallest |x|^2/2 - h of the cell, between nodes, too: minima of a fine grid, followed
-        by Newton's method."""
+        """The smallest c |x|^2/2 - h of the cell, between nodes, too: minima of a fine grid,
+        followed by Newton's method."""
         points = tuple(2 * next_fast_len(math.ceil(0.5 * FINE[len(self.periods)]
                                                    * (np.max(np.abs(number)) + 1)), real=True)
                        for number in self.numbers)
         gap = self.gap(points)
         step = np.array(self.periods) / points
-        reach = gap.min() + 0.5 * (1.0 + 6.0 * self.rms(2)) * np.sum((0.5 * step) ** 2)
+        reach = gap.min() + 0.5 * (self.curvature + 6.0 * self.rms(2)) * np.sum((0.5 * step) ** 2)
         found = np.argwhere((gap <= reach) & (gap == minimum_filter(gap, 3, mode="wrap")))
         found = found[np.argsort(gap[tuple(found.T)], kind="stable")][:CANDIDATES]
         return min(self._descend((place - np.array(points) // 2) * step, step) for place in found)
@@ -86,16 +93,16 @@ class Surface(NamedTuple):
         for _ in range(8):
             angle = waves.T @ (x + 0.5 * np.array(self.periods)) + self.phases
             cosine = self.amplitudes * np.cos(angle)
-            smallest = min(smallest, 0.5 * x @ x - np.sum(cosine))
-            slope = x + waves @ (self.amplitudes * np.sin(angle))
-            curvature = np.eye(len(x)) + (waves * cosine) @ waves.T
+            smallest = min(smallest, 0.5 * self.curvature * x @ x - np.sum(cosine))
+            slope = self.curvature * x + waves @ (self.amplitudes * np.sin(angle))
+            curvature = self.curvature * np.eye(len(x)) + (waves * cosine) @ waves.T
             change = np.linalg.lstsq(curvature, -slope, rcond=None)[0]
             x = np.clip(x + change, start - step, start + step)
         return smallest
 
 
 @lru_cache(maxsize=4)
-def surface(periods, hurst, slope, longest, shortest, seed):
+def surface(periods, hurst, slope, longest, shortest, seed, rolloff=math.inf, curvature=1.0):
     """The Surface of a Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta) and
     a seed; and its lowest gap.
 
@@ -106,6 +113,8 @@ def surface(periods, hurst, slope, longest, shortest, seed):
     slope : float, rms, u_n,r/beta
     longest, shortest : float, wavelengths, beta
     seed : int, of the phases
+    rolloff : float, wavelength beyond which the power spectrum is flat, beta
+    curvature : float, of the body that is rough, u_n,r/beta^2; 0 of a flat
     """
     numbers = _numbers(periods, shortest)
     # A stream of numbers that no version of NumPy changes, in an order that does not depend on the
@@ -118,9 +127,9 @@ def surface(periods, hurst, slope, longest, shortest, seed):
         raise InputError("-scene_rough_longest and -scene_rough_shortest leave no "
                          "wave that fits into the cell: take a smaller "
                          "-scene_rough_shortest")
-    amplitudes = wavenumber[kept] ** -(hurst + 0.5 * len(periods))
+    amplitudes = np.maximum(wavenumber[kept], 2 * np.pi / rolloff) ** -(hurst + 0.5 * len(periods))
     amplitudes *= slope / math.sqrt(0.5 * np.sum((amplitudes * wavenumber[kept]) ** 2))
-    found = Surface(periods, numbers[:, kept], amplitudes, phases[kept])
+    found = Surface(periods, numbers[:, kept], amplitudes, phases[kept], curvature)
     return found, found.lowest()
 
 

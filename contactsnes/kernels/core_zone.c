@@ -80,11 +80,12 @@ static void smooth_axis(const Zone *z, double **mask, double **blur, int axis, i
 /* Weights of the core, 0 to 1, of one box into z->mask, which is zero before. */
 static void smooth(Zone *z, const double *tangent, double level, int even)
 {
-    const long n = nodes_of_box(z->form);
+    const Response *r = z->form->response;
+    const long n = nodes_of_box(z->form), known = r->picked ? r->picked : n;
     double *mask = z->mask, *blur = z->blur;
     int any = 0;
-    for (long k = 0; k < n; k++) {
-        mask[k] = tangent[k] > level;
+    for (long k = 0; k < known; k++) {
+        mask[r->picked ? r->in_box[k] : k] = tangent[k] > level;
         any |= tangent[k] > level;
     }
     if (!any) return;
@@ -116,6 +117,35 @@ static double largest(const double *x, long n)
     return most;
 }
 
+/* The same of picked nodes: those of the core, their weights and mean tangent, and its extent. */
+static int find_picked(Zone *z, Block *b, const double *tangent, double level)
+{
+    const Response *r = z->form->response;
+    const long c = r->shape[1];
+    long last[2] = {-1, -1};
+    double count = 0.0, sum = 0.0;
+    memset(z->mask, 0, nodes_of_box(z->form) * sizeof *z->mask);
+    smooth(z, tangent, level, 0);
+    b->picked = 0;
+    for (long k = 0; k < r->picked; k++) {
+        const double w = z->mask[r->in_box[k]];
+        const long place[2] = {r->in_box[k] / c, r->in_box[k] % c};
+        if (!(w > 0.0)) continue;
+        b->node[b->picked] = (int)k;
+        b->into[b->picked] = b->back[b->picked] = sqrt(w);
+        b->outside[b->picked++] = 1.0 - w;
+        for (int axis = 0; axis < 2; axis++) {
+            if (place[axis] < b->first[axis]) b->first[axis] = place[axis];
+            if (place[axis] > last[axis]) last[axis] = place[axis];
+        }
+        count += w;
+        sum += w * tangent[k];
+    }
+    b->mean[0] = sum / (count > 0.0 ? count : 1.0);
+    for (int axis = 0; axis < 2; axis++) b->extent[axis] = last[axis] + 1 - b->first[axis];
+    return 1;
+}
+
 /* Weight of each node of the window, in z->column until the block has taken it; mean tangents; extent. */
 CLONES static int find_core(Zone *z, long i)
 {
@@ -130,6 +160,7 @@ CLONES static int find_core(Zone *z, long i)
     if (!b->on) return 0;
     b->first[0] = shape[0];
     b->first[1] = shape[1];
+    if (f->response->picked) return find_picked(z, b, tangent, level);
     for (long box = 0; box < f->response->boxes; box++) {
         double count = 0.0, sum = 0.0;
         memset(z->mask, 0, n * sizeof *z->mask);
@@ -152,7 +183,12 @@ CLONES static void keep_weights(Zone *z, Block *b)
     const Form *f = z->form;
     const long *shape = f->response->shape, n = nodes_of_box(f);
     long at = 0;
-    for (long box = 0; box < f->response->boxes; box++)
+    for (long k = 0; k < b->picked; k++) {
+        const long place = f->response->in_box[b->node[k]];
+        b->at[k] = (int)((place / shape[1] - b->first[0]) * b->circle->transform->shape[1]
+                         + place % shape[1] - b->first[1]);
+    }
+    for (long box = 0; box < f->response->boxes && !f->response->picked; box++)
         for (long j = 0; j < b->extent[0]; j++)
             for (long k = 0; k < b->extent[1]; k++, at++) {
                 const long node = (b->first[0] + j) * shape[1] + b->first[1] + k;
@@ -207,7 +243,11 @@ CLONES static int apply_block(const Zone *z, const Block *b, double *field)
     Transform *t = b->circle->transform;
     int status;
     long at = 0;
-    for (long box = 0; box < boxes; box++)
+    if (z->form->response->picked) {
+        memset(t->real, 0, t->shape[0] * t->shape[1] * sizeof *t->real);
+        for (long k = 0; k < b->picked; k++) t->real[b->at[k]] = b->into[k] * field[b->node[k]];
+    }
+    for (long box = 0; box < boxes && !z->form->response->picked; box++)
         for (long j = 0; j < e[0]; j++, at += e[1]) {
             const double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
             double *restrict r = row_of(t, box, j);
@@ -228,7 +268,11 @@ CLONES static int apply_block(const Zone *z, const Block *b, double *field)
     }
     if ((status = backward(t, e[0]))) return status;
     at = 0;
-    for (long box = 0; box < boxes; box++)
+    for (long k = 0; k < b->picked; k++) {
+        double *x = field + b->node[k];
+        *x = b->outside[k] * *x + b->back[k] * t->real[b->at[k]];
+    }
+    for (long box = 0; box < boxes && !z->form->response->picked; box++)
         for (long j = 0; j < e[0]; j++, at += e[1]) {
             double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
             const double *restrict r = row_of(t, box, j), *restrict w = b->back + at;

@@ -93,7 +93,12 @@ static int respond(Form *f, int transposed)
 {
     const Response *r = f->response;
     const long box = r->shape[0] * r->shape[1];
-    for (long i = 0; i < f->components * r->boxes; i++)
+    for (long i = 0; i < f->components && r->picked; i++) {
+        double *x = row_of(r->transform, i, 0);
+        memset(x, 0, r->transform->shape[0] * r->transform->shape[1] * sizeof *x);
+        for (long k = 0; k < r->picked; k++) x[r->on_circle[k]] = f->work[i * f->nodes + k];
+    }
+    for (long i = 0; i < f->components * r->boxes && !r->picked; i++)
         load_box(r->transform, i, r->shape, f->work + i * box);
     return convolve(f->response, transposed);
 }
@@ -104,7 +109,12 @@ CLONES static void assemble(const Form *f, const double *mean, double factor, co
     const Response *r = f->response;
     const long c = r->shape[1];
     long at = 0;
-    for (long i = 0; i < f->components; i++)
+    for (long i = 0; i < f->components && r->picked; i++) {
+        const double *restrict x = row_of(r->transform, i, 0);
+        for (long k = 0; k < r->picked; k++, at++)
+            out[at] = (x[r->on_circle[k]] - mean[i]) * factor + own[at];
+    }
+    for (long i = 0; i < f->components && !r->picked; i++)
         for (long b = 0; b < r->boxes; b++)
             for (long j = 0; j < r->shape[0]; j++, at += c) {
                 const double *restrict x = row_of(r->transform, i * r->boxes + b, j);

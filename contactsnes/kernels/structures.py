@@ -13,7 +13,7 @@ TOO_MANY = 83
 
 
 def address(array):
-    """Where a contiguous array of doubles or complex numbers begins; None of no array.
+    """Where a contiguous array of doubles, complex numbers or C's ints begins; None of no array.
 
     Raises
     ------
@@ -21,8 +21,8 @@ def address(array):
     """
     if array is None:
         return None
-    if array.dtype not in (np.float64, np.complex128) or not array.flags.c_contiguous:
-        raise ValueError("kernels take contiguous arrays of doubles")
+    if array.dtype not in (np.float64, np.complex128, np.intc) or not array.flags.c_contiguous:
+        raise ValueError("kernels take contiguous arrays of doubles, or of ints")
     return array.ctypes.data
 
 
@@ -44,9 +44,9 @@ class Transform(ctypes.Structure):
     """Transforms of fields."""
 
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
-                ("real", c_void_p), ("spectrum", c_void_p), ("line", Line * 2),
-                ("forward", c_void_p), ("backward", c_void_p), ("cost", c_double),
-                ("counter", c_void_p)]
+                ("real", c_void_p), ("spectrum", c_void_p), ("odd", c_long * 2 * MOST),
+                ("line", Line * 2), ("forward", c_void_p), ("backward", c_void_p),
+                ("cost", c_double), ("counter", c_void_p)]
 
 
 class Response(ctypes.Structure):
@@ -54,7 +54,8 @@ class Response(ctypes.Structure):
 
     _fields_ = [("transform", POINTER(Transform)), ("components", c_long), ("boxes", c_long),
                 ("shape", c_long * 2), ("symbol", c_void_p * MOST * MOST),
-                ("is_complex", c_long * MOST * MOST), ("product", c_void_p)]
+                ("is_complex", c_long * MOST * MOST), ("product", c_void_p), ("picked", c_long),
+                ("on_circle", c_void_p), ("in_box", c_void_p)]
 
 
 class Form(ctypes.Structure):
@@ -105,7 +106,8 @@ class Block(ctypes.Structure):
     _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2),
                 ("circle", POINTER(Circle)),
                 *((name, c_void_p) for name in ("into", "back", "outside", "mean", "column",
-                                                "inverse"))]
+                                                "inverse")),
+                ("picked", c_long), ("node", c_void_p), ("at", c_void_p)]
 
 
 Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long)

@@ -7,6 +7,7 @@ import weakref
 import numpy as np
 from scipy.fft import next_fast_len
 
+from ..grid.active import Nodes
 from . import structures
 from .forms import call
 from .structures import address
@@ -56,7 +57,13 @@ class CompiledZone:
                                   (points - 1) // 2)
             own.wraps[axis] = points == total
         nodes = self.form.nodes
-        own.mask, own.blur, own.sums = (self._array(n) for n in (nodes, nodes, window.shape[-1]))
+        own.sums = self._array(window.shape[-1])
+        if isinstance(window, Nodes):
+            # the box is blurred in memory of its transform, which is not at work then
+            transform = self.form.convolution.transform
+            own.mask, own.blur = address(transform.real), address(transform.spectrum)
+        else:
+            own.mask, own.blur = self._array(nodes), self._array(nodes)
         own.column = self._array(max(nodes, self.kernel.size))
 
     def _blocks(self, window, count):
@@ -66,6 +73,9 @@ class CompiledZone:
             block = own.block[i]
             for name in ("into", "back", "outside"):
                 setattr(block, name, self._array(nodes))
+            if isinstance(window, Nodes):
+                self._kept.append(np.zeros((2, nodes), dtype=np.intc))
+                block.node, block.at = (address(part) for part in self._kept[-1])
             block.mean = self._array(2 * boxes)
             if boxes > 1:
                 kernel = self.form.contact.operator(count).kernel((i, i))
@@ -99,8 +109,9 @@ class CompiledZone:
             try:
                 shape = tuple(min(total, next_fast_len(extent, real=True))
                               for extent, total in zip(raw, window.limits))
-                made = Circle(contact.circle(component, count, shape, window.even, boxes), boxes,
-                              (first, second))
+                signs = window.of(component) if window.even else None
+                made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),
+                              boxes, (first, second))
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)
                 return 1

@@ -61,6 +61,8 @@ class Archive:
         ``warnings``
     precision : {'double', 'single'}, of displacement and traction; single ones are compressed when
         the path is done
+    compliance : (circle, blocks), optional: displacement and traction are kept on the nodes where
+        the law acts, `active.ActiveFields`
 
     Attributes
     ----------
@@ -72,9 +74,9 @@ class Archive:
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None,
                  components=1, initial_gap=None, modes=False, units=None, warnings=(),
-                 precision="double"):
+                 precision="double", compliance=None):
         self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units,
-                              precision)
+                              precision, compliance)
         self.path = resolved(path)
         self.complete = False
         self.runs = []
@@ -136,7 +138,7 @@ class Archive:
             archive.settle()
         return archive if archive.points else cls.create(path, overwrite=True, **content)
 
-    def append(self, row, state, displacement=None, traction=None, mode=None):
+    def append(self, row, state, displacement=None, traction=None, mode=None, **active):
         """Add a point; when this returns, it survives a kill of the program.
 
         Parameters
@@ -144,13 +146,15 @@ class Archive:
         row : mapping with one value for each column, of an enumeration a name or its number
         state : mapping of arrays, numbers and strings: what a resumed run needs; kept for the last
             four points
-        displacement, traction : (components, *grid) arrays, used if the archive keeps fields
-        mode : the same, if it keeps modes and the point has one
+        displacement, traction : (components, *grid) arrays, used if the archive keeps fields; on
+            active nodes (components, nodes)
+        mode : (components, *grid), if it keeps modes and the point has one
+        active : on active nodes, their numbers ``nodes`` and the ``mean`` displacement (components)
         """
         if self.complete:
             raise ArchiveError(f"{self.path} is complete; no point can be added.")
         fields = self._layout.checked({"displacement": displacement, "traction": traction,
-                                       "mode": mode})
+                                       "mode": mode, **active})
         point = stored.Kept(self._layout.numbers(row), state, fields)
         # The first point of a run, or after a write that failed, shows whether the file can be
         # written.
@@ -181,7 +185,8 @@ class Archive:
         if self.complete:
             return
         self.settle()
-        small = self._layout.precision == "single" and self._layout.fields == "all"
+        small = self._layout.fields == "all" and (self._layout.precision == "single"
+                                                  or self._layout.active is not None)
         (self._store.pack if small else self._store.commit)(
             lambda file: file.attrs.modify("complete", True), self._store.held)
         self.complete = True
@@ -214,9 +219,12 @@ class Archive:
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines()
                                              if line not in told)])
+        # what is copied later on has to be whole
         for name in set(file.get("fields", ())) & {"displacement", "traction", "mode"}:
             for point in stored.field_points(file):
-                stored.field(file, name, point)  # what is copied later on has to be whole
+                stored.field(file, name, point)
+        for point in stored.field_points(file) if self._layout.active else ():
+            stored.on_active(file, point)
 
     def _last(self, file):
         """State and leg of the last point."""
@@ -230,6 +238,9 @@ class Archive:
         kept = file.attrs["fields"]
         if kept != self._layout.fields:
             self._refuse([("archive_fields", kept, self._layout.fields)])
+        if kept != "none" and stored.has_active(file) != (self._layout.active is not None):
+            self._refuse([("archive_fields_on", *(("active", "cell") if stored.has_active(file)
+                                                  else ("cell", "active")))])
         precision = file.attrs.get("precision", "double")
         if kept != "none" and precision != self._layout.precision:
             self._refuse([("archive_precision", precision, self._layout.precision)])

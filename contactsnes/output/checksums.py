@@ -20,6 +20,8 @@ def frame(file):
             for part in (f"{group}/{name}".encode(), _attributes(item, ("point",)),
                          _content(item[()]) if name and fixed else b""):
                 found = zlib.crc32(part, found)
+            for block in item.get("compliance", {}).values() if name == "active" else ():
+                found = zlib.crc32(_content(block[()]), found)
     return found
 
 
@@ -35,9 +37,12 @@ def _content(values):
     return repr(values.tolist()).encode() if values.dtype.hasobject else values.tobytes()
 
 
-def of(array):
-    """CRC-32 of an array."""
-    return zlib.crc32(np.ascontiguousarray(array))
+def of(array, *more):
+    """CRC-32 of an array, or of several, one after the other."""
+    found = zlib.crc32(np.ascontiguousarray(array))
+    for other in more:
+        found = zlib.crc32(np.ascontiguousarray(other), found)
+    return found
 
 
 def rows(columns):

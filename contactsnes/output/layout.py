@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import checksums
+from . import active, checksums
+from .active import ActiveFields
 from .files import ArchiveError
 from .stored import SLOTS, field_points
 
@@ -61,29 +62,36 @@ class Layout:
     modes : bool, whether the fields of a point include its leading mode
     units : mapping or None, units of fields other than `UNITS`
     precision : {'double', 'single'}, of the fields
+    compliance : (circle, blocks) of `active.ActiveFields`, which then keeps displacement and
+        traction; None: they are kept on the whole grid
 
     Attributes
     ----------
     packed : bool, whether fields are compressed: in a file to which nothing is added in place
-    arrays : tuple of str, fields that are kept
+    arrays : tuple of str, fields that are kept on the whole grid
+    active : ActiveFields or None
     shape : tuple of int, (components, *grid) of each field
     """
 
     def __init__(self, columns, fields, coordinates, components, initial_gap, modes, units,
-                 precision="double"):
+                 precision="double", compliance=None):
         if fields not in ("none", "last", "all"):
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
         if fields != "none" and not coordinates:
             raise ArchiveError(f"Fields ({fields}) need coordinates.")
         self.columns = {name: Column(*column) for name, column in columns.items()}
         self.fields = fields
-        self.arrays = () if fields == "none" else ("displacement", "traction",
-                                                   *(("mode",) if modes else ()))
+        self.arrays = () if fields == "none" else (
+            *(("displacement", "traction") if compliance is None else ()),
+            *(("mode",) if modes else ()))
         self.coordinates = dict(zip("xy", coordinates or ()))
         self.shape = (components, *(len(array) for array in self.coordinates.values()))
         self.initial_gap = initial_gap
         self.units = {**UNITS, **(units or {})}
         self.precision, self.kind, self.packed = precision, KINDS[precision], False
+        self.active = None if compliance is None else ActiveFields(
+            components, self.kind, compliance, fields, CHUNKS, PACKED,
+            NOTHING if precision == "single" else 0.0)
 
     def numbers(self, row):
         """A row, one value for each column, with enumerations as numbers."""
@@ -103,12 +111,12 @@ class Layout:
         """The fields that are kept among those given, name -> array, a mode only where there is
         one."""
         fields = {name: self._stored(name, np.asarray(given[name])) for name in self.arrays
-                  if name != "mode" or given[name] is not None}
+                  if name != "mode" or given.get(name) is not None}
         for name, array in fields.items():
             if np.shape(array) != self.shape:
                 raise ArchiveError(
                     f"{name} has the shape {np.shape(array)}; the archive keeps {self.shape}.")
-        return fields
+        return fields if self.active is None else fields | self.active.checked(given)
 
     def _stored(self, name, array):
         """A field in the precision of the archive: single tractions that are nothing beside the
@@ -140,9 +148,14 @@ class Layout:
                                 **(PACKED | {"chunks": (slot,)} if self.packed else {}))
         if self.coordinates:
             self._make_grid(file.create_group("fields"), chunk)
-        sums = 1 + len(self.arrays)
+        sums = 1 + self._sums
         file.create_dataset("checksums", (0, sums), "u4", chunks=(chunk * CHUNKS, sums),
                             maxshape=(None, sums))
+
+    @property
+    def _sums(self):
+        """Checksums of the fields of a point."""
+        return len(self.arrays) + (self.active is not None)
 
     def _make_grid(self, group, chunk):
         """Coordinates, initial gap and empty fields."""
@@ -152,6 +165,11 @@ class Layout:
         if self.initial_gap is not None:
             group["initial_gap"] = self.initial_gap
             group["initial_gap"].attrs["unit"] = self.units["initial_gap"]
+        if self.active is not None:
+            made = self.active.make(group, chunk, self.packed)
+            for name in ("displacement", "traction"):
+                self._name_axes(made[name], name, ["component", "node"])
+            made["mean"].attrs["unit"] = self.units["displacement"]
         if self.fields == "last":
             group.attrs["point"] = 0  # whose fields these are; 0 while they are being written
         for name in self.arrays:
@@ -162,16 +180,15 @@ class Layout:
             rows, layout = (1, {}) if self.fields == "last" else (0, layout)
             group.create_dataset(name, data=np.full((rows, *self.shape), np.nan, self.kind),
                                  fillvalue=np.nan, **layout)
-            group[name].attrs["unit"] = self.units[name]
-            self._name_axes(group[name], name)
+            self._name_axes(group[name], name, ["point", "component", *self.coordinates])
 
-    def _name_axes(self, dataset, name):
-        """Names of the components of a field, their units and the axes, as attributes; the axes as
-        HDF5's labels, too."""
+    def _name_axes(self, dataset, name, axes):
+        """Unit of a field, names of its components, their units and the axes, as attributes; the
+        axes as HDF5's labels, too."""
+        dataset.attrs["unit"] = self.units[name]
         ends = {1: [""], 2: ["_x", "_y"]}[len(self.coordinates)]
         names = ["normal", *(f"tangential{end}" for end in ends)][:self.shape[0]]
         normal, _, tangential = self.units[name].partition("; ")
-        axes = ["point", "component", *self.coordinates]
         dataset.attrs["components"] = names
         dataset.attrs["component_units"] = [normal, *[tangential or normal] * (len(names) - 1)]
         dataset.attrs["axes"] = axes
@@ -197,6 +214,8 @@ class Layout:
                 new["fields"][name].resize(points, axis=0)
             for point in range(len(new["fields"][name]) if name in old["fields"] else 0):
                 new["fields"][name][point] = old["fields"][name][point]
+        if self.active is not None:
+            self.active.copy(old, new, len(field_points(old)))
         if self.fields == "last":
             new["fields"].attrs.modify("point", old["fields"].attrs["point"])
         self._copy_checksums(old, new, points)
@@ -206,10 +225,12 @@ class Layout:
         """Copy the checksums of the points that count; make those that an older program did not."""
         known = (old["checksums"][:points] if "checksums" in old
                  else np.zeros((points, 0), "u4"))
-        sums = np.zeros((points, 1 + len(self.arrays)), "u4")
+        sums = np.zeros((points, 1 + self._sums), "u4")
         sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self.columns})
         for place, point in enumerate(field_points(old)):
-            sums[point, 1:] = [checksums.of(new["fields"][name][place]) for name in self.arrays]
+            sums[point, 1:] = [
+                *([active.checksum(active.kept(new, place))] if self.active else []),
+                *(checksums.of(new["fields"][name][place]) for name in self.arrays)]
         sums[:, : known.shape[1]] = known
         new["checksums"].resize(points, axis=0)
         new["checksums"][:] = sums
@@ -234,6 +255,9 @@ class Layout:
             kept = points if self.fields == "all" else points[-1:]
             for place, point in zip(range(-len(kept), 0), kept):
                 file["fields"][name][place] = point.fields.get(name, np.nan)
+        if self.active is not None:
+            every = self.fields == "all"
+            self.active.put(file, first - 1 if every else 0, points if every else points[-1:])
         rows = {name: np.array([point.row[name] for point in points], column.stored)
                 for name, column in self.columns.items()}
         file["checksums"].resize(last, axis=0)
@@ -249,13 +273,14 @@ class Layout:
 
     def _checksums(self, rows, points):
         """Checksums of points: of their rows, and of their fields, lacking ones included."""
-        sums = np.empty((len(points), 1 + len(self.arrays)), "u4")
+        sums = np.empty((len(points), 1 + self._sums), "u4")
         sums[:, 0] = checksums.rows(rows)
         for own, point in zip(sums, points):
             whole = (np.broadcast_to(np.asarray(point.fields.get(name, np.nan), self.kind),
                                      self.shape)
                      for name in self.arrays)
-            own[1:] = list(map(checksums.of, whole))
+            own[1:] = [*([active.checksum(point.fields)] if self.active else []),
+                       *map(checksums.of, whole)]
         return sums
 
 

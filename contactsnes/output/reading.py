@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from . import checksums, resuming, stored
+from .active import Rebuilt
 from .extras import extra
 from .files import ArchiveError, checked, open_archive, safely
 
@@ -36,6 +37,7 @@ class Record(Mapping):
     coordinates : tuple of arrays, empty if there are none
     initial_gap : array of the grid's shape, or None
     field_points : list of int, the points (from 0) whose displacement and traction are stored
+    on_active : bool, whether they are stored on the nodes where the law acts only
     """
 
     def __init__(self, file):
@@ -46,8 +48,8 @@ class Record(Mapping):
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
         self.runs, self.warnings = resuming.runs(file), attributes.get("warnings", "").splitlines()
         branch, fields = file["branch"], file.get("fields", {})
-        self.units = {name: dataset.attrs["unit"] for name, dataset in [*branch.items(),
-                                                                        *fields.items()]}
+        named = [*branch.items(), *fields.items(), *fields.get("active", {}).items()]
+        self.units = {name: item.attrs["unit"] for name, item in named if "unit" in item.attrs}
         self.names = {name: tuple(branch[name].attrs["names"]) for name in branch
                       if "names" in branch[name].attrs}
         self._columns = {name: branch[name][: self.points] for name in branch}
@@ -55,6 +57,7 @@ class Record(Mapping):
         self.coordinates = tuple(fields[name][:] for name in "xy" if name in fields)
         self.initial_gap = fields["initial_gap"][...] if "initial_gap" in fields else None
         self.field_points = stored.field_points(file)
+        self.on_active, self._rebuilt = stored.has_active(file), None
         self._check(file)
         self._add(attributes["fields"])
         for name, names in self.names.items():
@@ -123,11 +126,24 @@ class Record(Mapping):
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
         `field_points`, from the file."""
+        if name == "mode" or not self.on_active:
+            held = self.points - len(self._waiting)
+            if held <= point < self.points and point in self.field_points:
+                return self._waiting[point - held].fields[name]
+            return safely(self.path, lambda file: stored.field(file, name, point))
+        if self._rebuilt is None:
+            self._rebuilt = safely(self.path, Rebuilt)
+        return self._rebuilt(name, self.active(point))
+
+    def active(self, point):
+        """What is kept of a point of `field_points` on the nodes where the law acts, a mapping:
+        ``nodes`` (their numbers in the cell's fields), ``displacement`` and ``traction``
+        (components, nodes) and ``mean`` displacement (components); of archives made with
+        -archive_fields_on active."""
         held = self.points - len(self._waiting)
         if held <= point < self.points and point in self.field_points:
-            return self._waiting[point - held].fields[name]
-        return safely(self.path, lambda file: stored.field(file, name, point))
-
+            return self._waiting[point - held].fields
+        return safely(self.path, lambda file: stored.on_active(file, point))
 
     def each(self, points, names=("displacement", "traction")):
         """Iterate over points: of each the fields of these names, a list, as of `field`; many cost
@@ -139,7 +155,8 @@ class Record(Mapping):
         names : sequence of str
         """
         held = self.points - len(self._waiting)
-        stored_ones = [point for point in points if not held <= point < self.points]
+        stored_ones = [point for point in points
+                       if not (self.on_active or held <= point < self.points)]
 
         def take(file):
             for point in stored_ones:

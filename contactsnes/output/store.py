@@ -51,6 +51,8 @@ class Store:
         """Write points, a list of `stored.Kept`."""
         first = self.held + 1
         states = stored.packed(first, points)
+        if self.layout.active is not None:
+            self.layout.active.expect(points)
         self.commit(lambda file: self.layout.put(file, first, points, states),
                     self.held + len(points), max(state.size for state in states.values()))
         self.held += len(points)
@@ -59,6 +61,8 @@ class Store:
         """Let ``write`` act on the archive, written anew with its fields compressed; what is added
         later on makes a new one without."""
         self.room, self.layout.packed = 0, True
+        if self.layout.active is not None:
+            self.layout.active.coming = 0
         try:
             self._write_anew(write, points, 0)
         except (OSError, RuntimeError) as error:
@@ -80,7 +84,8 @@ class Store:
         room, self.room = self.room, 0
         file = None
         try:
-            if points <= room and slot <= self._slot:
+            active = self.layout.active
+            if points <= room and slot <= self._slot and (active is None or active.fits()):
                 self._reserve(room // CHUNKS, points)
                 # kept open by another program, which goes on to see the old file
                 with contextlib.suppress(OSError):
@@ -99,11 +104,16 @@ class Store:
         """Lengthen the file by what so many points need: a full disk must show before HDF5 counts
         on the space."""
         chunks = -(-points // chunk) - -(-self.held // chunk)
+        more = 0
         if self.layout.fields == "all" and chunks > 0:
+            numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
+            more = int(self.layout.kind[1:]) * numbers
+        if self.layout.active is not None:
+            more += self.layout.active.more()
+        if more:
             with open(self.path, "rb+") as file:
                 file.seek(0, os.SEEK_END)
-                numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
-                file.write(bytes(int(self.layout.kind[1:]) * numbers))
+                file.write(bytes(more))
 
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points; let `write` act on

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import checksums
+from . import active, checksums
 from .files import ArchiveError
 from .journal import beside, entries
 
@@ -35,13 +35,35 @@ def field(file, name, point):
     if point not in stored:
         raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
     found = file["fields"][name][stored.index(point)]
-    sums = dict(zip(("displacement", "traction", "mode"),
-                    file["checksums"][point, 1:])) if "checksums" in file else {}
-    if sums.get(name, checksums.of(found)) != checksums.of(found):
+    _check(file, name, point, checksums.of(found))
+    return found
+
+
+def on_active(file, point):
+    """What an open archive keeps of a point on active nodes, name -> array; ArchiveError as of
+    `field`."""
+    stored = field_points(file)
+    if point not in stored:
+        raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
+    found = active.kept(file, stored.index(point))
+    _check(file, "active", point, active.checksum(found))
+    return found
+
+
+def _check(file, name, point, found):
+    """ArchiveError where the checksum of a point's field is not the one found; archives of older
+    programs have none."""
+    names = ("active", "mode") if has_active(file) else ("displacement", "traction", "mode")
+    sums = dict(zip(names, file["checksums"][point, 1:])) if "checksums" in file else {}
+    if sums.get(name, found) != found:
         raise ArchiveError(f"{file.filename} is damaged: the checksum of {name} "
                            f"at point {point} is not that of what "
                            "it holds.")
-    return found
+
+
+def has_active(file):
+    """Whether the fields of an open archive are those on active nodes."""
+    return "active" in file.get("fields", ())
 
 
 def field_points(file):

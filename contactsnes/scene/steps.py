@@ -146,13 +146,22 @@ class Output(Options):
                        default_text="none: nothing is written")
     fields: str = option("none", "displacements and tractions kept: none, last point, all points",
                          choices=("none", "last", "all"))
+    fields_on: str = option(None, "nodes on which displacements and tractions are kept: those of "
+                            "the cell, or active ones, where the law acts, of which reading makes "
+                            "the cell's", kind="text", choices=("cell", "active"),
+                            default_text="active on planes, cell on lines")
     precision: str = option("double", "of these fields; single ones take half the room, and are "
                             "compressed when the path is done", choices=("double", "single"))
     errors: bool = option(False, "estimate the errors of every point by solving "
                           "it again on a finer grid (-scene_points auto "
                           "does so anyway)")
+    stiffness: bool = option(False, "find the stiffness dW/dD of every point, by a linear solve")
     resume: bool = option(False, "go on from an archive of the same scene")
     overwrite: bool = option(False, "replace an existing archive")
+
+    def on_active(self, scene):
+        """Whether fields of a scene are kept on active nodes."""
+        return (self.fields_on or ("active" if scene.dimension == 2 else "cell")) == "active"
 
     def __post_init__(self):
         super().__post_init__()

@@ -18,8 +18,8 @@ from .measured import INSTEAD, completed
 
 UNITS = {"beta": "m", "beta^2": "m^2", "u_n,r": "m", "u_t,r": "m", "u_n,r/beta": "", "w_n,r": "N/m",
          "w_t,r": "N/m", "R phi_n": "N", "R sqrt(phi_n phi_t)": "N", "w_n,r u_n,r": "J/m",
-         "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa",
-         "beta/E*": "m/Pa"}
+         "R phi_n u_n,r": "J", "p_n,r": "Pa", "p_t,r": "Pa", "beta/E*": "m/Pa",
+         "w_n,r/u_n,r": "Pa", "R phi_n/u_n,r": "N/m"}
 """Unit of a dimensionless quantity -> its unit in SI."""
 
 SCALES = ("work_of_adhesion_normal", "work_of_adhesion_tangential", "contact_modulus", "radius")
@@ -219,7 +219,8 @@ def sizes(values, normal_maugis, tangential_maugis):
             "R phi_n u_n,r": modulus * normal ** 2 * length,
             "p_n,r": normal_maugis * modulus * normal / length,
             "p_t,r": tangential_maugis * modulus * tangential / length,
-            "beta/E*": length / modulus}
+            "beta/E*": length / modulus, "w_n,r/u_n,r": modulus,
+            "R phi_n/u_n,r": modulus * length}
 
 
 def _divided(value, factor):

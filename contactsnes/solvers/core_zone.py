@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.fft import next_fast_len
 
+from ..grid.active import Nodes
 from ..grid.cell import clear_padding
 from ..grid.transfer import extent, smooth
 from ..options.fields import Options, option
@@ -42,8 +43,8 @@ def core_weight(form, component, options):
     largest = form.grid.maximum(tangent)
     if largest <= 1e-6:
         return None
-    core = tangent > options.threshold * min(1.0, largest)
-    weight = np.minimum(smooth(form.window, core, options.width / form.contact.ranges[0]), 1.0)
+    core, width = tangent > options.threshold * min(1.0, largest), options.width
+    weight = np.minimum(smooth(form.window, core, width / form.contact.ranges[0]), 1.0)
     by_box = (len(form.window.parts), -1)
     count = form.grid.sum(weight.reshape(by_box))
     return weight, form.grid.sum((weight * tangent).reshape(by_box)) / np.where(count > 0.0, count,
@@ -68,27 +69,37 @@ class CoreBlock:
     def __init__(self, form, component, weight, mean_tangent, pad):
         window = form.window
         self.boxes = (len(window.parts), *window.shape)
-        box = weight.reshape(self.boxes)
-        parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
-        parts = [slice(0, part.stop) if window.even else part for part in parts]
-        extents = [part.stop - part.start for part in parts]
-        self.core = (slice(None), *parts)
+        extents = self._find(window, weight)
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
                        for extent, total in zip(extents, window.limits))
         self.transform, compliance = form.contact.circle(component, form.components, circle,
-                                                         window.even, len(box))
+                                                         window.even, len(window.parts),
+                                                         window.of(component) if window.even
+                                                         else None)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
         # stands for the rest.
         if compliance.flat[0] == 0.0:
             compliance = compliance.copy()
             compliance.flat[0] = 2.0 * np.max(compliance)
         self.compliance = compliance
-        self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, box.ndim)))
+        self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, len(self.boxes))))
         self.symbol += 1.0
         np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
-        self.inside = (slice(None), *(slice(0, extent) for extent in extents))
+        self._lay_out(window, extents)
+
+    def _find(self, window, weight):
+        """Take the core's nodes with their weights; its extents."""
+        box = weight.reshape(self.boxes)
+        parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
+        parts = [slice(0, part.stop) if window.even else part for part in parts]
+        self.core = (slice(None), *parts)
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
+        return self.root.shape[1:]
+
+    def _lay_out(self, window, extents):
+        """Find the core's place on the circle."""
+        self.inside = (slice(None), *(slice(0, extent) for extent in extents))
 
     def apply(self, field):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
@@ -103,6 +114,34 @@ class CoreBlock:
         inner *= self.root
         core *= self.outside
         core += inner
+
+
+class ScatteredBlock(CoreBlock):
+    """A core block of some nodes of a box, `active.Nodes`: scattered on the circle and gathered
+    again."""
+
+    def _find(self, window, weight):
+        """Take the core's nodes with their weights; its extents."""
+        self.core = np.flatnonzero(weight)
+        self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]
+        nodes = np.array(np.unravel_index(window.places[self.core], window.shape))
+        self._nodes = nodes - nodes.min(axis=1, keepdims=True)
+        return tuple(int(line) + 1 for line in self._nodes.max(axis=1))
+
+    def _lay_out(self, window, extents):
+        """Find the core's place on the circle."""
+        self.inside = np.ravel_multi_index(self._nodes, self.transform.shape)
+
+    def apply(self, field):
+        """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
+        core, plan = field[self.core], self.transform
+        plan.real[...] = 0.0
+        circle = plan.real.reshape(-1)
+        circle[self.inside] = self.root * core
+        plan.forward()
+        plan.spectrum *= self.symbol
+        plan.backward()
+        field[self.core] = self.outside * core + self.root * circle[self.inside]
 
 
 class CoupledBlock:
@@ -222,7 +261,8 @@ class CoreZone:
         """The core block of a component, or None."""
         if zone is None:
             return None
-        block = CoreBlock(self.form, component, *zone, pad)
+        kind = ScatteredBlock if isinstance(self.form.window, Nodes) else CoreBlock
+        block = kind(self.form, component, *zone, pad)
         return block if len(self.form.window.parts) == 1 else CoupledBlock(self.form, component,
                                                                            block)
 

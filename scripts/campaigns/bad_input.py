@@ -89,6 +89,8 @@ CLASHES = ({"scene_period": "inf"}, {"scene_spacing": "0.1"}, {"scene_units": "s
            {"scene_geometry": "sphere", "scene_poisson": "0.6"}, {"continuation_type": "arclength",
                                                                   "snes_type": "nrichardson"},
            {"scene_rough_slope": "1", "scene_geometry": "rough", "scene_rough_shortest": "100"},
+           {"scene_rough_slope": "1", "scene_geometry": "rough", "scene_rough_shortest": "3",
+            "scene_rough_on": "flat", "scene_rough_rolloff": "1000"},
            {"scene_shear_strength": "1e5"}, {"scene_units": "si", "scene_young_modulus": "1e6",
                                              "scene_contact_modulus": "1e6"},
            {"scene_units": "si", "scene_range_normal": "1e-7", "scene_adhesive_strength": "1e5"},

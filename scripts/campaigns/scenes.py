@@ -161,6 +161,8 @@ def _cell(scene, draw, plane):
                     "scene_rough_shortest": float(f"{_choice(draw, 8, 12) * period / points:.3g}"),
                     "scene_rough_hurst": _choice(draw, 0.8, 0.5, 1, 0.3),
                     "scene_rough_seed": int(draw.integers(1000))}
+        if draw.random() < 0.3:
+            options |= {"scene_rough_on": "flat", "scene_rough_rolloff": round(0.4 * period, 2)}
         if plane and "," in str(options["scene_points"]):
             options |= {"scene_points": points, "scene_period": period}
     if geometry == "file":
@@ -348,7 +350,7 @@ def _in_si(scene, draw):
     }
     lengths = {"scene_period": beta, "scene_spacing": beta, "scene_height": beta,
                "scene_amplitude": normal, "scene_gap_offset": normal, "scene_rough_shortest": beta,
-               "scene_rough_slope": normal / beta}
+               "scene_rough_rolloff": beta, "scene_rough_slope": normal / beta}
     for name, value in scene.options.items():
         if name in lengths:
             value = ",".join(f"{float(part) * lengths[name]:.12g}"

@@ -81,11 +81,13 @@ def test_softer_laws_are_resolved():
 
 
 def test_costs_grow_with_the_grid_and_the_fields():
-    small, large = (costs.cost(SPHERE, SHEARED, (n, n), Output(file="x.h5", fields="all"))
-                    for n in (128, 256))
+    cell, active = (Output(file="x.h5", fields="all", fields_on=on) for on in ("cell", None))
+    small, large = (costs.cost(SPHERE, SHEARED, (n, n), cell) for n in (128, 256))
+    on_active = costs.cost(SPHERE, SHEARED, (256, 256), active)
     assert 3.9 < large.disk / small.disk < 4.1
     assert 3.5 < large.seconds / small.seconds < 5
     assert large.disk == pytest.approx(8 * 6 * 256 ** 2 * large.points, rel=1e-2)
+    assert 0.02 * large.disk < on_active.disk < 0.5 * large.disk
     assert costs.cost(SPHERE, SHEARED, (128, 128)).disk == 0.0
 
 

@@ -404,6 +404,13 @@ def test_a_surface_is_drawn_before_it_is_solved(tmp_path):
     done = call("plot", "-scene_geometry", "sphere", "-scene_dimension", "2", "-scene_points", "32",
                 folder=tmp_path)
     assert done.stdout == "sphere-surface.png\n"
+    (tmp_path / "figures").mkdir()
+    done = call("plot", "-plot_format", "svg,pdf", "mine.opts", "-scene_heights_size", "1e-4",
+                "-plot_size", "12", "-output", "figures", folder=tmp_path)
+    assert done.stdout == "figures/mine-surface.svg\nfigures/mine-surface.pdf\n", done.stderr
+    assert "<svg" in (tmp_path / "figures" / "mine-surface.svg").read_text()
+    done = call("plot", "mine.opts", "-plot_fromat", "svg", folder=tmp_path)
+    assert done.returncode == 2 and "did you mean -plot_format" in done.stderr
 
 
 def test_info_advises_on_a_scene_out_of_reach(tmp_path):

@@ -12,6 +12,7 @@ petsc4py.init([])
 
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.interface import height_files, heights, shapes  # noqa: E402
+from contactsnes.interface.roughness import surface  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.settings import Scene  # noqa: E402
 
@@ -117,6 +118,12 @@ def test_holes_are_filled():
     np.testing.assert_allclose(filled["interpolate"], plane, atol=1e-12)
     assert np.abs(filled["nearest"] - plane).max() < 0.7
     assert filled["mean"][6, 7] == pytest.approx(np.nanmean(values), rel=1e-12)
+    values[6, 7] = np.inf  # as good as nothing
+    for fill, expected in filled.items():
+        np.testing.assert_array_equal(heights._filled("", values, fill), expected)
+    with pytest.raises(ValueError, match="12 of 432 heights are missing; .*-scene_heights_fill"):
+        heights._filled("", values, "none")
+    values[6, 7] = np.nan
     line = values[:, 7].copy()
     np.testing.assert_allclose(heights._filled("", line, "interpolate"), plane[:, 7], atol=1e-12)
     with pytest.raises(ValueError, match="heights are missing"):
@@ -146,9 +153,43 @@ def test_a_wave_is_fitted_to_another_grid():
         return np.cos(2 * np.pi * x + 0.4) + 0.3 * np.sin(4 * np.pi * y)
 
     found = heights.fitted("", wave(60, 48), (64, 32), "interpolate")
-    np.testing.assert_allclose(found, wave(64, 32), atol=2e-4)
+    np.testing.assert_allclose(found, wave(64, 32), atol=1e-13)
     with pytest.raises(ValueError, match="-scene_heights_fit interpolate"):
         heights.fitted("", wave(60, 48), (64, 32))
+
+
+@pytest.mark.parametrize("points", ((128, 96), (45, 81), (32, 20), (64, 48)))
+@pytest.mark.parametrize("known", ((60, 48), (61, 47)))
+def test_periodic_heights_are_fitted_by_their_waves(points, known):
+    """A surface of waves longer than two spacings of the file is the same on every grid, a coarser
+    one too."""
+    waves = surface((30.0, 20.0), 0.8, 0.5, 12.0, 2.0, 7)[0]
+
+    def summed(shape):
+        x = np.meshgrid(*((np.arange(n) - n // 2) * length / n
+                          for n, length in zip(shape, (30.0, 20.0))), indexing="ij")
+        angles = np.tensordot(waves.wavevectors.T, np.array(x) + np.reshape([15.0, 10.0],
+                                                                            (2, 1, 1)), axes=1)
+        return np.tensordot(waves.amplitudes, np.cos(angles + waves.phases[:, None, None]), axes=1)
+
+    found = heights.fitted("", summed(known), points, "interpolate")
+    np.testing.assert_allclose(found, summed(points), atol=1e-12)
+
+
+def test_heights_that_jump_at_the_seam_do_not_ring():
+    line = np.linspace(0.0, 1.0, 40)
+    found = heights.fitted("", line, (80,), "interpolate")
+    straight = np.interp(np.arange(80) / 2, np.arange(40), line)
+    np.testing.assert_allclose(found[20:-20], straight[20:-20], atol=1e-4)
+
+
+def test_margins_do_not_ring():
+    """The step to a margin is felt within a few nodes only."""
+    x, y = np.meshgrid(np.arange(64.0), np.arange(64.0), indexing="ij")
+    around = heights.padded(np.cos(2 * np.pi * x / 16) * np.cos(2 * np.pi * y / 16))
+    found = heights.fitted("", around, (100, 100), "interpolate", "pad")
+    np.testing.assert_allclose(found[:, 0], -1.0, atol=2e-4)
+    np.testing.assert_allclose(found[0], -1.0, atol=2e-4)
 
 
 # Scenes

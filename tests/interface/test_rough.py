@@ -187,12 +187,71 @@ def test_what_is_too_coarse_or_has_no_wave_is_refused():
         Branch(Scene(**ROUGH, gap_offset=-220.0), load)
 
 
+@pytest.mark.parametrize("dimension", (1, 2))
+def test_a_flat_is_rough_without_a_parabola(dimension):
+    scene = Scene(**{**ROUGH, "points": 128, "rough_seed": 2, "rough_on": "flat"},
+                  dimension=dimension)
+    contact = Contact(scene)
+    found, lowest = surface(scene.periods, 0.8, 0.4, 20.0, 1.0, 2, curvature=0.0)
+    np.testing.assert_allclose(contact.initial_gap / 2.0, -found.heights(scene.shape) - lowest,
+                               atol=1e-12)
+    assert abs(np.mean(contact.initial_gap) / 2.0 + lowest) < 1e-12  # roughness has no mean
+    finest = -found.heights((2048,) * dimension).max()
+    assert contact.initial_gap.min() >= 0.0 and -1e-9 < finest - lowest < 2e-3
+    finer = finer_contact(contact, 2).initial_gap
+    np.testing.assert_allclose(finer[(slice(None, None, 2),) * dimension], contact.initial_gap,
+                               atol=1e-11)
+
+
+def test_a_rough_flat_touches_up_to_the_edge_of_its_cell():
+    scene = Scene(**{**ROUGH, "points": 256, "rough_on": "flat", "gap_offset": -3.0})
+    point = list(Branch(scene, Load(path="normal_displacement=0.5")))[-1]
+    assert point.residual_norm < 1e-8 and point.in_contact
+
+
+@every_surface
+def test_the_spectrum_is_flat_beyond_the_roll_off(given, points):
+    periods, hurst, slope, longest, shortest, _ = given
+    rolloff = 0.4 * longest
+    heights = surface(*given, rolloff)[0].heights(points)
+    q, axes, amplitude = waves(heights, periods)
+    inside = (q >= 2 * np.pi / longest * (1 - 1e-6)) & (q < 2 * np.pi / shortest * (1 - 1e-6))
+    long = inside & (q < 2 * np.pi / rolloff)
+    assert long.any() and np.ptp(amplitude[long]) < 1e-9 * amplitude[long].max()
+    power, level = np.polyfit(np.log(q[inside & ~long]), 2 * np.log(amplitude[inside & ~long]), 1)
+    assert power == pytest.approx(-(2 * hurst + len(periods)), rel=1e-6)
+    assert 2 * np.log(amplitude[long].mean()) == pytest.approx(
+        power * np.log(2 * np.pi / rolloff) + level, rel=1e-9)
+    spectrum = np.fft.fftn(heights)
+    gradient = [np.fft.ifftn(1j * wave * spectrum).real for wave in axes]
+    assert np.sqrt(np.mean(sum(part ** 2 for part in gradient))) == pytest.approx(slope, rel=1e-9)
+
+
+def test_a_roll_off_longer_than_the_longest_wave_is_refused():
+    with pytest.raises(InputError, match="-scene_rough_rolloff is '30': allowed is at most the "
+                       "longest wave, 20"):
+        check(Scene(**ROUGH, rough_rolloff=30.0), Load())
+
+
+def test_a_rough_flat_in_si_needs_no_radius():
+    typed = dict(units="si", work_of_adhesion_normal=0.05, work_of_adhesion_tangential=0.05,
+                 contact_modulus=25e6, range_normal=60e-9, range_tangential=60e-9)
+    scene = Scene.typed(**typed, geometry="rough", rough_on="flat", dimension=2, period=1e-4,
+                        rough_slope=1.0, rough_longest=2e-5, rough_shortest=4e-6, points=64)
+    found = Contact(scene).initial_gap * 60e-9
+    spectrum, q = np.fft.fft2(found), 2j * np.pi * np.fft.fftfreq(64, 1e-4 / 64)
+    squares = sum(np.mean(np.fft.ifft2(wave * spectrum).real ** 2) for wave in (q[:, None], q))
+    assert np.sqrt(squares) == pytest.approx(1.0, rel=1e-9)
+
+
 def test_options_have_effect_on_rough_geometries_only():
     scene, load = Scene(**ROUGH), Load()
-    names = [f"scene_rough_{name}" for name in ("hurst", "slope", "longest", "shortest", "seed")]
+    names = [f"scene_rough_{name}" for name in ("on", "hurst", "slope", "longest", "shortest",
+                                                  "rolloff", "seed")]
     assert (not ineffective(scene, load, names)
             and [name for name, _ in ineffective(Scene(), load, names)] == names)
-    assert attributes(Scene(**{**ROUGH, "rough_longest": None}))["rough_longest"] == 40.0
+    told = attributes(Scene(**{**ROUGH, "rough_longest": None}))
+    assert told["rough_longest"] == told["rough_rolloff"] == 40.0
     assert not [name for name in attributes(Scene()) if name.startswith("rough")]
 
 
@@ -202,7 +261,7 @@ def test_si_converts_waves_and_slope():
     scene = Scene.typed(**typed, geometry="rough", period=4e-3, rough_slope=5e-3,
                         rough_longest=2e-3, rough_shortest=2e-4, points=256)
     beta = (0.01 ** 2 * 0.03 / 2e6) ** (1 / 3)
-    scaled = (0.8, 5e-3 * 0.01 / beta, 2e-3 / beta, 2e-4 / beta, 0)
+    scaled = (0.8, 5e-3 * 0.01 / beta, 2e-3 / beta, 2e-4 / beta, 0, 2e-3 / beta, 1.0)
     assert shapes.of(scene).roughness(scene) == pytest.approx(scaled, rel=1e-12)
     assert attributes(scene)["rough_slope"] == 5e-3 and attributes(scene)["rough_shortest"] == 2e-4
     heights = Contact(scene).initial_gap * 0.6e-6 - ((np.arange(256) - 128) * 4e-3

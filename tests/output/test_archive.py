@@ -12,8 +12,8 @@ import h5py
 import numpy as np
 import pytest
 
+from contactsnes.output import active, files, resuming, store
 from contactsnes.output import archive as writing
-from contactsnes.output import files, resuming, store
 from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column, Layout
@@ -49,6 +49,12 @@ def content(**changed):
 
 
 def fields_content(fields, **changed):
+    """What an archive is made of that keeps fields of 'last' or 'all' points; after 'active' on
+    active nodes, of a rigid body."""
+    *where, fields = fields.split()
+    if where:
+        blocks = {(i, i): np.zeros(X.size // 2 + 1) for i in range(2)}
+        changed["compliance"] = (X.size,), blocks
     return content(fields=fields, coordinates=(X,), components=2, initial_gap=X**2 / 2, **changed)
 
 
@@ -63,9 +69,20 @@ def point(number):
     return row, state, field, -field
 
 
+def active_nodes(number):
+    """Those of a point: now few, now many."""
+    return np.arange(number % 5, X.size, 1 + number % 7)
+
+
 def append(archive, count):
     for _ in range(count):
-        archive.append(*point(archive.points))
+        row, state, displacement, traction = point(archive.points)
+        where = {}
+        if archive._layout.active is not None:
+            nodes = active_nodes(archive.points)
+            where = {"nodes": nodes, "mean": displacement[:, 0]}
+            displacement, traction = displacement[:, nodes], traction[:, nodes]
+        archive.append(row, state, displacement, traction, **where)
 
 
 def check(path, fields="none"):
@@ -77,7 +94,11 @@ def check(path, fields="none"):
     assert list(record["event"]) == [("none", "fold")[number % 2] for number in numbers]
     for number in record.field_points[::20] + record.field_points[-3:]:
         assert np.all(record.field("displacement", number) == number)
-        assert np.all(record.field("traction", number) == -number)
+        expected = np.full((2, X.size), -float(number))
+        if record.on_active:
+            assert np.array_equal(record.active(number)["nodes"], active_nodes(number))
+            expected[:, np.setdiff1d(np.arange(X.size), active_nodes(number))] = 0.0
+        assert np.array_equal(record.field("traction", number), expected)
     resumed = Archive.resume(path, **(fields_content(fields) if record.coordinates else content()))
     last = [state["load"] for state in resumed.states()]
     assert last == [number / 7 for number in numbers[-4:]]
@@ -463,7 +484,7 @@ class Recorder(io.BytesIO):
                 yield bytes(content)
 
 
-@pytest.mark.parametrize("fields", ["none", "last", "all"])
+@pytest.mark.parametrize("fields", ["none", "last", "all", "active last", "active all"])
 @pytest.mark.parametrize("points", [3, 65, 66])  # from 65 on two points share a chunk of the fields
 def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
                                                               points):
@@ -493,7 +514,7 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         stored.append(len(record.field_points))
     assert set(counts) == {points, points + 1} and counts == sorted(counts)
     assert len(counts) > 10
-    if fields == "last":
+    if fields.endswith("last"):
         assert set(stored) == {0, 1}  # the one array is gone while it is overwritten
 
 
@@ -504,7 +525,8 @@ def run_until_killed(path, fields, told=lambda: None):
         told()
 
 
-@pytest.mark.parametrize("fields, batch", [("last", 1), ("all", 1), ("last", 5), ("all", 64)])
+@pytest.mark.parametrize("fields, batch", [("last", 1), ("all", 1), ("last", 5), ("all", 64),
+                                           ("active all", 1), ("active last", 5)])
 def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, fields, batch,
                                                                       monkeypatch):
     monkeypatch.setattr(writing, "BATCH", batch)
@@ -553,6 +575,51 @@ def test_points_in_the_journal_are_read_with_the_file(tmp_path, monkeypatch, fie
                for number in record.field_points)
     archive.settle()
     assert os.listdir(tmp_path) == ["run.h5"] and check(archive.path, fields).points == 6
+
+
+@pytest.mark.parametrize("fields", ["active last", "active all"])
+def test_fields_on_active_nodes_wait_in_the_journal_and_are_packed_at_the_end(tmp_path, monkeypatch,
+                                                                              fields):
+    monkeypatch.setattr(active, "ROOM", 4)  # nodes outgrow the room that there is for them
+    archive = waiting(tmp_path / "run.h5", monkeypatch, 5, fields)
+    record = read(archive.path)
+    assert record.points == 6 and np.all(record.field("displacement", 5) == 5.0)
+    archive.settle()
+    append(archive, 150)
+    archive.finish()
+    record = check(archive.path, fields)
+    assert record.points == 156 and record.complete
+    with h5py.File(archive.path) as file:
+        count = file["fields/active/offsets"][-1]
+        assert len(file["fields/active/nodes"]) == count == sum(
+            len(active_nodes(number)) for number in record.field_points)
+        packed = file["fields/active/traction"].compression
+    assert packed == ("gzip" if fields.endswith("all") else None)
+
+
+def test_a_changed_number_on_active_nodes_is_damage(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("active all"))
+    append(archive, 5)
+    for name in ("nodes", "displacement", "traction", "mean"):
+        with h5py.File(archive.path, "r+") as file:
+            numbers = file["fields/active"][name]
+            place = (0,) * numbers.ndim
+            before, numbers[place] = numbers[place], 3
+        with pytest.raises(ArchiveError, match="checksum of active at point 0"):
+            read(archive.path).field("displacement", 0)
+        with h5py.File(archive.path, "r+") as file:
+            file["fields/active"][name][place] = before
+    with h5py.File(archive.path, "r+") as file:
+        file["fields/active/compliance/00"][0] = 1.0
+    with pytest.raises(ArchiveError, match="damaged"):
+        read(archive.path)
+
+
+@pytest.mark.parametrize("there, here", [("active all", "all"), ("all", "active all")])
+def test_a_run_goes_on_with_the_fields_that_are_there(tmp_path, there, here):
+    append(Archive.create(tmp_path / "run.h5", **fields_content(there)), 2)
+    with pytest.raises(ArchiveError, match="archive_fields_on is"):
+        Archive.resume(tmp_path / "run.h5", **fields_content(here))
 
 
 @pytest.mark.parametrize("fields", ["none", "last", "all"])

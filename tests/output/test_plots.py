@@ -18,6 +18,7 @@ from contactsnes.output.figures import (
     measured,
     profiles,
     shape,
+    spots,
     style,
     words,
 )
@@ -166,6 +167,7 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
                                                                 "shear")]
     assert figures.skipped == {"maps": "the interface has one dimension",
                                "outlines": "the interface has one dimension",
+                               "spots": "the interface has one dimension",
                                "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
 
@@ -187,8 +189,34 @@ def test_a_two_dimensional_interface_has_maps(tmp_path):
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "outlines",
                                                                 "profiles", "shear")]
     assert figures.skipped == {"approach": "the normal load does not move",
+                               "spots": "no stored point has more than one spot",
                                "shape": "the archive has no columns of the contact's shape"}
     check_images(figures)
+
+
+def test_spots_are_numbered_from_the_largest_on(tmp_path):
+    """One around a corner of the cell, one of four nodes, one of one node; fewer at another
+    point."""
+    axes = (np.arange(8) - 4.0,) * 2
+    many = np.ones((3, 8, 8))
+    for node in ((0, 0), (7, 0), (0, 7), (7, 7), (7, 6), (2, 2), (2, 3), (3, 2), (3, 3), (5, 5)):
+        many[(0, *node)] = 0.0
+    few = np.ones((3, 8, 8))
+    few[0, 2, 2] = few[0, 5, 5] = 0.0
+    tractions = [np.where(field == 0.0, -1.0, 0.0) for field in (few, many)]
+    archive_of(tmp_path / "run.h5", [({"normal_force": i}, (field, traction)) for i, (field,
+               traction) in enumerate(zip((few, many), tractions))], "all", coordinates=axes,
+               components=3, initial_gap=np.zeros((8, 8)))
+    figure = spots.draw_spots(read(tmp_path / "run.h5"), None)
+    chart, sizes = figure.axes
+    assert sorted(text.get_text() for text in chart.texts) == ["1", "2", "3"]
+    places = {text.get_text(): tuple(text.xy) for text in chart.texts}
+    assert places["3"] == (1.0, 1.0) and abs(places["1"][0]) >= 3 <= abs(places["1"][1])
+    found = [list(zip(*line.get_data())) for line in sizes.lines]
+    assert found == [[(1.0, 1), (1.0, 2)], [(5.0, 1), (4.0, 2), (1.0, 3)]]
+    (tmp_path / "figures").mkdir()
+    assert any(file.name == "run-spots.png" for file in plot(
+        tmp_path / "run.h5", output=tmp_path / "figures").files)
 
 
 def test_normal_load_under_shear_is_part_of_the_approach(tmp_path):

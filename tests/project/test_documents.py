@@ -31,7 +31,8 @@ COMMANDS = ("run", "info", "compare", *ON_ARCHIVES)
 WRITERS = {
     "compare": "results", "stress": "results", "benchmark": "results", "hysteresis": "results",
     "sliding": "results", "spots": "results", "campaigns/table.py": "certified",
-    "paper/pages.py": "gallery", "spheres/page.py": "sphere"}
+    "paper/pages.py": "gallery", "spheres/page.py": "sphere",
+    "surfaces/page.py": "rough"}
 """Script -> page between whose marks it writes."""
 
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

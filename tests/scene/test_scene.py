@@ -52,9 +52,12 @@ DEFAULTS = {"scene_dimension": "1", "scene_points": "", "scene_accuracy": "1e-06
             "continuation_initial_step": "",
             "continuation_largest_step": "", "continuation_smallest_step": "",
             "continuation_predictor": "edge", "continuation_stability": "off",
-            "continuation_at_bifurcation": "pass", "archive_file": "", "archive_fields": "none",
-            "archive_precision": "double",
-            "archive_errors": "false", "archive_resume": "false", "archive_overwrite": "false"}
+            "continuation_at_bifurcation": "pass", "continuation_locate_folds": "",
+            "archive_file": "", "archive_fields": "none",
+            "archive_precision": "double", "archive_fields_on": "",
+            "scene_rough_on": "sphere", "scene_rough_rolloff": "",
+            "archive_errors": "false", "archive_stiffness": "false",
+            "archive_resume": "false", "archive_overwrite": "false"}
 
 
 def test_defaults_are_the_documented_ones():

@@ -53,7 +53,8 @@ EXPECTED = {"beta": (BETA, "m"), "beta^2": (BETA * BETA, "m^2"), "u_n,r": (U_N, 
             "R sqrt(phi_n phi_t)": (RADIUS * math.sqrt(PHI_N * PHI_T), "N"),
             "w_n,r u_n,r": (PHI_N * BETA, "J/m"), "R phi_n u_n,r": (PHI_N * BETA ** 2, "J"),
             "p_n,r": (PHI_N / DELTA_N, "Pa"), "p_t,r": (PHI_T / DELTA_T, "Pa"),
-            "beta/E*": (BETA / MODULUS, "m/Pa")}
+            "beta/E*": (BETA / MODULUS, "m/Pa"), "w_n,r/u_n,r": (MODULUS, "Pa"),
+            "R phi_n/u_n,r": ((MODULUS ** 2 * RADIUS ** 2 * PHI_N) ** (1 / 3), "N/m")}
 WITHOUT = {"", "s", "relative", "ranges of the law"}
 
 

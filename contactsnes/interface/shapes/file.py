@@ -141,7 +141,8 @@ class File(Shape):
         """The heights, u_n,r."""
         found = self.map()
         unit = UNITS[found.unit or self.heights_unit or "m"] if scene.units == "si" else 1.0
-        heights = fitted(self.geometry_file, found.values, scene.shape, self.heights_fit)
+        heights = fitted(self.geometry_file, found.values, scene.shape, self.heights_fit,
+                         self.heights_edges)
         return heights * (unit / scene.scale("u_n,r")[0])
 
     def gap(self, coordinates, scene):

@@ -1,4 +1,4 @@
-"""A cylinder or sphere with self-affine roughness."""
+"""A cylinder, sphere or flat with self-affine roughness."""
 
 import math
 
@@ -13,11 +13,13 @@ BYTES = 60
 
 
 class Rough(Shape):
-    """|x|^2/2 - h, a self-affine h (`roughness.surface`), less its smallest value between nodes,
-    too: the same on every grid."""
+    """|x|^2/2 - h or, on a flat, -h, a self-affine h (`roughness.surface`), less its smallest value
+    between nodes, too: the same on every grid."""
 
     name = "rough"
-    meaning = "cylinder, in two dimensions sphere, with self-affine roughness"
+    meaning = "cylinder, in two dimensions sphere, or flat, with self-affine roughness"
+    rough_on: str = option("sphere", "what is rough: a sphere, on a line a cylinder, or a flat",
+                           choices=("sphere", "flat"))
     rough_hurst: float = option(0.8, "Hurst exponent H of roughness, whose power "
                                 "spectrum falls as q^-(2H + dimension)", minimum=0,
                                 maximum=1)
@@ -28,27 +30,42 @@ class Rough(Shape):
     rough_shortest: float = option(None, "length that all waves of roughness are longer than",
                                    "beta", kind="number", above=0,
                                    default_text="none: rough needs it")
+    rough_rolloff: float = option(None, "roll-off wavelength: waves longer than it have all the "
+                                  "power spectrum that it has", "beta", kind="number", above=0,
+                                  default_text="the longest wave")
     rough_seed: int = option(0, "seed of the phases of roughness", minimum=0, maximum=2 ** 32 - 1)
-    apart = True
+
+    @property
+    def uses_radius(self):
+        """Of a flat nothing is round."""
+        return self.rough_on != "flat"
+
+    @property
+    def apart(self):
+        """A flat is rough up to the edge of its cell, and goes on there."""
+        return self.rough_on != "flat"
 
     def roughness(self, scene):
-        """Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta), and seed."""
+        """Hurst exponent, rms slope (u_n,r/beta), longest and shortest wave (beta), seed, roll-off
+        (beta), and curvature of what is rough (u_n,r/beta^2)."""
         longest = min(scene.periods) if self.rough_longest is None else self.rough_longest
-        return self.rough_hurst, self.rough_slope, longest, self.rough_shortest, self.rough_seed
+        rolloff = longest if self.rough_rolloff is None else self.rough_rolloff
+        return (self.rough_hurst, self.rough_slope, longest, self.rough_shortest, self.rough_seed,
+                rolloff, float(self.rough_on != "flat"))
 
     def surface(self, scene):
         """The waves, `roughness.Surface`, and the smallest gap."""
         return surface(tuple(map(float, scene.periods)), *self.roughness(scene))
 
     def gap(self, coordinates, scene):
-        """|x|^2/2 - h, the coordinates those of a cell's nodes."""
+        """c |x|^2/2 - h, the coordinates those of a cell's nodes."""
         found, lowest = self.surface(scene)
         return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
 
     def curvature(self, scene):
         """That of sharp asperities: three times the root mean square."""
         found = self.surface(scene)[0]
-        return tuple(1.0 + 3.0 * found.rms(2, axis) for axis in range(scene.dimension))
+        return tuple(found.curvature + 3.0 * found.rms(2, axis) for axis in range(scene.dimension))
 
     def check(self, scene):
         """InputError unless roughness is given, and its waves fit into the cell."""
@@ -57,10 +74,11 @@ class Rough(Shape):
             raise InputError("-scene_geometry is 'rough' without "
                              f"{' and '.join(map(scene.option_name, absent))}: give the rms "
                              "slope and the shortest wave")
-        _, _, longest, shortest, _ = self.roughness(scene)
+        _, _, longest, shortest, _, rolloff, _ = self.roughness(scene)
         for name, value, limit, what in (("rough_longest", longest, min(scene.periods),
                                           "the period"),
-                                         ("rough_shortest", shortest, longest, "the longest wave")):
+                                         ("rough_shortest", shortest, longest, "the longest wave"),
+                                         ("rough_rolloff", rolloff, longest, "the longest wave")):
             if value > limit:
                 raise InputError(f"{scene.option_name(name)} is "
                                  f"'{as_text(scene.as_typed(name))}': allowed is at most "
@@ -89,15 +107,18 @@ class Rough(Shape):
                                  for period in scene.periods)
 
     def filled(self, scene):
-        """The longest wave."""
-        return {"rough_longest": self.roughness(scene)[2]}
+        """The longest wave and the roll-off."""
+        roughness = self.roughness(scene)
+        return {"rough_longest": roughness[2], "rough_rolloff": roughness[5]}
 
     def about(self, scene, size):
         """Waves, slope and height."""
-        hurst, slope, longest, shortest, seed = self.roughness(scene)
+        hurst, slope, longest, shortest, seed, rolloff, _ = self.roughness(scene)
         found, _ = self.surface(scene)
-        return [f"roughness: Hurst exponent {as_text(hurst)}, {found.numbers.shape[1]} "
+        flat = f", power spectrum flat above {size(rolloff, 'beta', 4)}" * (rolloff < longest)
+        return [f"roughness{' of a flat' * (self.rough_on == 'flat')}: Hurst exponent "
+                f"{as_text(hurst)}, {found.numbers.shape[1]} "
                 f"waves shorter than {size(longest, 'beta', 4)} and longer "
-                f"than {size(shortest, 'beta', 4)}, seed {seed}", "root mean square "
+                f"than {size(shortest, 'beta', 4)}{flat}, seed {seed}", "root mean square "
                 f"slope {size(slope, 'u_n,r/beta', 4)}, height "
                 f"{size(found.rms(0), 'u_n,r', 4)}"]

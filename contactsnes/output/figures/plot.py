@@ -11,6 +11,8 @@
 - ``RUN-outlines.png``: where the contact ends at chosen points, over each other
 - ``RUN-maps.png``: gap, pressure and tangential traction over a two-dimensional interface at up
   to three points
+- ``RUN-spots.png``: numbered spots of a two-dimensional contact, and how many there are of each
+  size
 - ``RUN-columns.png``: columns that are asked for
 
 The shear's figures begin where the tangential load begins.
@@ -36,6 +38,7 @@ from .maps import draw_maps
 from .measured import check_used, read_measured
 from .profiles import draw_profiles
 from .shape import draw_outlines, draw_shape
+from .spots import draw_spots
 from .style import settings, sized
 
 
@@ -151,4 +154,5 @@ def _kinds(record, points, measured):
             "shape": lambda: draw_shape(record),
             "outlines": lambda: draw_outlines(record, chosen),
             "profiles": lambda: draw_profiles(record, chosen),
-            "maps": lambda: draw_maps(record, chosen)}
+            "maps": lambda: draw_maps(record, chosen),
+            "spots": lambda: draw_spots(record, points)}

@@ -5,25 +5,22 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...scene.units import prefix
-from .style import BLUE, STYLE, WIDTH
+from .style import BLUE, STYLE, WIDTH, settings, sized
 from .words import label
 
 
-def draw_surface(path, coordinates, gap, units, title):
+def draw_surface(paths, coordinates, gap, units, title, asked):
     """Write a figure of an initial gap: a map, or a profile of a line, with the profile through its
     lowest place and the share of places by depth.
 
     Parameters
     ----------
-    path : path of the file that is written
+    paths : paths of the files that are written
     coordinates : tuple of one or two arrays (nodes,), in the first unit
     gap : array over the nodes, in the second unit
     units : pair of str, of coordinates and gap; SI's get a prefix
     title : str
-
-    Returns
-    -------
-    path
+    asked : PlotOptions, for size and style
     """
     (length, unit), (height, depth) = (
         prefix(0.5 * largest, name) if name == "m" else (1.0, name)
@@ -31,7 +28,7 @@ def draw_surface(path, coordinates, gap, units, title):
     coordinates, gap = [axis / length for axis in coordinates], gap / height
     plane = gap.ndim == 2
     place = np.unravel_index(np.argmin(gap), gap.shape)
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(settings(asked.style)):
         figure = Figure((WIDTH, (1.6 if plane else 1.0) * WIDTH), layout="constrained")
         figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
         stack = figure.subplots(2 + plane, 1, height_ratios=[2.6, 1, 1] if plane else [1.6, 1])
@@ -45,8 +42,9 @@ def draw_surface(path, coordinates, gap, units, title):
         shares = np.linspace(0, 100, 500)
         stack[-1].plot(np.percentile(gap, shares), shares, color=BLUE)
         stack[-1].set(xlabel=label("gap", "g_0", depth), ylabel="nearer (%)", ylim=(0, 100))
-        figure.savefig(path)
-    return path
+        sized(figure, asked.size)
+        for path in paths:
+            figure.savefig(path)
 
 
 def _draw_map(figure, axes, coordinates, gap, place, units):

@@ -1,0 +1,1 @@
+"""The page of rough surfaces, made by scripts/rough."""

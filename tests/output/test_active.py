@@ -1,0 +1,103 @@
+"""Fields on active nodes: the cell's that are made of them are those that the cell would have
+kept."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.contact.observables import Measurement, compliance, frame, table  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.layout import Column  # noqa: E402
+from contactsnes.output.reading import read  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Scene, Steps  # noqa: E402
+
+PLANE = {"dimension": 2, "geometry": "sphere", "normal_maugis": 2.0, "points": 32, "period": 12.0}
+LINE = {"normal_maugis": 3.0, "points": 256, "period": 40.0}
+SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangential": 0.03,
+      "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-6, "range_tangential": 1e-6}
+
+
+def written(folder, scene, path, on, precision="double", load_start=None):
+    """(Branch, Record of all points of its path)."""
+    branch = Branch(scene, Load(start=load_start, path=path), Steps())
+    kept = {"compliance": compliance(branch.contact)} if on == "active" else {}
+    rows = table(scene)
+    archive = Archive.create(
+        folder / f"{on}.h5", scene=branch.attributes(), options=f'-load_path "{path}"',
+        versions={}, columns={name: Column(row.unit, row.kind, row.names)
+                              for name, row in rows.items()},
+        fields="all", components=scene.components,
+        precision=precision, **frame(branch.contact), **kept)
+    for point in branch:
+        measured = Measurement(branch.contact, point)
+        fields, active = ((), measured.active_fields()) if kept else (measured.fields(), {})
+        archive.append({name: row.function(measured) for name, row in rows.items()},
+                       branch.packed(point), *fields, **active)
+    archive.finish()
+    return branch, read(archive.path)
+
+
+@pytest.mark.parametrize("scene, path, start", [
+    ({**LINE}, "normal_displacement=1", None),
+    ({**LINE, "poisson": 0.3}, "normal_displacement=1; tangential_displacement=2", None),
+    ({**LINE, "period": np.inf, "spacing": 0.1, "points": "auto"}, "normal_force=2", None),
+    ({**PLANE}, "normal_displacement=1", None),
+    ({**PLANE, "tangential_maugis": 2.0}, "normal_displacement=1; tangential_displacement_x=2",
+     None),
+    ({**PLANE, "tangential_maugis": 2.0, "poisson": 0.3},
+     "normal_displacement=1; tangential_displacement_y=2", None),
+], ids=["line", "coupled line", "isolated", "plane", "sheared plane", "coupled plane"])
+def test_the_cell_is_rebuilt(tmp_path, scene, path, start):
+    if scene["period"] == np.inf:
+        scene = {name: value for name, value in scene.items() if name != "points"}
+    scene = Scene(**scene)
+    _, cell = written(tmp_path, scene, path, "cell", load_start=start)
+    branch, active = written(tmp_path, scene, path, "active", load_start=start)
+    assert active.on_active and not cell.on_active and active.units["traction"]
+    for point in (0, active.points // 2, active.points - 1):
+        kept = active.active(point)
+        assert 0 < len(kept["nodes"]) < cell.field("traction", point)[0].size
+        # what is left of a point's balance, and no more
+        np.testing.assert_allclose(active.field("displacement", point),
+                                   cell.field("displacement", point), atol=1e-6)
+        np.testing.assert_allclose(active.field("traction", point),
+                                   cell.field("traction", point), atol=1e-13)
+
+
+def test_fields_in_si_and_in_single_precision(tmp_path):
+    scene = Scene.typed(**SI, dimension=2, geometry="sphere", period=6e-4, points=32)
+    path = "normal_displacement=1e-6; tangential_displacement_x=2e-6"
+    (tmp_path / "single").mkdir()
+    cell, active, single = (written(*given)[1] for given in (
+        (tmp_path, scene, path, "cell"), (tmp_path, scene, path, "active"),
+        (tmp_path / "single", scene, path, "active", "single")))
+    last = cell.points - 1
+    for name in ("displacement", "traction"):
+        expected = cell.field(name, last)
+        assert single.field(name, last).dtype == np.float32
+        for found, digits in ((active, 1e-6), (single, 1e-5)):
+            np.testing.assert_allclose(found.field(name, last), expected,
+                                       atol=digits * np.max(np.abs(expected)))
+    assert len(single.active(last)["nodes"]) <= len(active.active(last)["nodes"])
+    assert active.units["displacement"] == cell.units["displacement"]
+
+
+def test_an_isolated_contact_goes_on_from_any_point(tmp_path):
+    scene = Scene(normal_maugis=3.0, period=np.inf, spacing=0.1)
+    for on in ("cell", "active"):
+        branch, record = written(tmp_path, scene, "normal_force=4", on)
+        assert record.points > 6
+        if on == "cell":
+            with pytest.raises(InputError, match="-archive_fields_on active keeps it"):
+                Branch.restart(record, "normal_force=0", 1)
+    again = Branch.restart(record, f"normal_force={record['normal_force'][8]}", 4)
+    first, *_, last = again
+    assert first.residual_norm < 1e-8
+    for point, place in ((first, 4), (last, 8)):
+        assert again.observe(point)["contact_area"] == pytest.approx(
+            record["contact_area"][place], rel=1e-7)
