@@ -38,7 +38,8 @@ def reached(system, start, controls, load, where):
     controls, load : of each component
     where : str, what messages say of the place
     """
-    coarse = resolving(system, len(controls) > 1)
+    plane = len(system.contact.grid.shape) == 2
+    coarse = resolving(system, len(controls) > 1) if plane else None
     if coarse is not None:
         system.log(f"motion on {coarse.contact.grid.size} nodes leads to the first point on "
                    f"{system.contact.grid.size}, which Newton's method corrects")

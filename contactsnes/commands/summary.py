@@ -10,7 +10,7 @@ import numpy as np
 from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
-from ..contact.even_form import obstacles
+from ..contact.symmetry import obstacles
 from ..interface import bodies, shapes
 from ..interface.own_shapes import jumps
 from ..options.database import database
@@ -120,7 +120,8 @@ def _asymmetries(settings, branch, sheared):
     """Why states are not even at the start and in each leg, or None."""
     if settings.form.symmetry == "off":
         return ["it is not wanted"] * len(sheared)
-    return obstacles(branch.contact, sheared, settings.form, branch.method)
+    return obstacles(branch.contact, sheared, scenes.loaded_legs(settings.scene, settings.load),
+                     settings.form, branch.method)
 
 
 def _by(shape):

@@ -14,6 +14,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..contact import places, states
+from ..contact.scattered import boxed
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
@@ -103,11 +104,11 @@ class OverdampedMotion:
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
         self._control = control(contact, len(controls))
-        self._begin(0.0, states.boxed(contact, state))
+        self._begin(0.0, boxed(contact, state))
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
-        even = self.symmetry.holds(len(self.controls))
+        even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load)
         unknown = equations.pack(state.displacement, state.means)

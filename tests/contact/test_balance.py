@@ -12,11 +12,14 @@ from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
 from contactsnes.branch.remarks import DILUTED
 from contactsnes.branch.tracing import Tracer
 from contactsnes.contact.balance import Balance, Response
-from contactsnes.contact.even_form import EvenForm, Symmetry
+from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.states import State
+from contactsnes.contact.symmetry import Symmetry
 from contactsnes.grid.boxes import Spots, convolution
-from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
+from contactsnes.grid.cosines import EvenConvolution
+from contactsnes.grid.even import EvenWindow, lone
+from contactsnes.grid.parity import UNEVEN
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import tangential_legs

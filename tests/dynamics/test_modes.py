@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation.points import NotConverged
-from contactsnes.dynamics.modes import NEUTRAL, joined, leading_modes, oriented
+from contactsnes.dynamics.modes import NEUTRAL, leading_modes, oriented
+from contactsnes.dynamics.projection import joined
 from contactsnes.grid.contours import first_largest
 
 
