@@ -132,12 +132,12 @@ def draw(found, path):
         (force, area), (count, sizes) = figure.subplots(2, 2)
         for run, colour in zip(pressed.values(), colours(len(pressed))):
             _draw_loop(run, colour, force, area, count)
-        first = next(iter(pressed.values()))
+        finest = list(pressed.values())[-1]
         inset = force.inset_axes([0.17, 0.45, 0.45, 0.5])
-        for part, line in ((first["leg"] < 3, "-"), (first["leg"] == 3, "--")):
-            inset.plot(1e6 * first["normal_displacement"][part],
-                       1e6 * first["normal_force"][part], line, color=colours(len(pressed))[0])
-        lowest = 1e6 * first["normal_force"].min()
+        for part, line in ((finest["leg"] < 3, "-"), (finest["leg"] == 3, "--")):
+            inset.plot(1e6 * finest["normal_displacement"][part],
+                       1e6 * finest["normal_force"][part], line, color=colours(len(pressed))[-1])
+        lowest = 1e6 * finest["normal_force"].min()
         inset.set(xlim=(-0.12, 0.25), ylim=(1.3 * lowest, -2.5 * lowest), ylabel="$W$ (µN)")
         inset.axhline(0, color=GREY, linewidth=0.4)
         force.set(xlabel="displacement $D$ (µm)", ylabel="pressure $W/L^2$ (kPa)")
@@ -149,7 +149,7 @@ def draw(found, path):
                              Line2D([], [], color="black", linestyle="--", label="pulled"),
                              Line2D([], [], color="black", linestyle=":",
                                     label="counted, corrected")])
-        _draw_sizes(first, sizes)
+        _draw_sizes(finest, sizes)
         figure.savefig(path, dpi=160)
     return path
 
@@ -182,8 +182,8 @@ def _draw_sizes(run, axes):
 
 def draw_shear(found, path):
     """The spots at 250 kPa, and forces and shares of the contact under shear."""
-    (_, run), *_ = runs_of(found, "sheared").items()
-    spots = next(iter(of_the_grid(found).values()))
+    run, spots = (list(runs.values())[-1] for runs in (runs_of(found, "sheared"),
+                                                       of_the_grid(found)))
     with matplotlib.rc_context(STYLE):
         figure = Figure((2.1 * WIDTH, 0.95 * WIDTH), layout="constrained")
         chart, shear = figure.subplots(1, 2)
