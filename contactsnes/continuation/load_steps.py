@@ -137,6 +137,9 @@ class LoadSteps:
                           PREDICTORS["secant"])
         if len(self.history) == 1:
             yield from self._foretold_by_tangent(guess, target)
+        else:
+            # A linear solve is dear, but less so than a step that is refused for nothing.
+            yield self.system.along_tangent(last, self.leg, here, target - here)
 
     def _foretold_by_tangent(self, guess, target):
         """Predictions of a first step by the tangent where it begins: in place, and with the edges

@@ -165,7 +165,7 @@ class System:
         self.used.append(points)
         return sum(weight * point.state for weight, point in zip(weights, points))
 
-    follow_edge = extrapolate
+    follow_edge = follow_law = extrapolate
 
     def distance(self, first, second):
         return float(np.sqrt(np.mean((first - second) ** 2)))
