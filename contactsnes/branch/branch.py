@@ -157,7 +157,8 @@ class Branch:
                              history=self.history,
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
-                             stepper=steppers.stepper(self.steps, self.scene.dimension))
+                             stepper=steppers.stepper(self.steps, self.scene.dimension == 1
+                                                      or self.contact.convex))
         works = energies.PathEnergies(self.contact, self.history)
         last, self._under_way = self.history[-1] if self.history else None, None
         self._remarks = Remarks(self.corrector, self.stability is not None,

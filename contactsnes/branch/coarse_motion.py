@@ -7,10 +7,10 @@ grids decides; each finer one only corrects what it finds.
 
 from dataclasses import replace
 
-from ..contact import states
+from ..contact import places, states
 from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
-from ..continuation.points import NoEquilibrium, NotConverged
+from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
 from ..solvers.snes import COLD
 from .coarser import coarser, finer_state, resolving
@@ -26,13 +26,6 @@ before it, up to which both are one: no fold lies in between."""
 SHORTEST = 0.2
 """Part of a bracket below which steps on the way back through it are not halved."""
 
-LENIENCE = 3.0
-"""How many times what first points leave unresolved a grid may, on which the equilibrium that a
-motion begins at stands still: only what moves is as coarse as that."""
-
-
-class NoWayBack(NotConverged):
-    """The branch beyond a bracket of loads does not reach back through it."""
 
 
 def reached(system, start, controls, load, where):
@@ -121,12 +114,14 @@ def crossed(system, last, beyond, where):
     """
     controls, load = last.controls, last.load
     ahead, behind = _crossing(system, last.state, controls, load, beyond, where)
-    if behind is None or not _gained(system.contact, last, behind) > 0.0:
-        return ahead, behind
-    system.log("the jump on a coarser grid would gain energy: motion on the grid itself")
-    ahead, behind = _crossed(system, last.state, controls, load, beyond, where)
     if behind is not None and _gained(system.contact, last, behind) > 0.0:
-        raise NoWayBack("the branch beyond a refused step leads back to more energy")
+        system.log("the jump on a coarser grid would gain energy: motion on the grid itself")
+        ahead, behind = _crossed(system, last.state, controls, load, beyond, where)
+        if behind is not None and _gained(system.contact, last, behind) > 0.0:
+            raise NoWayBack("the branch beyond a refused step leads back to more energy")
+    if behind is not None:
+        system.log(f"a jump before {system.contact.scene.loads(controls, beyond)}: "
+                   f"{places.moved(system.contact, last.state, behind.state)}")
     return ahead, behind
 
 
@@ -204,7 +199,7 @@ def _coarsely(system, controls, origin, motion):
     """
     contact = system.contact
     if (origin is None or len(controls) > 1 or contact.convex or len(contact.grid.shape) < 2
-            or (coarse := resolving(system, False, LENIENCE)) is None):
+            or (coarse := resolving(system, False)) is None):
         return None
     level = Departure(contact, coarse.contact, origin)
     try:

@@ -35,7 +35,7 @@ def coarser(system, contact, tolerance):
     return coarse
 
 
-def resolving(system, sheared, lenience=1.0):
+def resolving(system, sheared):
     """A corrector on every other node of a system's grid, where those still resolve gap and
     cohesive zone; None where they do not, or where no other grid serves.
 
@@ -43,14 +43,13 @@ def resolving(system, sheared, lenience=1.0):
     ----------
     system : Corrector
     sheared : bool, whether there are tangential components
-    lenience : how many times what a grid may leave unresolved is allowed
     """
     contact = system.contact
     if contact.isolated or any(n % 4 or n < 2 * SHORTEST for n in contact.grid.shape):
         return None
-    level = contact.coarse(lenience * LARGEST_RESOLUTION)
-    if (not np.array_equal(level.ranges, contact.ranges) or _missed(contact) > lenience * SMOOTH
-        or max(resolution(level.scene, sheared)) > lenience):
+    level = contact.coarse(LARGEST_RESOLUTION)
+    if (not np.array_equal(level.ranges, contact.ranges) or _missed(contact) > SMOOTH
+        or max(resolution(level.scene, sheared)) > 1.0):
         return None
     return coarser(system, level, None)
 

@@ -19,8 +19,8 @@ from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.capabilities import asked
 from ..solvers.snes import COLD
-from .coarser import coarser, finer_state
 from .coarse_motion import reached
+from .coarser import coarser, finer_state
 
 SPACING = 2.0 * LARGEST_RESOLUTION
 """Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks

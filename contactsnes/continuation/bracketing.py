@@ -1,10 +1,10 @@
-"""Natural continuation whose folds are bracketed by steps, not located: where jumps are frequent."""
+"""Natural continuation whose folds are bracketed by steps, not located: where jumps are many."""
 
 from dataclasses import replace
 
 from . import branching
 from .natural import NaturalSteps, fold_kind
-from .points import NoEquilibrium, NoFold, NotConverged
+from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
 from .predictors import after_failure
 
 HALVINGS = 6
@@ -113,11 +113,51 @@ class BracketingSteps(NaturalSteps):
                                                     f"at {self._place(beyond)}")
                 if behind is not None:
                     return ahead, behind, beyond
-                return self._step(beyond, self.predictor, ahead), None, beyond
-            except NotConverged as failure:
+                return self._followed(beyond, ahead), None, beyond
+            except NoWayBack as failure:
                 reason, nearer = str(failure), 0.5 * (place + beyond)
                 try:
                     return self._step(nearer, after_failure(self.predictor)), None, nearer
                 except NotConverged:
                     beyond = nearer
         raise NoFold(f"no branch leads back from there: {reason}")
+
+    def _followed(self, beyond, ahead):
+        """The point at the end of a bracket without a fold, near a state; NoWayBack where a step
+        does not lead there."""
+        try:
+            return self._step(beyond, self.predictor, ahead)
+        except NotConverged as error:
+            raise NoWayBack(str(error)) from None
+
+    def _look_ahead(self, error, step):
+        """Yield what stops the steps; where that is not found, what motion leads to further on: no
+        path ends because a spot will not settle."""
+        try:
+            yield from self._fold(error, 4.0 * step)
+            return
+        except NoFold as failure:
+            reason = failure
+        place, last = self.history[-1]
+        for width in (4.0 * step, BRACKET * self.shortest, self.shortest):
+            beyond = min(place + width, 1.0)
+            where = f"at {self._place(beyond)}"
+            try:
+                point = self.system.settle(last.state, self.leg.controls, self.leg.load(beyond),
+                                           where)
+            except NotConverged as failure:
+                reason = failure
+                continue
+            self.system.log(f"{reason}: the path goes on {where}, where motion from its last "
+                            "point leads; the load of that jump is known to this step only")
+            spent = self.system.account()
+            fold = replace(self._marked(last, beyond - place),
+                           spent=dict.fromkeys(spent, 0))
+            self.history = []
+            point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
+                            event="jump")
+            point = self._accept(branching.settled(self.system, self.certify, point, where))
+            yield fold
+            yield replace(point, spent={name: spent[name] + point.spent[name] for name in spent})
+            return
+        yield from super()._look_ahead(reason, step)

@@ -16,6 +16,10 @@ class NoFold(NotConverged):
     """The search along the arc found neither a fold nor a way past the trouble."""
 
 
+class NoWayBack(NotConverged):
+    """The branch beyond a bracket of loads does not reach back through it."""
+
+
 class TooCoarse(RuntimeError):
     """A point misses the accuracy for which its grid was chosen.
 

@@ -32,17 +32,17 @@ def refuse(steps, method):
                          "jumps or stops at a fold")
 
 
-def stepper(steps, dimension):
+def stepper(steps, located):
     """The class of steps that ``-continuation_type``, ``_at_fold`` and ``_locate_folds`` ask for.
 
     Parameters
     ----------
     steps : Steps
-    dimension : of the interface; folds of a plane are bracketed unless their location is asked for
+    located : whether folds are located unless ``-continuation_locate_folds`` says it
     """
     if steps.type == "arclength":
         return ArcLengthSteps
     if steps.at_fold == "trace":
         return TracedSteps
-    located = dimension == 1 if steps.locate_folds is None else steps.locate_folds
+    located = located if steps.locate_folds is None else steps.locate_folds
     return NaturalSteps if located else BracketingSteps

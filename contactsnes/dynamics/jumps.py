@@ -12,9 +12,9 @@ from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes
 from ..solvers.snes import COLD, WARM
+from .control import rough
 from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from .relaxing import ENDLESS, relaxed
-from .viscous import rough
 
 BESIDE = 5.0
 """Distance from an equilibrium, ranges where the law acts, within which a motion that begins there
@@ -31,9 +31,9 @@ SLOWED = 0.05
 over, and a tenth of it the next time: one that passes a fold has not been faster before."""
 
 BASIN, WIDE = 0.02, 0.1
-"""Distance at any node where the law acts, within which Newton's solution is the motion's end, and within
-which it is where a `rough` motion has slowed down and the solution is stable: ranges of the law.
-"""
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end, and
+within which it is where a `rough` motion has slowed down and the solution is stable: ranges of the
+law."""
 
 
 def kicked(system, fold, beyond, part):
@@ -161,13 +161,13 @@ def at_rest(system, motion, controls, load):
                        *((rest, 0.0) for rest in RESTS)]:
         motion.follow(rest, part)
         try:
-            return polished(system, motion.state(), controls, load, part > 0.0)
+            return (taken_over if part else polished)(system, motion.state(), controls, load)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
 
 
-def polished(system, rest, controls, load, early=False):
+def polished(system, rest, controls, load):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
     elsewhere.
 
@@ -176,13 +176,23 @@ def polished(system, rest, controls, load, early=False):
     system : Corrector
     rest : State
     controls, load : of each component
-    early : whether the motion has but slowed down
     """
-    point = system.solve(rest, controls, load, WARM if early else COLD)
+    return _near(system, rest, system.solve(rest, controls, load, COLD), BASIN)
+
+
+def taken_over(system, slow, controls, load):
+    """The same where a `rough` motion has but slowed down: the point has to be stable."""
+    point = system.solve(slow, controls, load, WARM)
+    if point.softest < 0.0:
+        raise NotConverged("Newton's solution is not stable")
+    return _near(system, slow, point, WIDE)
+
+
+def _near(system, rest, point, basin):
+    """A point, if it is where a motion led."""
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    aside = states.missed(system.contact, rest, point.state, largest=True)
-    if aside < (WIDE if early else BASIN) and far < 1.0 and not (early and point.softest < 0.0):
+    if states.missed(system.contact, rest, point.state, largest=True) < basin and far < 1.0:
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 

@@ -13,32 +13,15 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..contact import states
+from ..contact import places, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .viscous import Equations, rough
+from .control import control
+from .viscous import Equations
 
 RESTING = 1e-6
 """Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
-class Control(NamedTuple):
-    """What steps of a motion may miss.
-
-    Attributes
-    ----------
-    error : their error, over -jump_motion_tolerance
-    turning : part of a step by which it may miss its prediction: next to an unstable state a long
-        implicit step would lead back to it
-    still : length of a step, ranges, below which it does not matter how it was predicted
-    """
-
-    error: float
-    turning: float
-    still: float
-
-
-FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4), Control(4.0, 0.5, 1e-2)
-"""Of motions whose works are summed up, and of `rough` ones."""
 ENDLESS = 30.0
 """Time for which nothing may hold back a body that slides before it is said to slide for ever,
 relaxation times.
@@ -119,7 +102,7 @@ class OverdampedMotion:
         self.measured = True
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
-        self._control = ROUGHLY if rough(contact, len(controls)) else FOLLOWED
+        self._control = control(contact, len(controls))
         self._begin(0.0, states.boxed(contact, state))
 
     def _begin(self, time, state, elastic=None):
@@ -163,7 +146,7 @@ class OverdampedMotion:
             if not error <= 1.5:
                 step *= max(0.25, 0.8 * error ** (-1.0 / 3.0)) if error < np.inf else 0.25
                 if step < SHORTEST:
-                    raise Unsettled("its time steps became too short")
+                    raise Unsettled(f"its time steps became too short, fastest {self._place()}")
                 continue
             if self.measured:
                 self._account(moment, step)
@@ -185,15 +168,23 @@ class OverdampedMotion:
             if not covered:
                 self._widen()
                 step *= 0.3
-        raise Unsettled(f"it has not come to rest after {self.steps} steps")
+        raise Unsettled(f"it has not come to rest after {self.steps} steps, fastest "
+                        f"{self._place()}")
+
+    def _place(self):
+        """Where the motion is fastest, in words."""
+        equations, (before, now) = self.equations, (self.history[0], self.history[-1])
+        moved = now.unknown - before.unknown if before is not now else self.rate
+        speed = equations.unfolded(np.abs(equations.displacement(moved)) * self._near.mask)
+        return places.largest(self.contact, equations.window, speed.max(axis=0))
 
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
         leads."""
         equations = self.equations
         history = self.history
-        control = self._control
-        tolerance = control.error * self.options.tolerance
+        allowed = self._control
+        tolerance = allowed.error * self.options.tolerance
         now = history[-1]
         shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)
         guess = self._predicted(step)
@@ -209,9 +200,9 @@ class OverdampedMotion:
             return np.inf, None
         aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
         turned = (equations.size(aside, self._near)
-                  / max(equations.size(unknown - now.unknown, self._near), control.still))
+                  / max(equations.size(unknown - now.unknown, self._near), allowed.still))
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
-                    turned / control.turning)
+                    turned / allowed.turning)
         gap = equations.gap(unknown)
         traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.

@@ -27,23 +27,7 @@ from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
 from ..solvers.linear import create_ksp
 from ..solvers.snes import NewtonOptions, RegularisedStep
-
-EXACTNESS = 1e-4
-"""Relative tolerance of the linear solves of a step, unless -jump_ksp_rtol gives one."""
-LOOSE = 3e-2
-"""The same where a motion is `rough`: the control of its steps sees what they leave."""
-
-
-def rough(contact, components):
-    """Whether nothing but the end of a motion counts: on planes whose gap is not convex, where spots
-    jump one by one, and the law's potential tells what is lost.
-
-    Parameters
-    ----------
-    contact : Contact
-    components : int, of the motion
-    """
-    return components == 1 and len(contact.grid.shape) == 2 and not contact.convex
+from .control import control
 
 
 class Near(NamedTuple):
@@ -95,8 +79,8 @@ class Equations:
                                                 for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
-        self._exactness = PETSc.Options("jump_").getReal(
-            "ksp_rtol", LOOSE if rough(contact, count) else EXACTNESS)
+        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol",
+                                                         control(contact, count).exactness)
         self._iterations = 0
         self._rim = np.flatnonzero(self.folded(window.rim()))
 

@@ -105,16 +105,16 @@ def _cropped(crop, values):
 
 def _filled(option, values, fill):
     """Heights with values where there were none; ValueError where that is not wanted."""
-    if values.dtype.kind != "f" or not np.isnan(values).any():
+    holes = ~np.isfinite(values)
+    if not holes.any():
         return values
-    holes = np.isnan(values)
     share = f"{np.count_nonzero(holes)} of {holes.size} heights are missing"
     if fill == "none" or holes.all():
         raise ValueError(f"{option}: some heights are not finite (nan or inf), {share}; fill the "
                          "missing points first: -scene_heights_fill interpolate, nearest or mean.")
     values = np.array(values, dtype=float)
     if fill == "mean":
-        values[holes] = np.nanmean(values)
+        values[holes] = np.mean(values[~holes])
         return values
     from scipy import ndimage  # as in `fitted`: many scenes need none of it, and it takes time
     from scipy.interpolate import griddata

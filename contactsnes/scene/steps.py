@@ -61,7 +61,8 @@ class Steps(Options):
                           choices=("jump", "stop", "trace"))
     locate_folds: bool = option(None, "locate folds to 1e-8 of the load; else steps bracket them, "
                                 "and fold_precision says how closely", kind="flag",
-                                default_text="true on lines, false on planes")
+                                default_text="true on lines and of convex bodies, false on rough "
+                                             "planes")
     initial_step: float | tuple = option(None, "first step of a leg", "of what moves",
                                          kind="number", above=0, many="legs",
                                          default_text="1/40 of the leg")

@@ -5,9 +5,9 @@ from petsc4py import PETSc
 from .snes import NOT_A_NUMBER
 
 FIRST, LATER = 0.7, 0.5
-"""Part of the first residual norm below which the next one has to be, and all later ones. Warm steps
-on smooth parts of a branch reduce it tenfold with each iteration; those beyond a fold wander about.
-"""
+"""Part of the first residual norm below which the next one has to be, and all later ones. Warm
+steps on smooth parts of a branch reduce it tenfold with each iteration; those beyond a fold wander
+about."""
 DIVERGED = 1e4
 """PETSc's own bound of the norm over the first one."""
 

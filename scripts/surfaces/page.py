@@ -21,6 +21,10 @@ AREA, LENGTH, FORCE = 1e-8, 1e-4, 2.5e-3
 """Of the cell, m^2; its period, m; the largest normal force, N."""
 
 
+OTHERS = {"coarse": ", waves of 256²", "long": ", waves of 6.4 µm and more"}
+"""Waves of runs that have not those of their grid, in words."""
+
+
 def runs_of(found, kind):
     """Name without the kind -> columns of the runs of a kind."""
     return {name.removeprefix(f"{kind}-"): run for name, run in found.items()
@@ -29,9 +33,8 @@ def runs_of(found, kind):
 
 def told(name):
     """A run's name in words."""
-    points, seed, *coarse = name.split("-")
-    waves = ", waves of 256²" if coarse else ""
-    return f"{points}², seed {seed}{waves}"
+    points, seed, *waves = name.split("-")
+    return f"{points}², seed {seed}{OTHERS[waves[0]] if waves else ''}"
 
 
 def full(run):
@@ -45,13 +48,6 @@ def at(run, force, leg):
     order = np.argsort(run["normal_force"][part], kind="stable")
     return float(np.interp(force, run["normal_force"][part][order],
                            run["contact_area"][part][order]))
-
-
-def lost(run):
-    """Work of the loads around the loop from first touch to pull-off, J, by the trapezoidal
-    rule."""
-    force, displacement = run["normal_force"], run["normal_displacement"]
-    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement)))
 
 
 def tables(found):
@@ -81,14 +77,16 @@ def _pressed(pressed):
 def _loops(pressed):
     """One row a run: what differs between loading and unloading, and what the path took."""
     heading = ["grid", "largest attraction (µN)", "area at 2.5 kPa, pressed (%)", "pulled (%)",
-               "work lost in the loop (fJ)", "folds and jumps", "points", "rejected steps",
-               "transforms", "time (s)"]
+               "lost in jumps (fJ)", "imbalance of energies (fJ)", "jumps", "points",
+               "rejected steps", "transforms", "time (s)"]
     rows = []
     for name, run in pressed.items():
-        jumps = np.sum(np.isin(run["event"], ("fold", "jump")))
+        jumps = np.count_nonzero(run["event"] == "jump")
         rows.append([told(name), f"{-1e6 * run['normal_force'].min():.3f}",
                      *(f"{100 * at(run, 0.01 * FORCE, leg) / AREA:.4f}" for leg in (1, 3)),
-                     f"{1e15 * lost(run):.3g}", str(jumps),
+                     *(f"{1e15 * run[column][-1]:.3g}" for column in ("dissipated_work",
+                                                                      "energy_imbalance")),
+                     str(jumps),
                      str(len(run["leg"])), str(run["rejected"][0]),
                      f"{run['transforms'].sum():.0f}", f"{run['wall_time'].sum():.0f}"])
     return markdown(heading, rows)
@@ -121,9 +119,10 @@ def reach(run):
 
 
 def draw(found, path):
-    """Force, area, spots and their sizes of the runs without shear that are not for error bars."""
+    """Force, area, spots and their sizes of the runs that have the waves of their grid."""
     every = runs_of(found, "pressed")
-    pressed = {name: run for name, run in every.items() if not name.endswith("coarse")} or every
+    pressed = {name: run for name, run in every.items()
+               if not name.endswith(tuple(OTHERS))} or every
     with matplotlib.rc_context(STYLE):
         figure = Figure((2.1 * WIDTH, 1.6 * WIDTH), layout="constrained")
         (force, area), (count, sizes) = figure.subplots(2, 2)

@@ -267,6 +267,11 @@ class System:
                                            + np.abs(self.problem.jacobian(state, load[-1])).max())
         raise NotConverged("the motion did not settle")
 
+    def crossed(self, last, beyond, where):
+        ahead = self.settle(last.state, last.controls, beyond, where)
+        behind = self.solve(ahead.state, last.controls, last.load)
+        return ahead.state, None if self.missed(last.state, behind.state) < 1e-3 else behind
+
     def _newton(self, residual, jacobian, guess):
         state = np.array(guess, dtype=float)
         for count in range(self.most + 1):

@@ -118,6 +118,12 @@ def test_holes_are_filled():
     np.testing.assert_allclose(filled["interpolate"], plane, atol=1e-12)
     assert np.abs(filled["nearest"] - plane).max() < 0.7
     assert filled["mean"][6, 7] == pytest.approx(np.nanmean(values), rel=1e-12)
+    values[6, 7] = np.inf  # as good as nothing
+    for fill, expected in filled.items():
+        np.testing.assert_array_equal(heights._filled("", values, fill), expected)
+    with pytest.raises(ValueError, match="12 of 432 heights are missing; .*-scene_heights_fill"):
+        heights._filled("", values, "none")
+    values[6, 7] = np.nan
     line = values[:, 7].copy()
     np.testing.assert_allclose(heights._filled("", line, "interpolate"), plane[:, 7], atol=1e-12)
     with pytest.raises(ValueError, match="heights are missing"):

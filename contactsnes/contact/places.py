@@ -1,0 +1,40 @@
+"""Places of a contact in words: where something is largest, and what a jump has moved."""
+
+import numpy as np
+
+from ..interface.gap import where
+from .states import way
+
+MOVED = 0.3
+"""Way of a node, ranges of the law, from which on it has jumped."""
+
+
+def largest(contact, window, field):
+    """Where a field is largest, in words.
+
+    Parameters
+    ----------
+    contact : Contact
+    window : Window
+    field : array (nodes of the window)
+    """
+    cell = np.full(contact.grid.shape, -np.inf)
+    window.put(field, cell)
+    node = np.unravel_index(np.argmax(cell), cell.shape)
+    return f"at {where(node, contact.grid.coordinates(), contact.scene)}"
+
+
+def moved(contact, first, last):
+    """What has moved from one state to another where the law acts, in words.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    """
+    window = max(first.window, last.window, key=lambda window: window.size)
+    change, near = way(contact, first, last, window)
+    far = np.linalg.norm(change, axis=0) * near
+    return (f"{contact.grid.count(far > MOVED)} nodes move by more than {MOVED:g} ranges of the "
+            f"law, the farthest, {largest(contact, window, far)}, by "
+            f"{contact.grid.maximum(far):.3g}")
