@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import acceptance, states
-from ..contact.edges import follow_edge, follow_law
+from ..contact.edges import follow_edge
 
 
 class Neighbours:
@@ -36,11 +36,6 @@ class Neighbours:
         known = [point.state for point in points]
         half = self.symmetry.halves(known[-1])
         return self.symmetry.mirrored(follow_edge(self.contact, known, weights, half))
-
-    def follow_law(self, points, weights):
-        """Weighted sum of states at fixed places, normal gaps in the regularised gap."""
-        known = [point.state for point in points]
-        return follow_law(self.contact, known, weights)
 
     def missed(self, guess, state, largest=False):
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean

@@ -115,6 +115,7 @@ def follow_edge(contact, states, weights, half=False):
     if isinstance(window, Nodes):
         return _follow_on_nodes(contact, states, weights)
     ahead = _follow_spot(contact, states, weights, half)
+    # Spots of a rough plane merge and appear, and few are round.
     if ahead is not None or half or contact.scattered:
         return ahead
     return _follow_spots(contact, states, weights)
@@ -184,30 +185,6 @@ def _follow_spots(contact, states, weights):
         if moved is not None:
             target[...], followed = moved.displacement.reshape(target.shape), True
     return ahead if followed else None
-
-
-def follow_law(contact, states, weights):
-    """Weighted sum of states at fixed places, on the window of the last, normal gaps in w = a +
-    N(a) / kappa.
-
-    Near an edge of contact that passes a node its gap changes abruptly, from falling to hardly at
-    all, and its traction the other way; w, the sum of the two, does not.
-
-    Parameters
-    ----------
-    contact : Contact
-    states : list of State
-    weights : numbers, one a state
-    """
-    window, law = states[-1].window, contact.law
-    fields = [onto(state, window) for state in states]
-    displacement = sum(weight * field for weight, field in zip(weights, fields))
-    initial_gap, kappa = window.take(contact.initial_gap), law.moving_stiffness
-    target = sum(weight * law.regularised(field[0] + initial_gap, kappa)
-                 for weight, field in zip(weights, fields))
-    displacement[0] = law.gap_of_regularised(target, kappa) - initial_gap
-    return State(window, displacement, sum(weight * state.means
-                                           for state, weight in zip(states, weights)))
 
 
 def carried(contact, change, origin, state):

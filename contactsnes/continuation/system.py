@@ -33,9 +33,6 @@ class States(Protocol):
     def follow_edge(self, points: Sequence, weights: Sequence) -> Optional[Any]:
         """The same in coordinates that follow what moves; None where there are no such."""
 
-    def follow_law(self, points: Sequence, weights: Sequence) -> Any:
-        """The same in place, in a variable that changes smoothly where an edge passes."""
-
     def missed(self, guess: Any, state: Any) -> float:
         """Distance of a state from its prediction, root mean square where it matters."""
 

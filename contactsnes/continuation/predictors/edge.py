@@ -7,8 +7,8 @@ from .predictor import Predictor
 class Edge(Predictor):
     """The parabola through the last three states, in coordinates that follow the contact's edge.
 
-    Of many spots, or none, the cubic through the last four, in a variable that edges pass smoothly.
-    The tangent where there is one point; along the arc the parabola of states as they are.
+    Of many spots, or none, the cubic through the last four as they are, which costs no linear
+    solve; the tangent where there is one point. Along the arc the parabola of states as they are.
     """
 
     name = "edge"
@@ -26,4 +26,4 @@ class Edge(Predictor):
             return system.extrapolate(last, weights)
         if len(points) == 1:
             return tangent()
-        return system.follow_law(points[-4:], lagrange_weights(places[-4:], place))
+        return system.extrapolate(points[-4:], lagrange_weights(places[-4:], place))
