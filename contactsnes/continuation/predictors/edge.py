@@ -3,6 +3,10 @@
 from ..points import lagrange_weights
 from .predictor import Predictor
 
+ASIDE = 0.25
+"""Part of the last step's way by which its end may have missed the polynomial through the points
+before it, above which the tangent is taken."""
+
 
 class Edge(Predictor):
     """The parabola through the last three states, in coordinates that follow the contact's edge.
@@ -24,6 +28,15 @@ class Edge(Predictor):
             return followed
         if tangent is None:
             return system.extrapolate(last, weights)
-        if len(points) == 1:
+        if len(points) == 1 or self._misled(system, points, places):
             return tangent()
         return system.extrapolate(points[-4:], lagrange_weights(places[-4:], place))
+
+    def _misled(self, system, points, places):
+        """Whether the last point was not where those before it had foretold it: by more than a part
+        of its way."""
+        if len(points) < 3:
+            return False
+        foretold = system.extrapolate(points[-4:-1], lagrange_weights(places[-4:-1], places[-1]))
+        way = system.missed(points[-2].state, points[-1].state)
+        return system.missed(foretold, points[-1].state) > ASIDE * way
