@@ -33,6 +33,7 @@ class Path(dict):
     legs : controls of the start and of each leg, component -> (kind, value or None)
     warnings : what the program said to beware of
     displacement, traction, gap, coordinates : fields of all points, or None
+    mean : of displacements, where an archive has those of the nodes where the law acts, or None
     """
 
 
@@ -114,13 +115,59 @@ def read(path):
             line.split(" ")[0][1:]: line.partition(" ")[2].split(" # (source")[0].strip('"')
             for line in lines
         }
-        fields, found.displacement = file.get("fields"), None
+        fields, found.displacement, found.mean = file.get("fields"), None, None
         if fields is not None and "displacement" in fields and len(fields["displacement"]) == count:
             found.displacement, found.traction = (fields[name][:count]
                                                   for name in ("displacement", "traction"))
+        elif fields is not None and len(fields.get("active/offsets", ())) == count + 1:
+            _take_active(found, fields["active"], fields["initial_gap"].shape)
+        if found.displacement is not None:
             found.gap = fields["initial_gap"][...]
             found.coordinates = [fields[name][...] for name in "xy" if name in fields]
     return _scaled(found, scene)
+
+
+def _take_active(found, active, shape):
+    """Fields kept on the nodes where the law acts: no traction elsewhere, and displacements that
+    are not known yet (nan)."""
+    offsets, components = active["offsets"][...], active["traction"].shape[0]
+    for name, beyond in (("displacement", np.nan), ("traction", 0.0)):
+        values = np.full((len(offsets) - 1, components, math.prod(shape)), beyond)
+        for point, (begin, end) in enumerate(zip(offsets, offsets[1:])):
+            values[point][:, active["nodes"][begin:end]] = active[name][:, begin:end]
+        setattr(found, name, values.reshape(*values.shape[:2], *shape))
+    found.mean = active["mean"][:len(offsets) - 1]
+
+
+def _completed(found, scene, units):
+    """Displacements of all nodes, where an archive has those of some: what their tractions make of
+    the body, by the checker's own compliance, about the mean that the archive tells."""
+    shape, both = found.gap.shape, ("normal", *["tangential"] * found.gap.ndim)
+    isolated = math.inf in scene["period"]
+    if isolated and found.gap.ndim == 2:
+        found.displacement = None
+        return
+    axes = tuple(range(1, 1 + found.gap.ndim))
+    body = (scene["poisson"], scene["height"], math.sqrt(scene["work_ratio"]))
+    symbols = (physics.unbounded(shape[0], found.coordinates[0][1] - found.coordinates[0][0], *body)
+               if isolated else physics.compliance(shape, scene["period"], *body))
+    maugis = np.array([scene["normal_maugis"], *[scene["tangential_maugis"]] * found.gap.ndim])
+    for point, values in enumerate(found.displacement):
+        scaled = found.traction[point] * maugis.reshape(-1, *[1] * found.gap.ndim)
+        if isolated:
+            scaled = np.pad(scaled, ((0, 0), (0, shape[0])))
+        made = deformed(scaled, symbols, axes)[..., :shape[-1]]
+        for i, component in enumerate(both):
+            known = ~np.isnan(values[i])
+            mean = (np.mean((values[i] - made[i])[known]) if isolated else found.mean[point, i]
+                    / units.get(component + "_displacement", 1.0) - made[i].mean())
+            values[i] = np.where(known, values[i], made[i] + mean)
+
+
+def deformed(scaled, symbols, axes):
+    """Displacements under scaled tractions but for their mean."""
+    spectrum = np.fft.fftn(-scaled, axes=axes)
+    return np.fft.ifftn(np.einsum("ij...,j...->i...", symbols, spectrum), axes=axes).real
 
 
 def _scaled(found, scene):
@@ -150,6 +197,8 @@ def _scaled(found, scene):
             found.traction[:, i] /= units.get(component + "_traction", 1.0)
         found.gap = found.gap / units.get("normal_displacement", 1.0)
         found.coordinates = [x / length for x in found.coordinates]
+    if found.mean is not None:
+        _completed(found, scene, units)
     found.scene = scene
     found.units = units
     found.dimension = dimension
@@ -440,9 +489,7 @@ class Checker:
 
     def _deformed(self, scaled, symbols):
         """Displacements under tractions but for their mean."""
-        axes = tuple(range(1, 1 + self.dimension))
-        spectrum = np.fft.fftn(-scaled, axes=axes)
-        return np.fft.ifftn(np.einsum("ij...,j...->i...", symbols, spectrum), axes=axes).real
+        return deformed(scaled, symbols, tuple(range(1, 1 + self.dimension)))
 
     def _residuals_unbounded(self):
         """The same for an isolated contact, against the mean where the law acts."""

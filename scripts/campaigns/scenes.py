@@ -107,6 +107,9 @@ def create(seed, number, laws=False):
     _method(scene, draw)
     if draw.random() < 0.12:
         _in_si(scene, draw)
+    # drawn apart, so that all else is as without
+    on = _choice(np.random.default_rng([seed, number, 2]), None, None, "active", "cell")
+    scene.options |= {"archive_fields_on": on} if on else {}
     return scene
 
 

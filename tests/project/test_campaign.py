@@ -122,6 +122,31 @@ def test_what_is_changed_in_an_archive_is_seen(worker, tmp_path, column, change,
     assert kind in {complaint.kind for complaint in checker.check(archive)}
 
 
+PLANE = {"scene_dimension": 2, "scene_points": 16, "scene_period": 8, "scene_geometry": "sphere",
+         "scene_normal_maugis": 1, "scene_tangential_maugis": 0.7, "scene_poisson": 0.3,
+         "load_path": "normal_displacement=1; tangential_displacement_y=1"}
+
+
+@pytest.mark.parametrize("options", [PLANE, {"load_path": "normal_displacement=1"},
+                                     {"load_path": "normal_force=1", "scene_period": "inf",
+                                      "scene_points": None, "scene_spacing": 0.2}],
+                         ids=["plane", "line", "isolated"])
+def test_fields_on_active_nodes_are_checked_as_those_of_the_cell(worker, tmp_path, options):
+    import h5py
+
+    found = {}
+    for on in ("cell", "active"):
+        archive, _ = run(worker, tmp_path, options, archive_fields_on=on, archive_overwrite="")
+        assert checker.check(archive) == []
+        found[on] = checker.read(archive)
+    assert found["cell"].mean is None and found["active"].mean is not None
+    assert np.allclose(found["active"].displacement, found["cell"].displacement, atol=1e-6)
+    with h5py.File(archive, "r+") as file:
+        values = file["fields/active/displacement"]
+        values[...] = values[...] * 1.001
+    assert {"traction"} <= {complaint.kind for complaint in checker.check(archive)}
+
+
 def test_paths_that_end_elsewhere_do_not_agree(worker, tmp_path):
     paths = []
     for end in ("1", "1.00001"):
