@@ -21,7 +21,7 @@ from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
-from ..scene.load import controls_along, names, quantities
+from ..scene.load import controls_along, names, quantities, units
 from ..scene.parts import check_law, sources, with_parts
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
@@ -214,6 +214,7 @@ class Branch:
                       np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
+                     units=units(self.scene),
                      **{**{name: packed[name] for name in KEPT},
                         "event": None if packed["event"] == "none" else packed["event"]})
 

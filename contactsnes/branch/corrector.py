@@ -16,6 +16,7 @@ from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
 from ..grid.active import Nodes
 from ..grid.boxes import in_words
+from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
@@ -275,4 +276,4 @@ class Corrector:
         sliding = components > 1 and in_contact and grid.count(touching & ~slipped) == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
                      sliding, imbalance.norm, largest_residual=imbalance.largest,
-                     spent={"last_iterations": iterations})
+                     spent={"last_iterations": iterations}, units=units(contact.scene))

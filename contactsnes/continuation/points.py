@@ -93,6 +93,8 @@ class Point:
         also where modes were not found
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state
         (``contactsnes.dynamics.stability``)
+    units : 'displacement' and 'force' -> (size, name) of each component's unit in what the scene is
+        told in, for showing the point; all else of it is in scaled units
     """
 
     state: object
@@ -130,12 +132,16 @@ class Point:
     unstable_modes: int = -1
     leading_eigenvalue: complex = complex(np.nan, np.nan)
     mode: object = None
+    units: dict = field(default_factory=dict)
 
     def __repr__(self):
-        """Place, loads in the system's own units (controlled ones marked), and what is special."""
-        told = [f"{name}[{i}] {value:.6g}{'*' * (self.controls[i] == name)}"
-                for name, values in (("displacement", self.displacements), ("force", self.forces))
-                for i, value in enumerate(values)]
+        """Place, loads in the units of the scene (controlled ones marked), and what is special."""
+        told = []
+        for name, values in (("displacement", self.displacements), ("force", self.forces)):
+            for i, value in enumerate(values):
+                size, unit = self.units[name][i] if self.units else (1.0, "")
+                mark = "*" * (self.controls[i] == name)
+                told.append(f"{name}[{i}] {size * value:.6g}{mark} {unit}".rstrip())
         event = f", {self.event}{f' ({self.fold_kind})' * bool(self.fold_kind)}" * bool(self.event)
         return (f"<Point: leg {self.leg} at {self.position:.4g}, {', '.join(told)}, "
                 f"{'in' if self.in_contact else 'no'} contact{', sliding' * bool(self.sliding)}"

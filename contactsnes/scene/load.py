@@ -52,6 +52,15 @@ def quantities(dimension):
     return table
 
 
+def units(scene):
+    """'displacement' and 'force' -> (size, name) of each component's unit in what the scene is told
+    in."""
+    return {control: tuple(scene.scale(quantity.unit)
+                           for quantity in quantities(scene.dimension).values()
+                           if quantity.control == control)
+            for control in ("displacement", "force")}
+
+
 def names(dimension):
     """(component, control) -> name of the controllable quantities."""
     return {(quantity.component, quantity.control): name

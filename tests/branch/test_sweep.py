@@ -71,6 +71,15 @@ def test_a_point_says_what_it_is():
     text = repr(last)
     assert text.startswith("<Point: leg 1") and last.event in text and len(text) < 300
     assert "None" not in repr(points[0])
+    assert f"displacement[0] {last.displacements[0]:.6g}* u_n,r" in text
+
+
+def test_a_point_of_a_scene_in_si_is_told_in_si():
+    scene = Scene.typed(**SI)
+    point = next(iter(Branch(scene, Load(path="normal_force=0.01"))))
+    size = scene.scale("u_n,r")[0]
+    assert f"displacement[0] {size * point.displacements[0]:.6g}* m" in repr(point)
+    assert "N/m" in repr(point)
 
 
 def test_scenes_say_what_makes_them():
