@@ -5,18 +5,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import energies, observables
-from ..contact.even_form import refuse
 from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.states import State
+from ..contact.symmetry import refuse
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
 from ..continuation.points import Leg, NotConverged, Point
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
-from ..grid.active import Nodes
-from ..grid.boxes import of_boxes
+from ..grid.numbers import numbers_of, of_numbers
 from ..interface import shapes
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
@@ -84,7 +83,7 @@ class Branch:
         self._heights = shapes.of(scene).heights(scene)
         self.contact = contact_of(scene, load, form, self._heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
-        refuse(self.contact, self._sheared, form, self.method)
+        refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
         refuse_without_tangent(self.steps.stability, form)
         steppers.refuse(self.steps, self.method)
         self.corrector = Tracer(self.contact, form, log)
@@ -199,14 +198,9 @@ class Branch:
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
                 "event": point.event or "none", "displacement": state.displacement,
-                "means": state.means, "window_start": np.array(state.window.start),
-                "window_shape": np.array(state.window.shape), **self._picked(state.window),
+                "means": state.means, **numbers_of(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}
-
-    def _picked(self, window):
-        """What else tells the nodes of a window that are some of its box."""
-        return {"window_nodes": window.places} if isinstance(window, Nodes) else {}
 
     def restored(self, packed):
         """The point that was ``packed``; InputError for one that another version of this program
@@ -216,10 +210,8 @@ class Branch:
             raise InputError("a point to go on from says nothing of "
                              f"{', '.join(lost)}: it was kept by another version "
                              "of this program; begin anew")
-        window = of_boxes(self.contact.grid, packed["window_start"], packed["window_shape"])
-        if "window_nodes" in packed:
-            window = Nodes(window, packed["window_nodes"])
-        state = State(window, np.array(packed["displacement"]), np.array(packed["means"]))
+        state = State(of_numbers(self.contact.grid, packed), np.array(packed["displacement"]),
+                      np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                      units=units(self.scene),
@@ -304,4 +296,5 @@ class Branch:
                                                                             controls[moving]]].unit
         length = abs(end[moving] - start[moving]) * self.scene.scale(unit)[0]
         initial, largest, smallest = np.array(sizes(length)) / length
+        self.corrector.symmetry.loaded_by(start, end)
         return Leg(number, controls, start, end, moving, initial, largest, smallest)

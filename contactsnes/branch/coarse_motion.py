@@ -38,7 +38,8 @@ def reached(system, start, controls, load, where):
     controls, load : of each component
     where : str, what messages say of the place
     """
-    coarse = resolving(system, len(controls) > 1)
+    plane = len(system.contact.grid.shape) == 2
+    coarse = resolving(system, len(controls) > 1) if plane else None
     if coarse is not None:
         system.log(f"motion on {coarse.contact.grid.size} nodes leads to the first point on "
                    f"{system.contact.grid.size}, which Newton's method corrects")
@@ -115,10 +116,8 @@ def crossed(system, last, beyond, where):
     controls, load = last.controls, last.load
     ahead, behind = _crossing(system, last.state, controls, load, beyond, where)
     if behind is not None and _gained(system.contact, last, behind) > 0.0:
-        system.log("the jump on a coarser grid would gain energy: motion on the grid itself")
-        ahead, behind = _crossed(system, last.state, controls, load, beyond, where)
-        if behind is not None and _gained(system.contact, last, behind) > 0.0:
-            raise NoWayBack("the branch beyond a refused step leads back to more energy")
+        # Under the load of the point it is the other state to which a body would jump.
+        raise NoWayBack("the branch beyond a refused step leads back to more energy")
     if behind is not None:
         system.log(f"a jump before {system.contact.scene.loads(controls, beyond)}: "
                    f"{places.moved(system.contact, last.state, behind.state)}")

@@ -8,11 +8,13 @@ from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
-from ..contact.even_form import Symmetry
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
+from ..contact.scattered import boxed, on_nodes
+from ..contact.symmetry import Symmetry
 from ..continuation.points import NotConverged, Point
 from ..dynamics.relaxing import nearer
+from ..grid.active import Nodes
 from ..grid.boxes import in_words
 from ..scene.load import units
 from ..solvers import callbacks
@@ -65,6 +67,7 @@ class Corrector:
                                      "function_evaluations", "jacobian_products"), 0)
         self.symmetry = Symmetry(contact, settings, asked(), log)
         self.balance = Balance(contact)
+        self._balanced = None, None  # the last state that was asked for its imbalance, and that
         self._accounted = self._spent_so_far()
 
     def _spent_so_far(self):
@@ -89,6 +92,7 @@ class Corrector:
         most_iterations : of Newton's method, after which the solve has failed
         """
         guess = states.with_components(finite(guess), len(controls))
+        self.symmetry.loaded_by(load)
         if self.settings.first == "relaxation" and not FORMS[self.settings.form].whole_cell:
             guess = self.symmetry.checked(nearer(self, guess, controls, load,
                                                  self.settings.first_tolerance))
@@ -100,7 +104,7 @@ class Corrector:
                                            form.pack(guess.displacement,
                                                      guess.means[form.forced]), most_iterations)
             state = form.state(unknown)
-            if not states.covers(self.contact, state):
+            if not self.covers(form, state):
                 guess = self.fitted(state, afresh=True)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
@@ -118,8 +122,8 @@ class Corrector:
         if not whole:
             # Coarser grids for the full approximation scheme are made of one box.
             one = asked().one_window
-            made = states.on_nodes if self.contact.scattered and not one else states.fitted
-            state = made(self.contact, state, afresh)
+            state = (on_nodes(self.contact, state, afresh) if self.contact.scattered and not one
+                     else states.fitted(self.contact, boxed(self.contact, state), afresh))
             whole = len(state.window.parts) > 1 and one
         if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
@@ -130,20 +134,21 @@ class Corrector:
         kept = self.form
         kind = FORMS[self.settings.form]
         kind = kind if kind.whole_cell else self.symmetry.form(len(controls))
+        parities = None if kind.whole_cell else self.symmetry.parities(len(controls))
         if (type(kept) is not kind or kept.window != guess.window
-            or kept.controls != tuple(controls)):
+            or kept.controls != tuple(controls) or kept.parities != parities):
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
-                             controls)
+                             controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance)
             if (of_snes(self.snes).has_tangent and not self.contact.convex
                 and len(self.contact.grid.shape) == 2):
                 self.snes.setConvergenceTest(self.patience.test)
             self.arc = None
         if kind.whole_cell:
-            self.form.even = self.symmetry.holds(len(controls))
+            self.form.even = self.symmetry.plain(len(controls))
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
@@ -230,8 +235,17 @@ class Corrector:
         if form.whole_cell:
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
-        self.totals["function_evaluations"] += 1
-        return self.balance(state, form.controls, form.load, form)
+        if self._balanced[0] is not state:
+            self.totals["function_evaluations"] += 1
+            self._balanced = state, self.balance(state, form.controls, form.load, form)
+        return self._balanced[1]
+
+    def covers(self, form, state):
+        """Whether every node outside the window of a state that a form led to is certainly out of
+        the law's range: the residual of some nodes tells of the whole cell."""
+        closest = (self._imbalance(form, state).closest if isinstance(state.window, Nodes)
+                   else None)
+        return states.covers(self.contact, state, closest)
 
     def _point(self, form, state, imbalance, iterations):
         """The Point of a state that passes the test of convergence; NotConverged for one that does

@@ -102,7 +102,7 @@ def first_point(system, controls, load):
     try:
         guess = through_grids(system, start, controls, load)
         if guess is not None:
-            return system.solve(guess, controls, load)
+            return system.solve(guess, controls, load, COLD)
     except NotConverged as error:
         system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
     return on_grid(system, controls, load, start)
@@ -195,7 +195,7 @@ def through_grids(system, start, controls, load):
         if coarse is None:
             return None
         point = (on_grid(coarse, controls, load) if state is None
-                 else coarse.solve(state, controls, load))
+                 else coarse.solve(state, controls, load, COLD))
         state = refined(level, finer, point.state)
     system.contact.coarse.cache_clear()
     return state
@@ -239,4 +239,7 @@ def refined(contact, finer, state):
     known = window.box(gap - window.take(finer.initial_gap))[part]
     window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
                     known.shape)
-    return states.State(window, known.reshape(1, -1), state.means / ratio)
+    found = states.State(window, known.reshape(1, -1), state.means / ratio)
+    # Beyond half of the cell its own circle is shorter than a padded one.
+    beyond = any(n < total < 2 * n for n, total in zip(window.shape, finer.grid.shape))
+    return states.fitted(finer, found, afresh=True) if beyond else found

@@ -6,7 +6,7 @@ from petsc4py import PETSc
 
 from ..continuation.predictors import PREDICTORS
 from ..grid.cell import Transform
-from ..grid.even import Cosines
+from ..grid.cosines import Cosines
 from ..solvers.preconditioners import ZonePC
 
 

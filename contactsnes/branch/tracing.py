@@ -83,7 +83,7 @@ class Tracer(Corrector, Neighbours, Ends):
                 unknown, iterations = self.run(arc, start, WARM, snes)
             arc.set_position(unknown[-1])
             state = form.state(unknown[:-1])
-            if not states.covers(self.contact, state):
+            if not self.covers(form, state):
                 guess, position = self.fitted(state, afresh=True), unknown[-1]
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)

@@ -10,7 +10,8 @@ import numpy as np
 from ..branch.grid_choice import reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
-from ..contact.even_form import obstacles
+from ..contact.scattered import on_nodes
+from ..contact.symmetry import obstacles
 from ..interface import bodies, shapes
 from ..interface.own_shapes import jumps
 from ..options.database import database
@@ -54,6 +55,8 @@ def start_window(settings, branch):
     if settings.form.form == "force" or settings.form.window == "off":
         return contact.grid.whole
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
+    if contact.scattered:
+        return on_nodes(contact, state, afresh=True).window
     return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape))
 
 
@@ -95,9 +98,14 @@ def _nodes(settings, branch):
         return f"no window: the force form is solved on the whole cell of {_by(cell)} nodes"
     if window.is_whole:
         return f"the window is the whole cell of {_by(cell)} nodes"
-    nodes = (_by(window.shape) if len(window.parts) == 1
-             else f"{len(window.parts)} boxes with {window.size}")
+    nodes = (f"{len(window.parts)} boxes with {window.size}" if len(window.parts) > 1
+             else _by(_extents(window)))
     return f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start"
+
+
+def _extents(window):
+    """Nodes of a box in each direction; of another window their number."""
+    return window.shape if math.prod(window.shape) == window.size else [window.size]
 
 
 def _mirror_images(settings, branch, sheared):
@@ -120,7 +128,8 @@ def _asymmetries(settings, branch, sheared):
     """Why states are not even at the start and in each leg, or None."""
     if settings.form.symmetry == "off":
         return ["it is not wanted"] * len(sheared)
-    return obstacles(branch.contact, sheared, settings.form, branch.method)
+    return obstacles(branch.contact, sheared, scenes.loaded_legs(settings.scene, settings.load),
+                     settings.form, branch.method)
 
 
 def _by(shape):
@@ -240,8 +249,7 @@ def about_unknowns(settings, branch):
         components = scene.components if sheared else 1
         forced = sum(controls[i].control == "force"
                      for i in range(components)) if settings.form.form == "displacement" else 0
-        nodes = [extent // 2 + 1 for extent in window.shape] if not uneven else \
-            window.shape if len(window.parts) == 1 else [window.size]
+        nodes = _extents(window) if uneven else [extent // 2 + 1 for extent in window.shape]
         count = components * math.prod(nodes) + forced
         largest = max(largest, count)
         lines.append(

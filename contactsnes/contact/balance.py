@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..grid.active import Nodes
 from ..grid.boxes import convolution
 from ..grid.cell import Transform
 from ..grid.even import asymmetry
@@ -26,19 +27,21 @@ them."""
 
 
 class Imbalance(NamedTuple):
-    """The ``residual_norm`` of a state, and the largest imbalance at a node where the law acts (0
-    if it acts nowhere)."""
+    """The ``residual_norm`` of a state, the largest imbalance at a node where the law acts (0 if it
+    acts nowhere) and, on a window of some nodes of the cell, the smallest normal gap at the others
+    (None where that was not found besides)."""
 
     norm: float
     largest: float
+    closest: float | None = None
 
 
 class Response:
     """Product of a circulant operator of the cell with fields on a window, at all of its nodes: as
     `boxes.convolution`.
 
-    Fields that are even to rounding, which is asked of each, take half of the transforms, or a
-    quarter, where the operator leaves the components apart.
+    Fields that are even or odd to rounding, which is asked of each, take half of the transforms, or
+    a quarter.
 
     Parameters
     ----------
@@ -51,13 +54,14 @@ class Response:
 
     def __init__(self, window, operator, count, half, make=Transform):
         self._given, self._whole = (window, operator, count, make), None
-        self._half = half if all(i == j for i, j in operator.blocks) else None
+        self._half = half
 
     def apply(self, values, out):
         """out (components, nodes) = operator times values (components, nodes), perhaps the same
         array."""
-        if self._half is not None and asymmetry(self._given[0],
-                                                values) <= ROUNDING * np.max(np.abs(values)):
+        if self._half is not None and asymmetry(
+                self._given[0], values,
+                self._half.window.parities) <= ROUNDING * np.max(np.abs(values)):
             folded = self._half.window.fold(values)
             out[...] = self._half.window.unfold(self._half.apply(folded, folded))
             return out
@@ -104,12 +108,14 @@ class Balance:
         form.set_load(load)
         unknown = form.pack(state.displacement, state.means[form.forced])
         residual = form.residual(unknown, np.empty(form.size))
+        closest = (form.closest_beyond(state.means[0])
+                   if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
         acts = form.gap(unknown)[0] < self.contact.law.range
         if isinstance(solver, EvenForm) and acts.any():
             self._proved = state.window, len(controls)
         field = np.abs(form.displacement(residual))
         return Imbalance(form.grid.norm(residual),
-                         float(form.grid.maximum(field, where=acts, initial=0.0)))
+                         float(form.grid.maximum(field, where=acts, initial=0.0)), closest)
 
     def _form_on(self, window, controls, solver):
         """The displacement form at all nodes of a window: the solver's, if it has that, or one that

@@ -115,7 +115,10 @@ def follow_edge(contact, states, weights, half=False):
     if isinstance(window, Nodes):
         return _follow_on_nodes(contact, states, weights)
     ahead = _follow_spot(contact, states, weights, half)
-    return _follow_spots(contact, states, weights) if ahead is None and not half else ahead
+    # Spots of a rough plane merge and appear, and few are round.
+    if ahead is not None or half or contact.scattered:
+        return ahead
+    return _follow_spots(contact, states, weights)
 
 
 def _follow_on_nodes(contact, states, weights):

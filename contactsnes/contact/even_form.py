@@ -1,20 +1,16 @@
-"""The displacement form on half a line or a quarter of a plane, for states that are even about the
-apex, and when it serves."""
+"""The displacement form on half a line or a quarter of a plane, for states whose components are
+even or odd about the apex."""
 
 from functools import cached_property
 
 import numpy as np
 
-from ..grid.boxes import cost
-from ..grid.even import EvenConvolution, EvenWindow, asymmetry, centred, lone, obstacle
+from ..grid.cosines import EvenConvolution
+from ..grid.even import EvenWindow
+from ..grid.parity import parities as parities_of
 from ..kernels.forms import twin
-from ..options.fields import InputError
-from .force_form import FORMS
 from .forms import DisplacementForm
-from .states import State, normal_gap, onto
-
-EVEN = 1e-6
-"""Largest difference of mirror images in a state that counts as even, ranges of the law."""
+from .problem import DISPLACEMENT
 
 
 class HalfForm(DisplacementForm):
@@ -22,7 +18,7 @@ class HalfForm(DisplacementForm):
     for.
 
     Unknown and F are v and r over sqrt(M), M = nodes x components of the full window, as in the
-    full form.
+    full form. Components that are odd have neither a mean nor a load.
 
     Parameters
     ----------
@@ -33,13 +29,16 @@ class HalfForm(DisplacementForm):
     convolution_class = EvenConvolution
 
     def __init__(self, contact, window, controls):
-        super().__init__(contact, window, controls)
+        odd = [-1 in signs for signs in window.parities or ((),) * len(controls)]
+        super().__init__(contact, window, [DISPLACEMENT if without else control
+                                           for control, without in zip(controls, odd)])
+        self.rigid_compliance[odd] = 0.0
         self.root = np.sqrt(self.components * window.full.size)
 
 
 class EvenForm:
-    """The displacement form for even states on a centred window: its equations, those at mirror
-    images as one.
+    """The displacement form for even or odd states on a centred window: its equations, those at
+    mirror images as one.
 
     Unknown and F at a node that stands for w nodes are sqrt(w) times those of the full form. So
     norms and inner products are the full form's: F has its ``residual_norm``, and a Krylov method
@@ -48,6 +47,8 @@ class EvenForm:
     Parameters
     ----------
     contact, window, controls : as those of `forms.DisplacementForm`, the window centred
+    parities : for each component and direction 1 (even) or -1 (odd); None: as the body has them
+        without loads along the surface
 
     Attributes
     ----------
@@ -59,12 +60,14 @@ class EvenForm:
     in_displacements, whole_cell, even = True, False, True
     linear_tolerance = DisplacementForm.linear_tolerance
 
-    def __init__(self, contact, window, controls):
-        even = EvenWindow(window)
+    def __init__(self, contact, window, controls, parities=None):
+        count = len(controls)
+        self.parities = parities or parities_of(contact.operator(count), count)
+        even = EvenWindow(window, self.parities)
         self.half = half = HalfForm(contact, even, controls)
         self.contact = contact
         self.window = window
-        self.controls = half.controls
+        self.controls = tuple(controls)
         self.grid = even.grid
         self.components = half.components
         self.nodes = half.nodes
@@ -163,128 +166,3 @@ class EvenForm:
     def load_derivative(self, direction, out):
         """out = dF/ds for controlled values that move by ``direction`` per unit of s."""
         return self.scaled(self.half.load_derivative(direction, out))
-
-
-class Symmetry:
-    """Whether the solves of a corrector take states for even: where contact and method allow it,
-    until a state is not.
-
-    Parameters
-    ----------
-    contact : Contact
-    settings : Form, with ``symmetry`` 'auto', 'even' or 'off'
-    method : Capabilities of the type of SNES
-    log : function (sentence)
-    """
-
-    def __init__(self, contact, settings, method, log):
-        self.contact = contact
-        self.log = log
-        self.asked = settings.symmetry == "even"
-        self._half = None  # the last window of states made even
-        self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
-
-    def holds(self, components):
-        """Whether states with so many components are taken for even."""
-        return self.wanted and obstacle(self.contact, components) is None
-
-    def checked(self, state):
-        """The state; if it is not even where it should be, no state is taken for even from now
-        on."""
-        if self.holds(len(state.displacement)) and not self._is_even(state):
-            self.leave("the state is not even about the apex")
-        return state
-
-    def _is_even(self, state):
-        """Whether mirror images in a state are alike, and the law acts where there is one only
-        nowhere."""
-        if not asymmetry(state.window, state.displacement) <= EVEN:
-            return False
-        if centred(state.window) == state.window:
-            return True
-        unpaired = lone(state.window)
-        return self.contact.grid.minimum(normal_gap(self.contact, state),
-                                         where=unpaired) >= self.contact.law.certain
-
-    def leave(self, why):
-        """Take no state for even from now on, for a reason in words."""
-        self.wanted = False
-        self.log(f"{why}: going on without symmetry")
-
-    def centred(self, state):
-        """The state on a centred window, if it is taken for even: half of one box, in place of
-        several where that is cheaper."""
-        self.checked(state)
-        window = centred(state.window) if self.holds(len(state.displacement)) else state.window
-        if (len(window.parts) < len(state.window.parts) and not self.asked
-            and 2.0 * cost(state.window) < cost(window)):
-            self.leave("boxes around the spots cost less than half of one window")
-            return state
-        return state if window == state.window else State(window, onto(state, window), state.means)
-
-    def halves(self, state):
-        """Whether a state is taken for even, on a window about the apex."""
-        return self.holds(len(state.displacement)) and centred(state.window) == state.window
-
-    def mirrored(self, state):
-        """A state predicted from even ones, or None, made even: places of the cell's first node
-        have no mirror image."""
-        if state is None or not self.holds(len(state.displacement)):
-            return state
-        window = centred(state.window)
-        half = self._folded(window)
-        return State(window, half.unfold(half.fold(onto(state, window))), state.means)
-
-    def half_of(self, window, components):
-        """The EvenWindow of a window on which states with so many components are taken for even;
-        None of another."""
-        return (self._folded(window) if self.holds(components) and centred(window) == window
-                else None)
-
-    def _folded(self, window):
-        """The EvenWindow of a centred window; the last one is kept."""
-        if self._half is None or self._half.full != window:
-            self._half = EvenWindow(window)
-        return self._half
-
-    def form(self, components):
-        """The class of displacement forms for states with so many components."""
-        return EvenForm if self.holds(components) else DisplacementForm
-
-
-def method_obstacle(settings, method):
-    """Why a form of the equations, or a type of SNES on it, does not use even states, in words;
-    None if it does."""
-    if FORMS[settings.form].whole_cell and not method.is_relaxation:
-        return f"the {settings.form} form is solved on the whole cell, but by dynamic relaxation"
-    return (None if method.keeps_evenness
-            else f"the method (-snes_type {method.name}) is neither Newton's nor a relaxation")
-
-
-def refuse(contact, sheared, settings, method):
-    """InputError where symmetry is asked for and a leg has none.
-
-    Parameters
-    ----------
-    contact : Contact
-    sheared : whether tangential unknowns appear at the start and in each leg
-    settings : Form
-    method : Capabilities of the type of SNES
-    """
-    why = obstacles(contact, sheared, settings, method) if settings.symmetry == "even" else []
-    if any(why):
-        raise InputError(f"-contact_symmetry is 'even', but {next(filter(None, why))}: "
-                         "allowed here are auto and off")
-
-
-def obstacles(contact, sheared, settings, method):
-    """Why states are not taken for even at the start and in each leg, in words or None where they
-    are, a list.
-
-    Parameters
-    ----------
-    contact, sheared, settings, method : as of `refuse`
-    """
-    why = method_obstacle(settings, method)
-    return [why or obstacle(contact, contact.scene.components if tangential else 1)
-            for tangential in sheared]

@@ -32,7 +32,7 @@ class ForceForm:
     """
 
     name, kernel = "force", None
-    in_displacements, whole_cell, even = False, True, False
+    in_displacements, whole_cell, even, parities = False, True, False, None
     linear_tolerance = 0.0
 
     def __init__(self, contact, controls):

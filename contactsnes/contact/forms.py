@@ -49,7 +49,7 @@ class DisplacementForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell, even = True, False, False
+    in_displacements, whole_cell, even, parities = True, False, False, None
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 
@@ -157,6 +157,19 @@ class DisplacementForm:
         for row, i in enumerate(self.forced):
             out[self.count + row] = self.row_scale[i] * total[i] - self.row_target[i]
         return out
+
+    def closest_beyond(self, mean):
+        """Smallest normal gap at nodes of the cell that are none of the window's, some nodes of it,
+        for the unknown of the last residual: its response is known everywhere, and is overwritten.
+
+        Parameters
+        ----------
+        mean : float, the mean normal displacement, ranges of the law
+        """
+        gap = self.convolution.transform.real[0]
+        np.subtract(self.contact.initial_gap, gap, out=gap)
+        gap.reshape(-1)[self.window.numbers] = np.inf
+        return float(self.grid.minimum(gap)) + mean
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""

@@ -5,14 +5,15 @@ delta_i, so that compliances carry lambda_i lambda_j.
 """
 
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
 from ..grid.active import widened
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid, Operator, Transform
-from ..grid.even import UNEVEN, asymmetry
+from ..grid.even import asymmetry
+from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, initial_gap, is_convex
@@ -25,6 +26,13 @@ DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
 """Control of the mean surface itself, without the rigid compliance of the body: what a cold start
 holds."""
+
+
+SUPPORT = 2
+"""Nodes about one in contact that an interpolation of the edge of contact there may ask for."""
+ROOM = 3.0
+"""Gap beyond that of contact, ranges of the law, of nodes that a window reckons with as in contact
+later."""
 
 
 class Contact:
@@ -161,14 +169,16 @@ class Contact:
                                              for (i, j), symbol in blocks.items()})
         return self._operators[key]
 
-    def _circle(self, component, components, shape, even=False, count=1):
+    def _circle(self, component, components, shape, even=False, count=1, signs=None):
         """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to
         ranges, 0 at q = 0.
 
-        For ``even`` fields the points of each direction are those from the axis outwards.
-        Transforms are of ``count`` fields.
+        For ``even`` fields the points of each direction are those from the axis outwards; where
+        they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
         """
-        transform = (self.kernels.even if even else self.kernels.real)(self.grid, shape, count)
+        parities = signs and (signs,) * count
+        make = partial(self.kernels.even, parities=parities) if even else self.kernels.real
+        transform = make(self.grid, shape, count)
         vectors = (transform.wavevectors(self.grid.spacings) if even
                    else self.grid.wavevectors(shape))
         block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component,
@@ -263,9 +273,9 @@ class Contact:
 
     def acting(self, normal_gap):
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or
-        that an interpolation of the edge of contact asks for."""
-        touching = normal_gap < self.scene.contact_threshold + 1.0
-        return (normal_gap < self.law.range) | widened(touching, 2)
+        that an interpolation of the edge of contact asks for, with room for it to move."""
+        touching = normal_gap < self.scene.contact_threshold + ROOM
+        return (normal_gap < self.law.range) | widened(touching, SUPPORT)
 
 
 def _of_heights(scene, heights):

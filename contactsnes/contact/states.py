@@ -8,20 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..grid.active import Nodes, within
+from ..grid.active import Nodes
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
 from ..grid.nearest import nearest
 from ..grid.roots import bracketed_root
-from .problem import APPROACH, FORCE
+from .problem import APPROACH, FORCE, SUPPORT
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
 below 1e-5 of its peak."""
-
-SPARSE = 0.6
-"""Part of the nodes of a window on which the law acts, below which a smaller one is taken."""
-
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -123,37 +119,6 @@ def onto(state, window):
     return nearest(state.displacement, state.window, window)
 
 
-def boxed(contact, state):
-    """The state on the box of its window, where that is of some nodes of one."""
-    if not isinstance(state.window, Nodes):
-        return state
-    box = state.window.hull
-    return State(box, box.take(contact.extended(state)), state.means)
-
-
-def on_nodes(contact, state, afresh=False):
-    """The state on the nodes that the law needs for it, of whatever box that is (in the plane): the
-    same state where its window will do, unless ``afresh``.
-
-    Parameters
-    ----------
-    contact : Contact
-    state : State
-    afresh : bool
-    """
-    window, reach = state.window, contact.law.range
-    if not afresh and isinstance(window, Nodes):
-        acting = contact.grid.count(normal_gap(contact, state) < reach)
-        if acting > SPARSE * window.size:
-            return state
-    cell = contact.extended(state)
-    gap = cell[0] + contact.initial_gap
-    fresh = contact.window(gap)
-    if len(fresh.parts) == 1:
-        fresh = within(fresh, contact.acting(gap))
-    return state if fresh == window else State(fresh, fresh.take(cell), state.means)
-
-
 def fitted(contact, state, afresh=False):
     """The state on the box that the law needs for it, or the boxes: the same state where its window
     will do, unless ``afresh``.
@@ -164,7 +129,6 @@ def fitted(contact, state, afresh=False):
     state : State
     afresh : bool
     """
-    state = boxed(contact, state)
     window, reach = state.window, contact.law.range
     gap = normal_gap(contact, state)
     rim = window.rim()
@@ -186,13 +150,23 @@ def wider(state, window):
     return State(wide, onto(state, wide), state.means)
 
 
-def covers(contact, state):
-    """Whether every node outside the state's window is certainly out of the law's range."""
+def covers(contact, state, closest=None):
+    """Whether every node outside the state's window is certainly out of the law's range.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    closest : smallest normal gap outside of a window of some nodes, if that is known
+    """
     if state.window.is_whole:
         return True
-    if isinstance(state.window, Nodes):
-        return contact.grid.minimum(contact.gap_outside(state)) >= contact.law.certain
     gap = normal_gap(contact, state)
+    if isinstance(state.window, Nodes):
+        touching = gap < contact.scene.contact_threshold
+        if closest is None:
+            closest = contact.grid.minimum(contact.gap_outside(state))
+        return closest >= contact.law.certain and state.window.surround(touching, SUPPORT)
     if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
         return False
     if contact.convex:

@@ -68,7 +68,7 @@ class BracketingSteps(NaturalSteps):
         ahead : state foretold at the far side
         beyond : position of the far side
         """
-        place, moved = self.history[-1][0], self.system.account()
+        (place, last), moved = self.history[-1], self.system.account()
         if self.at_fold == "stop":
             yield replace(fold, spent={name: fold.spent[name] + moved[name] for name in moved})
             self.stopped = True
@@ -80,22 +80,24 @@ class BracketingSteps(NaturalSteps):
         self.history = []
         jump = self._accept(replace(jump, leg=self.leg.number, position=place, step=step,
                                     event="jump"))
-        more = self.system.account()
-        yield fold
-        yield replace(jump, spent={name: moved[name] + jump.spent[name] + more[name]
-                                   for name in moved})
+        if last.event == "fold":
+            # It has been told of before: the path goes on from there.
+            moved = {name: moved[name] + fold.spent[name] for name in moved}
+        else:
+            yield fold
+        yield replace(jump, spent={name: moved[name] + jump.spent[name] for name in moved})
         try:
             point = self._examined(self._step(beyond, self.predictor, ahead))
         except NotConverged:
             return
         yield from self._arrive(replace(point[0], step=step), point[1])
 
-    def _marked(self, last, width):
-        """The last point as a fold that is known to a part of the leg."""
+    def _marked(self, last, step):
+        """The last point as a fold that is known to a step, a part of the leg, beyond it."""
         moving = self.leg.moving
-        width = abs(width * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
+        width = abs(step * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
-                       fold_precision=float(width), step=self.leg.initial, origin=self.leg.start)
+                       fold_precision=float(width), step=step, origin=self.leg.start)
 
     def _bracketed(self, place, last, beyond):
         """(state beyond a bracket, point of its branch before it, end of the bracket); where the

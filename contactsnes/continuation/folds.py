@@ -140,14 +140,16 @@ class FoldSearch:
         return self._at(last, here, first, before, length)
 
     def _at(self, last, here, first, before, length):
-        """The point at arc length ``length`` from ``last`` in the direction from ``first`` to
-        it."""
-        system, chord = self.system, (first.state, last.state)
-        way = system.chord_length(*chord)
-        ahead = length / way
-        guess = system.extrapolate([first, last], [-ahead, 1.0 + ahead])
-        point = system.solve_arc(chord, way + length, guess, here + ahead * (here - before),
-                                 self.leg)
+        """The point at about arc length ``length`` from ``last`` on the way from ``first`` through
+        it, with edges and fronts that move on: in place, steps would have to be shorter than these
+        are wide."""
+        system = self.system
+        ahead = length / system.chord_length(first.state, last.state)
+        line = [first, last], [-ahead, 1.0 + ahead]
+        guess = system.follow_edge(*line)
+        guess = system.extrapolate(*line) if guess is None else guess
+        point = system.solve_arc((last.state, guess), system.chord_length(last.state, guess), guess,
+                                 here + ahead * (here - before), self.leg)
         if point.softest < 0.0 <= last.softest:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")

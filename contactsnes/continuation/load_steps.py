@@ -115,14 +115,21 @@ class LoadSteps:
     def _strayed(self, guess, target, point):
         """Whether some node ended where no prediction has it, however the solve began: part of the
         contact has jumped."""
-        here, last = self.history[-1]
+        (here, last), doubted = self.history[-1], None
         for foretold in self._foretold(guess, target):
             if self.system.strayed(foretold, last.state, point.state) <= 0.0:
                 if not self.system.doubtful(foretold, last.state, point.state):
                     return False
-                back = self.system.along_tangent(point, self.leg, target, here - target)
-                return self.system.detached(foretold, last.state, point.state, back)
-        return True
+                doubted = foretold if doubted is None else doubted
+        if doubted is None:
+            return True
+        back = self.system.along_tangent(point, self.leg, target, here - target)
+        if not self.system.detached(doubted, last.state, point.state, back):
+            return False
+        # A linear solve more is dear, but less so than a step that is refused for nothing.
+        ahead = self.system.along_tangent(last, self.leg, here, target - here)
+        return (self.system.strayed(ahead, last.state, point.state) > 0.0
+                or self.system.doubtful(ahead, last.state, point.state))
 
     def _foretold(self, guess, target):
         """Predictions of the state at a place, the cheapest first: the guess, if it is one, and

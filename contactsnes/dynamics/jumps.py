@@ -30,10 +30,13 @@ SLOWED = 0.05
 """Part of the largest speed that a `rough` motion has had at which Newton's method tries to take
 over, and a tenth of it the next time: one that passes a fold has not been faster before."""
 
-BASIN, WIDE = 0.02, 0.1
-"""Distance at any node where the law acts, within which Newton's solution is the motion's end, and
-within which it is where a `rough` motion has slowed down and the solution is stable: ranges of the
-law."""
+BASIN = 0.02
+"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
+
+Ranges of the law.
+"""
+WIDE = 0.1
+"""The same where a `rough` motion has but slowed down and the solution is stable."""
 
 
 def kicked(system, fold, beyond, part):
@@ -177,7 +180,12 @@ def polished(system, rest, controls, load):
     rest : State
     controls, load : of each component
     """
-    return _near(system, rest, system.solve(rest, controls, load, COLD), BASIN)
+    point = system.solve(rest, controls, load, COLD)
+    # Off the flat the balance hardly says where the body is.
+    far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
+    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
+        return point
+    raise NotConverged("Newton's solution is not where the motion led")
 
 
 def taken_over(system, slow, controls, load):
@@ -185,16 +193,10 @@ def taken_over(system, slow, controls, load):
     point = system.solve(slow, controls, load, WARM)
     if point.softest < 0.0:
         raise NotConverged("Newton's solution is not stable")
-    return _near(system, slow, point, WIDE)
-
-
-def _near(system, rest, point, basin):
-    """A point, if it is where a motion led."""
-    # Off the flat the balance hardly says where the body is.
-    far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if states.missed(system.contact, rest, point.state, largest=True) < basin and far < 1.0:
-        return point
-    raise NotConverged("Newton's solution is not where the motion led")
+    if not (point.in_contact
+            and states.missed(system.contact, slow, point.state, largest=True) < WIDE):
+        raise NotConverged("Newton's solution is not where the motion slowed down")
+    return point
 
 
 def by_inertia(system, state, controls, load, where):

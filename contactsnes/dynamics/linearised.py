@@ -17,10 +17,10 @@ half-plane, whose response to a force has no end, is that of a cell with the per
 
 import numpy as np
 
-from ..contact.even_form import EVEN
 from ..contact.forms import DisplacementForm
 from ..contact.states import State
-from ..grid.even import UNEVEN
+from ..contact.symmetry import EVEN
+from ..grid.parity import UNEVEN
 from ..solvers.core_zone import CoreOptions, CoreZone
 
 LONG = 1000.0

@@ -1,16 +1,15 @@
 """Modes of smallest real part of an operator that has a good preconditioner: the identity plus a
 compact one, say."""
 
-from dataclasses import dataclass
 from itertools import zip_longest
 
 import numpy as np
-from scipy import linalg
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
 from ..grid.contours import first_largest
+from .projection import Space, joined, projected
 
 ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4;
@@ -28,121 +27,6 @@ MOST = 16
 """Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise
 in their starts, and vectors of a symmetry beyond which the projection begins anew from its
 modes."""
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Eigenvalues by their real parts (a complex pair once, with positive imaginary part), modes x
-    of length 1 and J x - s x as rows.
-
-    The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the
-    edges of contact have one each), all of which are to be accurate, and a further one that only
-    tells where to look.
-    """
-
-    values: np.ndarray
-    vectors: np.ndarray
-    defects: np.ndarray
-    certain: np.ndarray
-
-    @property
-    def residuals(self):
-        """|J x - s x| of each."""
-        return np.linalg.norm(self.defects, axis=1)
-
-    @property
-    def unstable(self):
-        """Number of eigenvalues with negative real part, both of a complex pair counted."""
-        return int(np.sum(self.real_parts() < -NEUTRAL))
-
-    def real_parts(self):
-        """Real parts in order, both of a complex pair."""
-        return np.repeat(self.values.real, np.where(self.values.imag > 0.0, 2, 1))
-
-    @property
-    def leading(self):
-        """The eigenvalue of smallest real part."""
-        return complex(self.values[0])
-
-
-class Space:
-    """Vectors with their products with J, split by symmetry, and what the projection of J on them
-    has for modes.
-
-    Parameters
-    ----------
-    operator : with ``size``, ``apply`` and ``mirror``
-    axes : symmetries, second arguments of ``mirror``, under which J does not change
-    """
-
-    def __init__(self, operator, axes=()):
-        self.operator, self.axes = operator, axes
-
-    def begin(self, vectors):
-        """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
-        next."""
-        self._sectors = [([], []) for _ in range(2 ** len(self.axes))]
-        for vector in vectors:
-            self.product(vector)
-
-    @property
-    def largest(self):
-        """Most vectors of a symmetry."""
-        return max(len(basis) for basis, _ in self._sectors)
-
-    def product(self, vector):
-        """J vector, kept."""
-        image = self.operator.apply(vector)
-        for (basis, images), part, its in zip(self._sectors, self._parts(vector),
-                                              self._parts(image)):
-            _append(basis, images, part, its, np.linalg.norm(vector))
-        return image
-
-    def _parts(self, vector):
-        """The vector's even and odd parts for each mirror."""
-        found = [vector]
-        for axis in self.axes:
-            pairs = [(part, self.operator.mirror(part, axis)) for part in found]
-            found = [0.5 * (part + sign * image) for part, image in pairs for sign in (1.0, -1.0)]
-        return found
-
-    def modes(self):
-        """Modes of J projected on the space, for each symmetry that occurs."""
-        certain = 1 if self.axes else 2
-        return [_projected(np.array(basis), np.array(images), certain)
-                for basis, images in self._sectors if basis]
-
-
-def _append(basis, images, vector, image, scale):
-    """Append a vector, made orthonormal to a basis, and its image; not what is hardly new."""
-    for _ in range(2):
-        for known, its in zip(basis, images):
-            part = known @ vector
-            vector, image = vector - part * known, image - part * its
-    norm = np.linalg.norm(vector)
-    if norm > 1e-6 * scale:
-        basis.append(vector / norm)
-        images.append(image / norm)
-
-
-def _projected(basis, images, certain=1):
-    """Modes of the projection on an orthonormal basis (rows)."""
-    values, coefficients = linalg.eig(basis @ images.T)
-    kept = np.flatnonzero(values.imag >= 0.0)
-    kept = kept[np.argsort(values[kept].real, kind="stable")]
-    certain += np.sum(values[kept].real < 0.0)
-    kept = kept[:certain + 1]
-    coefficients = coefficients[:, kept].T
-    vectors = coefficients @ basis
-    return Modes(values[kept], vectors, coefficients @ images - values[kept, None] * vectors,
-                 np.arange(len(kept)) < certain)
-
-
-def joined(parts):
-    """Modes of all symmetries together, in the order of their real parts."""
-    order = np.argsort(np.concatenate([part.values.real for part in parts]), kind="stable")
-    return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order]
-                   for name in ("values", "vectors", "defects", "certain")))
 
 
 def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
@@ -193,7 +77,8 @@ def _searched(space, start, accurate, number, neutral):
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
     # to a single run.
     cold = 0 if start else 2
-    vectors, shift = _ahead(space, accurate, number) if start else ([], 0.0)
+    vectors, shift = (_ahead(space, joined(space.modes()), accurate, number) if start
+                      else ([], 0.0))
     for run in range(RUNS):
         noise = random.standard_normal(size)
         begin = sum(vectors, (NOISE if vectors else 1.0) / np.linalg.norm(noise) * noise)
@@ -201,9 +86,10 @@ def _searched(space, start, accurate, number, neutral):
         if run + 1 < cold:
             continue
         found = space.modes()
-        if _settled(joined(found), accurate, number, neutral):
+        modes = joined(found)
+        if _settled(modes, accurate, number, neutral):
             return found
-        vectors, shift = _ahead(space, accurate, number)
+        vectors, shift = _ahead(space, modes, accurate, number)
         if space.largest > MOST:
             space.begin(summed(found))
     return None
@@ -233,10 +119,9 @@ def _real(vectors):
     return [part for part in parts if part.any()]
 
 
-def _ahead(space, accurate, number):
+def _ahead(space, modes, accurate, number):
     """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
     the one that counts."""
-    modes = joined(space.modes())
     loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
     steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose])]
     shift = modes.values[min(number, len(modes.values) - 1)].real
@@ -272,5 +157,5 @@ def _settled(modes, accurate, number, neutral):
 
 def _all_modes(operator):
     """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
-    images = np.array([operator.apply(unit) for unit in np.eye(operator.size)])
-    return _projected(np.eye(operator.size), images)
+    unit = np.eye(operator.size)
+    return projected(unit, np.array([operator.apply(one) for one in unit]), 1)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..contact import places, states
 from ..continuation.points import lagrange_weights
+from ..grid.active import within
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
 from .control import control
@@ -103,11 +104,11 @@ class OverdampedMotion:
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
         self._control = control(contact, len(controls))
-        self._begin(0.0, states.boxed(contact, state))
+        self._begin(0.0, state)
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
-        even = self.symmetry.holds(len(self.controls))
+        even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load)
         unknown = equations.pack(state.displacement, state.means)
@@ -249,7 +250,8 @@ class OverdampedMotion:
         window, contact = self.equations.window, self.contact
         if window in (contact.grid.whole, contact.widest):
             return True
-        if self.equations.rim_gap(self.history[-1].gap) < contact.law.certain:
+        near = self.equations.rim_gap(self.history[-1].gap) < contact.law.certain
+        if near and not contact.scattered:
             return False
         if contact.convex:
             return True
@@ -273,9 +275,13 @@ class OverdampedMotion:
         state = self.state()
         contact = self.contact
         cell = self._extended()
-        window = contact.window(cell[0] + contact.initial_gap)
-        fresh = states.wider(states.State(window, window.take(cell), state.means), window)
-        window = self.symmetry.centred(fresh).window
+        gap = cell[0] + contact.initial_gap
+        window = contact.window(gap)
+        if contact.scattered:
+            window = within(window, contact.acting(gap))
+        else:
+            fresh = states.wider(states.State(window, window.take(cell), state.means), window)
+            window = self.symmetry.centred(fresh).window
         elastic = np.zeros_like(cell)
         state.window.put(self.equations.unfolded(self.history[-1].elastic), elastic)
         self._begin(self.history[-1].time, states.State(window, window.take(cell), state.means),

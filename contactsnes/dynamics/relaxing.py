@@ -56,7 +56,7 @@ def nearer(system, guess, controls, load, tolerance):
     """
     system.symmetry.checked(guess)
     form = ForceForm(system.contact, controls)
-    form.even = system.symmetry.holds(form.components)
+    form.even = system.symmetry.plain(form.components)
     form.set_load(load)
     try:
         unknown = relaxed(system.run, form, form.pack(system.contact.extended(guess)), tolerance,

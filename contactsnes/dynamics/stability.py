@@ -7,8 +7,8 @@ import numpy as np
 
 from ..contact import states
 from ..contact.edges import carried
-from ..contact.even_form import EVEN
 from ..contact.states import State
+from ..contact.symmetry import EVEN
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
 from ..grid.even import asymmetry, centred
@@ -17,7 +17,8 @@ from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
 from .linearised import Overdamped, symmetries
-from .modes import ACCURATE, joined, leading_modes, oriented, summed
+from .modes import ACCURATE, leading_modes, oriented, summed
+from .projection import joined
 
 CERTIFIED = ("stable: all eigenvalues of the discrete problem on this "
              "grid, linearised at the point under its controls, have "
@@ -111,10 +112,12 @@ class Stability:
     def _leave_symmetry(self, modes):
         """Take no state for even any more where an unstable mode is not."""
         symmetry = self.system.symmetry
-        uneven = [vector for value, vector in zip(modes.values, modes.vectors) if value.real < 0.0
-                  and asymmetry(self._operator.form.window,
-                                self._operator.state(vector.real).displacement) > EVEN]
-        if uneven and symmetry.holds(self._operator.form.components):
+        parities = symmetry.parities(self._operator.form.components)
+        if parities and any(value.real < 0.0
+                            and asymmetry(self._operator.form.window,
+                                          self._operator.state(vector.real).displacement,
+                                          parities) > EVEN
+                            for value, vector in zip(modes.values, modes.vectors)):
             symmetry.leave("an unstable mode is not even about the apex")
 
     def modes(self, point, accurate=ACCURATE, number=0):

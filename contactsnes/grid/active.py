@@ -105,6 +105,19 @@ class Nodes:
             inner &= np.roll(known, 1, axis) & np.roll(known, -1, axis)
         return ~inner[self.indices]
 
+    def surround(self, mask, reach):
+        """Whether all nodes of the cell up to ``reach`` nodes from some of these are among them.
+
+        Parameters
+        ----------
+        mask : array of bool (nodes)
+        reach : int
+        """
+        known, asked = np.zeros((2, *self.grid.shape), dtype=bool)
+        known[self.indices] = True
+        asked[self.indices] = mask
+        return not (widened(asked, reach) & ~known).any()
+
     def area_below(self, values, level):
         """Area where values (nodes) lie below a level, of the box."""
         return self.hull.area_below(self.spread(values, np.max(values)), level)

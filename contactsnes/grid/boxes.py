@@ -107,17 +107,6 @@ class Spots:
         return self.parts[0].circle()
 
 
-def of_boxes(grid, start, shape):
-    """The window of one box or, where there are several first nodes, of several.
-
-    Parameters
-    ----------
-    grid : Grid
-    start, shape : first node, (directions,) or (boxes, directions); nodes of each box
-    """
-    return (Window if np.ndim(start) == 1 else Spots)(grid, start, shape)
-
-
 def reaching(window):
     """The window a fifth further on either side of its boxes; itself where there is no room for
     that."""

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..grid.cell import Transform
+from ..grid.cosines import Cosines
 from ..grid.counter import Counter
-from ..grid.even import Cosines
 from . import library
 
 
@@ -62,8 +62,8 @@ class Compiled:
         self._kinds = transforms.Real, transforms.Cosines
         self._kept = lru_cache(maxsize=24)(self._make)
 
-    def _make(self, even, cell, shape, count):
-        return self._kinds[even](cell, shape, count)
+    def _make(self, even, cell, shape, count, *parities):
+        return self._kinds[even](cell, shape, count, *parities)
 
     def real(self, grid, shape, count):
         """A transform as `grid.cell.Transform`, whose memory others use between two calls.
@@ -74,17 +74,17 @@ class Compiled:
         """
         return self._charged(False, grid, shape, count)
 
-    def even(self, grid, shape, count):
-        """A transform as `grid.even.Cosines`, whose memory others use between two calls.
+    def even(self, grid, shape, count, parities=None):
+        """A transform as `grid.cosines.Cosines`, whose memory others use between two calls.
 
         Parameters
         ----------
-        grid, shape, count : as of that
+        grid, shape, count, parities : as of that
         """
-        return self._charged(True, grid, shape, count)
+        return self._charged(True, grid, shape, count, parities)
 
-    def _charged(self, even, grid, shape, count):
-        made = self._kept(even, Cell(grid.shape, grid.counter), tuple(shape), count)
+    def _charged(self, even, grid, shape, count, *parities):
+        made = self._kept(even, Cell(grid.shape, grid.counter), tuple(shape), count, *parities)
         made.charge()
         return made
 

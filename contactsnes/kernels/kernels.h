@@ -38,6 +38,7 @@ typedef struct { /* a cosine transform of a row from the axis outwards */
 typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points (1 x m on a line) */
     long even, count, shape[2], waves; /* waves: numbers of a field's spectrum, complex if not even */
     double *real, *spectrum;           /* the same memory for an even line; in the plane transposed */
+    long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;
     double cost, *counter;             /* of one transform; transforms so far, and their limit */
@@ -48,7 +49,7 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     long components, boxes, shape[2];
     const double *symbol[MOST][MOST]; /* null where a block is zero */
     long is_complex[MOST][MOST];
-    double *product; /* complex, count x waves, unless even or one component */
+    double *product; /* count x waves, complex unless even; null where blocks are multiplied in place */
     long picked;     /* some nodes of one box, if not 0: their number */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;

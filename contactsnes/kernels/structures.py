@@ -44,9 +44,9 @@ class Transform(ctypes.Structure):
     """Transforms of fields."""
 
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
-                ("real", c_void_p), ("spectrum", c_void_p), ("line", Line * 2),
-                ("forward", c_void_p), ("backward", c_void_p), ("cost", c_double),
-                ("counter", c_void_p)]
+                ("real", c_void_p), ("spectrum", c_void_p), ("odd", c_long * 2 * MOST),
+                ("line", Line * 2), ("forward", c_void_p), ("backward", c_void_p),
+                ("cost", c_double), ("counter", c_void_p)]
 
 
 class Response(ctypes.Structure):

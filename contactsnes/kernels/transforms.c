@@ -51,10 +51,55 @@ CLONES static void closed_row(const Line *l, double *x)
     for (long k = 0; k <= m; k++) x[k] = z[2 * k];
 }
 
-static void rows(const Line *l, double *x, long count, int back)
+/* the same of a field that is odd about both ends, at which it vanishes */
+CLONES static void closed_odd_row(const Line *l, double *x)
+{
+    const long m = l->points - 1;
+    double *restrict y = l->row;
+    const double *restrict z = l->half;
+    y[0] = y[m] = 0.0;
+    for (long k = 1; k < m; k++) {
+        y[k] = x[k];
+        y[2 * m - k] = -x[k];
+    }
+    libraries.execute(l->to_half);
+    for (long k = 1; k < m; k++) x[k] = -z[2 * k + 1];
+    x[0] = x[m] = 0.0;
+}
+
+/* x_(n-j) in place of x_j; x_0, which vanishes, stays */
+static void turn_round(double *x, long n)
+{
+    for (long i = 1, j = n - 1; i < j; i++, j--) {
+        const double other = x[i];
+        x[i] = x[j];
+        x[j] = other;
+    }
+    x[0] = 0.0;
+}
+
+/* An open row of a field that is odd, and goes on evenly beyond the last point: by the cosines of what
+   begins there, sin(w j) = (-1)^k cos(w (n - j)) with w = pi (k + 1/2) / n. */
+static void open_odd_row(const Line *l, double *x, int back)
+{
+    const long n = l->points;
+    if (!back) {
+        turn_round(x, n);
+        open_forward(l, x);
+    }
+    for (long k = (n + 1) / 2; k < n; k++) x[k] = -x[k]; /* waves of odd number */
+    if (back) {
+        open_backward(l, x);
+        turn_round(x, n);
+    }
+}
+
+static void rows(const Line *l, double *x, long count, int back, long odd)
 {
     for (long j = 0; j < count; j++, x += l->points) {
-        if (l->closed) closed_row(l, x);
+        if (odd && l->closed) closed_odd_row(l, x);
+        else if (odd) open_odd_row(l, x, back);
+        else if (l->closed) closed_row(l, x);
         else if (back) open_backward(l, x);
         else open_forward(l, x);
     }
@@ -96,12 +141,12 @@ int forward(Transform *t, long used)
     else
         for (long i = 0; i < t->count; i++) {
             double *x = t->real + i * r * c, *s = t->spectrum + i * r * c;
-            rows(&t->line[1], x, r > 1 ? used : 1, 0);
+            rows(&t->line[1], x, r > 1 ? used : 1, 0, t->odd[i][1]);
             if (r == 1) continue;
             transpose(x, used, c, s, r);
             for (long j = 0; j < c && used < r; j++)
                 memset(s + j * r + used, 0, (r - used) * sizeof *s);
-            rows(&t->line[0], s, c, 0);
+            rows(&t->line[0], s, c, 0, t->odd[i][0]);
         }
     return counted(t);
 }
@@ -115,10 +160,10 @@ int backward(Transform *t, long used)
         for (long i = 0; i < t->count; i++) {
             double *x = t->real + i * r * c, *s = t->spectrum + i * r * c;
             if (r > 1) {
-                rows(&t->line[0], s, c, 1);
+                rows(&t->line[0], s, c, 1, t->odd[i][0]);
                 transpose_back(s, used, c, x, r);
             }
-            rows(&t->line[1], x, r > 1 ? used : 1, 1);
+            rows(&t->line[1], x, r > 1 ? used : 1, 1, t->odd[i][1]);
         }
     return counted(t);
 }
@@ -190,6 +235,22 @@ static void couple(Response *r, int transposed)
         }
 }
 
+/* The blocks, or their transpose, times spectra of even and odd fields, whose numbers are real. */
+CLONES static void couple_real(Response *r, int transposed)
+{
+    Transform *t = r->transform;
+    const long n = t->waves;
+    memcpy(r->product, t->spectrum, t->count * n * sizeof(double));
+    memset(t->spectrum, 0, t->count * n * sizeof(double));
+    for (long i = 0; i < r->components; i++)
+        for (long j = 0; j < r->components; j++) {
+            const double *restrict s = r->symbol[i][j];
+            const double *restrict y = r->product + (transposed ? i : j) * n;
+            double *restrict x = t->spectrum + (transposed ? j : i) * n;
+            for (long k = 0; k < n && s; k++) x[k] += s[k] * y[k];
+        }
+}
+
 /* The operator, or its transpose, times what stands in the transform's boxes, in place. */
 int convolve(Response *r, int transposed)
 {
@@ -197,7 +258,8 @@ int convolve(Response *r, int transposed)
     int status;
     clear_beyond(t, r->shape);
     if ((status = forward(t, r->shape[0]))) return status;
-    if (t->even)
+    if (t->even && r->product) couple_real(r, transposed);
+    else if (t->even)
         for (long i = 0; i < r->components; i++)
             times(t->spectrum + i * t->waves, r->symbol[i][i], t->waves);
     else if (r->product) couple(r, transposed);

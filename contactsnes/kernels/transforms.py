@@ -1,4 +1,4 @@
-"""Compiled transforms, with the interface of `grid.cell.Transform` and `grid.even.Cosines`."""
+"""Compiled transforms, with the interface of `grid.cell.Transform` and `grid.cosines.Cosines`."""
 
 import ctypes
 import math
@@ -79,19 +79,21 @@ class Real(Compiled):
 
 
 class Cosines(Compiled):
-    """Cosine transforms of ``count`` even arrays, as `grid.even.Cosines`, made from real ones.
+    """Cosine and sine transforms of ``count`` even or odd arrays, as `grid.cosines.Cosines`, made
+    from real ones.
 
     Waves stand in an order of their own, in the plane transposed: ``waves`` are their numbers in
-    the order of `grid.even.Cosines`, for each direction.
+    the order of `grid.cosines.Cosines`, for each direction.
 
     Parameters
     ----------
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction from the axis outwards
-    count : int, number of arrays
+    count : int, number of arrays, at most 3
+    parities : as of `grid.cosines.Cosines`
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, parities=None):
         super().__init__(grid, shape, count)
         own, plane = self.structure, len(shape) == 2
         self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
@@ -105,6 +107,8 @@ class Cosines(Compiled):
         self._lines = [_Line(m, closed) for m, closed in zip(shape, self.closed)]
         for place, line in enumerate(self._lines, start=2 - len(shape)):
             own.line[place] = line.structure
+            for field, signs in enumerate(parities or ()):
+                own.odd[field][place] = signs[place - 2 + len(shape)] < 0
 
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
@@ -115,7 +119,7 @@ class Cosines(Compiled):
         return axes[0][None, :], axes[1][:, None]
 
     def ordered(self, symbol):
-        """A symbol on the waves of `grid.even.Cosines`, in the order of these."""
+        """A symbol on the waves of `grid.cosines.Cosines`, in the order of these."""
         return np.ascontiguousarray(symbol[np.ix_(*self.waves)].T)
 
 

@@ -109,8 +109,9 @@ class CompiledZone:
             try:
                 shape = tuple(min(total, next_fast_len(extent, real=True))
                               for extent, total in zip(raw, window.limits))
-                made = Circle(contact.circle(component, count, shape, window.even, boxes), boxes,
-                              (first, second))
+                signs = window.of(component) if window.even else None
+                made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),
+                              boxes, (first, second))
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)
                 return 1

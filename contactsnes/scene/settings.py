@@ -68,6 +68,17 @@ def tangential_legs(scene, load):
                  for leg in range(len(sheared)))
 
 
+def loaded_legs(scene, load):
+    """The tangential components that have been loaded at the start (first entry) and by the end of
+    each leg, a tuple of sets."""
+    legs = [leg.controls for leg in load.legs(scene.dimension)] if load.path else []
+    found = [set()]
+    for controls in (load.initial(scene.dimension, scene.isolated), *legs):
+        found.append(found[-1] | {component for component, control in controls.items()
+                                  if component and control.value})
+    return tuple(found[1:])
+
+
 def ineffective(scene, load, names, form=Form(), output=Output(), estimates=False):
     """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of
     (name, why).

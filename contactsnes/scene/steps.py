@@ -29,10 +29,11 @@ class Form(Options):
     cascade: bool = option(True, "first point through softer laws on coarser "
                            "grids, where they lead to the same state "
                            "(displacement form)")
-    window: str = option("auto", "auto: nodes within the range of the law, in "
-                         "several boxes where that is cheaper, enlarged on "
-                         "demand; off: the whole cell", choices=("auto", "off"))
-    symmetry: str = option("auto", "states even about the apex on half the "
+    window: str = option("auto", "auto: nodes within the range of the law (of "
+                         "rough planes any, elsewhere in one box or, where "
+                         "that is cheaper, several), enlarged on demand; "
+                         "off: the whole cell", choices=("auto", "off"))
+    symmetry: str = option("auto", "states even or odd about the apex on half the "
                            "line or a quarter of the plane: auto (where "
                            "gap, body, load, state and method allow it), "
                            "even (an error where they do not), off",

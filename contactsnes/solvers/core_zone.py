@@ -74,7 +74,9 @@ class CoreBlock:
         circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
                        for extent, total in zip(extents, window.limits))
         self.transform, compliance = form.contact.circle(component, form.components, circle,
-                                                         window.even, len(window.parts))
+                                                         window.even, len(window.parts),
+                                                         window.of(component) if window.even
+                                                         else None)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
         # stands for the rest.
         if compliance.flat[0] == 0.0:

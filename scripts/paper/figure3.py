@@ -7,7 +7,7 @@ the same work and height.
 """
 
 import numpy as np
-from observed import profile, width_below
+from observed import profiles, width_below
 from runs import PERIOD, pressed
 from style import panels, shades
 
@@ -19,7 +19,8 @@ NEEDED = (pressed(10),)
 
 def widths(record, threshold):
     """(forces, contact widths) of a run for a threshold in delta_n."""
-    found = [width_below(*profile(record, point)[:2], threshold) for point in record.field_points]
+    found = [width_below(one.x, one.gap, threshold)
+             for one in profiles(record, record.field_points)]
     return record["normal_force"][record.field_points], np.array(found)
 
 

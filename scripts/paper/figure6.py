@@ -15,7 +15,7 @@ stiff interfaces.
 """
 
 import numpy as np
-from observed import onset, peel, power_law, profile, sheared_part, width_below
+from observed import onset, peel, power_law, profiles, sheared_part, width_below
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, mapped, sheared
 from style import AREA, FORCE, GREY, lettered, panels, shades
 
@@ -59,12 +59,12 @@ def slip_zone_curve(force, normal_maugis):
     return reference.slip_zone_force(half_width, stick, 1.0, PERIOD) / (2 * half_width), 2 * stick
 
 
-def stick_width(record, point):
-    """Width of the contact in which no slip has passed the peak of the tangential traction."""
-    x, _, slip, _, _ = profile(record, point)
-    if np.max(np.abs(slip)) <= SLIP:
-        return record["contact_area"][point]
-    return min(width_below(x, np.abs(slip), SLIP), record["contact_area"][point])
+def stick_widths(record, points):
+    """Widths of the contact in which no slip has passed the peak of the tangential traction."""
+    areas = record["contact_area"][points]
+    return [area if np.max(np.abs(one.slip)) <= SLIP
+            else min(width_below(one.x, np.abs(one.slip), SLIP), area)
+            for one, area in zip(profiles(record, points), areas)]
 
 
 def draw_area(axes, results, residual, force):
@@ -130,9 +130,8 @@ def draw_stick(axes, results, force):
         # Without adhesion the load at a held displacement is a little larger.
         load, peak = record["normal_force"][-1], reference.peak_tangential_traction(maugis)
         slid = reference.sliding_force(load, peak, record.scene["normal_maugis"], PERIOD)
-        axes.plot(record["tangential_force"][points] / slid,
-                  [stick_width(record, point) for point in points], color=COLOURS[maugis],
-                  label=f"$\\lambda_t = {maugis:g}$")
+        axes.plot(record["tangential_force"][points] / slid, stick_widths(record, points),
+                  color=COLOURS[maugis], label=f"$\\lambda_t = {maugis:g}$")
     axes.plot(*slip_zone_curve(load, record.scene["normal_maugis"]), "--", color="C3",
               linewidth=0.9, label="slip zone")
     axes.set(xlabel=r"$w_t/(\tau_{\max} a_\infty)$", ylabel=r"$a_{stick}/\beta$", xlim=(0, 1.1),

@@ -110,20 +110,31 @@ def power_law(forces, areas, share=0.5):
     return PowerLaw(areas[0], factor, exponent, 1.96 * float(np.sqrt(spread[1, 1])), x[-1])
 
 
+class Profile(NamedTuple):
+    """A point whose fields are kept: x, gap in delta_n, slip in delta_t, normal and tangential
+    traction."""
+
+    x: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+
+
 def profile(record, point):
-    """(x, gap in delta_n, slip in delta_t, normal traction, tangential traction) of a point whose
-    fields are kept."""
-    displacement, traction = record.field("displacement", point), record.field("traction", point)
-    gap = (record.initial_gap + displacement[0]) * record.scene["normal_maugis"]
-    if len(displacement) == 1:
-        return record.coordinates[0], gap, np.zeros_like(gap), traction[0], np.zeros_like(gap)
-    return (
-        record.coordinates[0],
-        gap,
-        displacement[1] * record.scene["tangential_maugis"],
-        traction[0],
-        traction[1],
-    )
+    """`Profile` of a point."""
+    return next(profiles(record, [point]))
+
+
+def profiles(record, points):
+    """Iterate over the `Profile`s of points; many cost less than one by one."""
+    maugis = [record.scene["normal_maugis"], record.scene["tangential_maugis"]]
+    for displacement, traction in record.each(list(points)):
+        gap = (record.initial_gap + displacement[0]) * maugis[0]
+        none = np.zeros_like(gap)
+        slip, tangential = ((none, none) if len(displacement) == 1
+                            else (displacement[1] * maugis[1], traction[1]))
+        yield Profile(record.coordinates[0], gap, slip, traction[0], tangential)
 
 
 def width_below(x, gap, threshold):

@@ -13,7 +13,7 @@ import numpy as np
 from beyond import finer, held, refined, strength, unsheared
 from observed import onset, profile, sheared_part, stuck
 from runs import PERIOD, half_width
-from style import AREA, FORCE, branch, panels, shades
+from style import AREA, FORCE, JUMP, ONSET, branch, key, panels, shades
 
 from contactsnes import reference
 
@@ -83,6 +83,7 @@ def draw_branch(axes, record, **look):
 def draw(results):
     """The figure."""
     figure, ((high, low, pressed), (half, relative, works)) = panels(2, 3, height=5.6)
+    key(pressed, "bonded", "k--")
     for ratio, colour in zip(RATIOS, shades(len(RATIOS))):
         for one, force in ((high, 25), (low, 0.8)):
             draw_branch(one, results[run(ratio, force).name], color=colour,
@@ -111,12 +112,13 @@ def draw(results):
                 xlim=(-8, 8), ylim=(-2.6, 1.2))
     relative.set(xlabel=r"$(1-2\nu)/(2(1-\nu))$", ylabel="change from $\\nu = 1/2$, %", title="(e)")
     relative.set_ylim(1.6 * relative.get_ylim()[0], None)
-    pressed.plot([], [], "k--", linewidth=0.8, label="bonded")
-    high.set_ylim(10.6, None)
-    low.set_ylim(2.3, None)
-    works.set_ylim(2.4, None)
+    for one, least in ((high, 10.4), (low, 1.7), (works, 1.4)):
+        for label, look, more in (ONSET, JUMP):
+            key(one, label, look, **more)
+        one.set_ylim(least, None)
+    pressed.set_ylim(-3.9, None)
     for one in (high, low, pressed, half, relative, works):
-        one.legend(loc="lower left", ncols=1 if one in (low, relative, works) else 2)
+        one.legend(loc="lower left", ncols=1 if one in (relative, works) else 2)
     return figure
 
 

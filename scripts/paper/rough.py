@@ -12,9 +12,10 @@ one contact as wide as all spots, plus signs: one in each spot by itself.
 
 import numpy as np
 from beyond import HEIGHT, finer, refined
+from matplotlib.lines import Line2D
 from observed import onset, profile, sheared_part
 from runs import Run
-from style import AREA, FORCE, GREY, branch, panels, shades
+from style import AREA, FORCE, GREY, JUMP, ONSET, branch, key, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
@@ -132,6 +133,7 @@ def draw_pressing(axes, results):
     tension.plot(slopes, [-reference.jkr_line_pull_off(CELL, work)[1] if work else 0.0
                           for work in works], "k--", linewidth=0.8, label="JKR, less adhesion")
     area.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, ylim=(0, None))
+    key(area, *JUMP[:2], **JUMP[2])
     area.legend(title="slope", loc="lower right")
     tension.set(xlabel=r"root mean square slope$/(u_{n,r}/\beta)$", ylim=(0, 3.4),
                 xlim=(-0.3, 1.1 * SLOPES[-1]), ylabel=r"pull-off force$/w_{n,r}$")
@@ -164,8 +166,17 @@ def draw_shear(axes, results):
         begin.plot([], [], marker, markersize=4, markerfacecolor="w", label=label)
     begin.set(xlabel=AREA + ", at the onset", ylabel=FORCE + ", at the onset", xlim=(0, 10),
               ylim=(0, 14))
-    begin.legend(loc="upper left")
-    area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), title=f"$w_n/w_{{n,r}} = {FORCES[0]}$")
+    slopes = [Line2D([], [], color=colour, label=f"{slope:g}")
+              for slope, colour in zip(SLOPES, COLOURS)]
+    begin.add_artist(begin.legend(loc="upper left"))
+    begin.legend(handles=slopes, title="slope", loc="lower right", ncols=2)
+    key(area, "other surfaces", linewidth=0.6)
+    for label, look, more in (ONSET, JUMP):
+        key(area, label, look, **more)
+    area.legend(handles=[*slopes, *area.get_legend_handles_labels()[0]], title="slope", ncols=2,
+                loc="lower left")
+    area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), ylim=(3.6, None),
+             title=f"$w_n/w_{{n,r}} = {FORCES[0]}$")
 
 
 def draw_profiles(axes, results):
@@ -176,10 +187,10 @@ def draw_profiles(axes, results):
     x, gap, _, _, _ = profile(record, first)
     gaps.plot(x, record.initial_gap, color=GREY, linewidth=0.7, label="at first touch")
     gaps.plot(x, gap / MAUGIS, color="C0", label="gap")
-    gaps.axhline(np.e / MAUGIS, color="k", linestyle=":", linewidth=0.8)
+    gaps.axhline(np.e / MAUGIS, color="k", linestyle=":", linewidth=0.8, label=r"e$\,\delta_n$")
     gaps.fill_between(x, 0, 1, where=gap < np.e, transform=gaps.get_xaxis_transform(), color="C0",
-                      alpha=0.15, linewidth=0)
-    gaps.set(ylabel=r"$g_n/u_{n,r}$", ylim=(-0.5, 8), title=f"slope {SLOPES[-1]}")
+                      alpha=0.15, linewidth=0, label="contact")
+    gaps.set(ylabel=r"$g_n/u_{n,r}$", ylim=(-0.5, 9.5), title=f"slope {SLOPES[-1]}")
     gaps.legend(loc="upper center", ncols=2, frameon=True, framealpha=0.9, edgecolor="none")
     forces = record["tangential_force"]
     chosen = [first + int(np.argmin(np.abs(forces[first:last + 1] - share * forces[last])))

@@ -6,15 +6,14 @@ made again. Lengths are in beta, normal displacements in u_n,r, tangential ones 
 w_n,r and w_t,r, as everywhere.
 """
 
-import os
-import subprocess
-import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from starter import Starter
 
 from contactsnes import Scene, reference
 from contactsnes.output.files import ArchiveError
@@ -36,13 +35,15 @@ MORE_TANGENTIAL = (0.1, 0.2, 0.36, 1, 2, 3.6, 6, 10, 14)
 """Tangential Maugis parameters of figure 6."""
 LOADS = (0.8, 25)
 """Normal forces of figures 5 and 6."""
-MAPPED = (0.1, 0.2, 0.36, 0.6, 1, 1.4, 2, 3.6, 6, 10)
+MAPPED = (0.1, 0.2, 0.36, 0.6, 1, 1.4, 2, 3.6, 6, 10, 14)
 """Tangential Maugis parameters of the map of regimes."""
 MORE_LOADS = (-1, 0, 0.8, 3, 6, 10.4, 16, 25)
 """Normal forces of figure 7; for a tangential parameter of 10 every second one."""
 PERIOD = 100.0
 DRIVE = reference.drive_stiffness(PERIOD, 2000.0)
 """Stiffness of the drive, force over displacement of the top."""
+USED = " s of processor time"
+"""End of the line of a log that tells what a command took."""
 FINER = "-x2"
 """End of the names of runs on twice the points."""
 
@@ -139,10 +140,8 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     approach = reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)
     return Run(
         name,
-        # Slip fronts of stiff interfaces, and rims that sink under eq. 3, take finer grids than can
-        # be doubled at a reasonable cost everywhere.
-        finer="points" not in given and (maugis < 10 or maugis == 10 and force in LOADS
-                                         and control == "displacement" and law != "mcgarry"),
+        # Rims that sink under eq. 3 take finer grids than can be doubled at a reasonable cost.
+        finer="points" not in given and (maugis < 10 or law != "mcgarry"),
         options={
             **{f"scene_{key}": value for key, value in scene.items()},
             "scene_points": size,
@@ -201,7 +200,7 @@ def mapped(residual, maugis, force):
         "continuation_initial_step": f"0.5,{end / 60:.4g}",
         "continuation_largest_step": f"1,{end / 60:.4g}",
         "continuation_at_fold": "jump" if maugis <= 1 else "stop",
-        "archive_fields": "last" if maugis == 10 else "none",
+        "archive_fields": "last" if maugis >= 10 else "none",
         # Only a branch that is followed along its length tells exactly where a stable onset is.
         **({"continuation_type": "arclength"} if maugis <= 1 and residual >= 0.8 else {}),
         "continuation_stability": "sign"})
@@ -295,6 +294,7 @@ class Results:
     def __init__(self, folder):
         self.folder = Path(folder)
         self._read = {}
+        self._local, self._starters = threading.local(), []
         self.asked = None
         self.folder.mkdir(parents=True, exist_ok=True)
 
@@ -358,7 +358,7 @@ class Results:
         if status == 2 and same:
             status = self._command(path, [*run.program, *run.arguments(), "-archive_overwrite"],
                                    said)
-        if status == 1 and run.finer:
+        if status == 1 and run.finer and path.is_file():
             finer = run.on(2 * run.options["scene_points"])
             status = self._command(path, [*finer.program, *finer.arguments(), "-archive_overwrite"],
                                    said)
@@ -367,15 +367,28 @@ class Results:
         self._read.pop(run.name, None)
         return status, time.perf_counter() - began
 
-    @staticmethod
-    def _command(path, arguments, said):
-        """Exit status of one command of Python, whose output is added to what was said."""
-        command = [sys.executable, *arguments, "-archive_file", str(path)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True,
-                              check=False)
-        said += [done.stdout, done.stderr]
-        return done.returncode
+    def _command(self, path, arguments, said):
+        """Exit status of one command of Python, whose output is added to what was said, with the
+        processor time that it took at the end."""
+        if not hasattr(self._local, "starter"):
+            self._local.starter = Starter()
+            self._starters.append(self._local.starter)
+        output = path.with_suffix(".out")
+        try:
+            status, used = self._local.starter.run([*arguments, "-archive_file", str(path)], output)
+            said += [output.read_text(encoding="utf-8", errors="replace"), f"{used:.2f}{USED}"]
+        finally:
+            output.unlink(missing_ok=True)
+        return status
+
+    def used(self, runs):
+        """Seconds of processor time that runs have taken, by their logs."""
+        return sum(float(line.removesuffix(USED)) for run in runs
+                   for line in self._log(run).splitlines() if line.endswith(USED))
+
+    def _log(self, run):
+        log = self.path(run.name).with_suffix(".log")
+        return log.read_text(encoding="utf-8") if log.is_file() else ""
 
     def finer(self, run):
         """A run that has been made, on twice the points and without certificates."""
@@ -401,6 +414,10 @@ class Results:
             except KeyboardInterrupt:
                 pool.shutdown(cancel_futures=True)
                 raise
+            finally:
+                pool.shutdown()
+                while self._starters:
+                    self._starters.pop().end()
 
 
 class Finer:

@@ -7,7 +7,7 @@ import poisson
 import regimes
 from beyond import grid_change
 from observed import onset, sheared_part
-from runs import LOADS, TANGENTIAL, mapped, turned
+from runs import LOADS, TANGENTIAL, turned
 from scipy.interpolate import PchipInterpolator
 from statement import Number, statement
 
@@ -76,12 +76,11 @@ def reversed_sentence(results):
            "force at the onset at lambda_t = 10, W = 25, for each rho = tau_inf/tau_max; further "
            "parameters of the dimensionless problem")
 def two_parameters(results):
-    error = max(grid_change(results, mapped(*one))[0] for one in regimes.REFINED)
     found = []
     for residual in (0, 0.05, 0.5, 1):
         begun = regimes.begun(results, residual, 10, 25).onset
         found.append(Number(f"rho = {residual:g}", begun.force,
-                            spread=max(begun.force_error, error * begun.force)))
+                            spread=regimes.onset_error(results, residual, 10, 25)))
     factor = found[-1].value / found[0].value
     return found, (f"not confirmed: rho alone changes the onset by a factor of {factor:.0f}, and "
                    "decides how sliding begins; the height over the period decides whether an "

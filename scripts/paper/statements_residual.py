@@ -5,7 +5,6 @@ import early
 import figure7
 import numpy as np
 import regimes
-from beyond import grid_change
 from observed import area_at, onset, peel, power_law
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, TANGENTIAL, half_width, mapped
 from scipy.interpolate import PchipInterpolator
@@ -25,12 +24,6 @@ def case(residual, force):
     return f"rho = {residual:g}, W = {force:g}"
 
 
-def grid_error(results):
-    """Largest relative change of the force at an onset, of the cases that are made again on twice
-    the points."""
-    return max(grid_change(results, mapped(*one))[0] for one in regimes.REFINED)
-
-
 def spans(values):
     """Least and largest of some values, in words."""
     return f"{min(values):.2f} to {max(values):.2f}"
@@ -44,7 +37,7 @@ def spans(values):
            "contact carries, tau_inf a_slid, over rho lambda_t; displacements at which gross "
            "sliding begins in damped motion, over that of the onset, W = 25; figure `early`")
 def early_sliding(results):
-    error, found, ratios = grid_error(results), [], {}
+    found, ratios = [], {}
     for force in LOADS[::-1]:
         for residual in ALL:
             begun = regimes.begun(results, residual, 10, force)
@@ -53,7 +46,7 @@ def early_sliding(results):
                 continue
             ratios[residual, force] = begun.ratio
             numbers = [Number("onset", begun.onset.force,
-                              spread=max(begun.onset.force_error, error * begun.onset.force)),
+                              spread=regimes.onset_error(results, residual, 10, force)),
                        Number("over the spike's", begun.ratio, spread=PRECISE * begun.ratio)]
             if begun.onset.point in record.field_points:
                 numbers.append(Number("slipped", early.slipped(record, begun.onset.point), "%",
@@ -106,15 +99,15 @@ def slip_before(results):
 
 @statement("Fig. 6", "the area decays as a power of the force with an exponent between 1.8 and 2.2",
            "least squares of a_0 - a = k w^n where up to a tenth, a quarter, a half of what is "
-           "lost before sliding is lost, for lambda_t = 0.1 to 10 (14 for rho = 1): least and "
-           "largest exponent and the share of them within 1.8 to 2.2; then those of lambda_t = 10; "
+           "lost before sliding is lost, for lambda_t = 0.1 to 14: least and largest exponent and "
+           "the share of them within 1.8 to 2.2; then those of lambda_t = 10; "
            "errors are 95 % intervals")
 def exponents(results):
     found, inside, ten = [], {}, {}
     for residual in RESIDUALS:
         for force in LOADS:
             fits = {name: [power_law(*peel(results[mapped(residual, maugis, force).name]), share)
-                           for maugis in tangential(residual)] for name, share in WINDOWS.items()}
+                           for maugis in MORE_TANGENTIAL] for name, share in WINDOWS.items()}
             cells = []
             for name, ones in fits.items():
                 values = np.array([fit.exponent for fit in ones])
@@ -123,7 +116,7 @@ def exponents(results):
                 cells += [Number(f"{name}: from", values.min(), spread=widest),
                           Number("to", values.max(), spread=widest),
                           Number("inside", inside[residual, force, name], "%", exact=True)]
-            at = tangential(residual).index(10)
+            at = MORE_TANGENTIAL.index(10)
             ten[residual, force] = [ones[at].exponent for ones in fits.values()]
             cells += [Number(f"lambda_t = 10, {name}", ones[at].exponent, spread=ones[at].interval)
                       for name, ones in fits.items()]
@@ -136,11 +129,6 @@ def exponents(results):
                    f"{100 * half:.0f} % of the cases at least; for lambda_t = 10 at W = 0.8 it is "
                    f"{spans(ten[0, 0.8])} in every window at rho = 0, {spans(ten[1, 0.8])} at rho "
                    "= 1")
-
-
-def tangential(residual):
-    """Tangential parameters of a residual friction that have been run."""
-    return tuple(maugis for maugis in MORE_TANGENTIAL if maugis != 14 or residual == 1)
 
 
 def resampled(forces, areas, count=400):
@@ -171,13 +159,13 @@ def whole_decay(results):
     for residual in RESIDUALS:
         for force in LOADS[::-1]:
             values = np.array([misfit(results[mapped(residual, maugis, force).name])
-                               for maugis in tangential(residual)])
-            best[residual, force] = tangential(residual)[int(np.argmin(np.abs(values)))]
+                               for maugis in MORE_TANGENTIAL])
+            best[residual, force] = MORE_TANGENTIAL[int(np.argmin(np.abs(values)))]
             signs[residual, force] = values
             found.append((case(residual, force),
                           [Number(f"{maugis:g}", value, spread=0.01)
-                           for maugis, value in zip(tangential(residual), values)]))
-    fast = {residual: all(value < 0 for maugis, value in zip(tangential(residual),
+                           for maugis, value in zip(MORE_TANGENTIAL, values)]))
+    fast = {residual: all(value < 0 for maugis, value in zip(MORE_TANGENTIAL,
                                                              signs[residual, 0.8]) if maugis < 10)
             for residual in RESIDUALS}
     yes = [residual for residual in RESIDUALS if fast[residual] and best[residual, 0.8] >= 10]
@@ -201,7 +189,7 @@ def convergence(results):
         for load, forces in ((25, (0.9, 3.0)), (0.8, (0.3, 1.0))):
             for force in forces:
                 cells = []
-                for maugis in tangential(residual):
+                for maugis in MORE_TANGENTIAL:
                     record = results[mapped(residual, maugis, load).name]
                     if peel(record)[0].max() > force:
                         cells.append(Number(f"{maugis:g}", 1 - area_at(record, force)
@@ -214,7 +202,7 @@ def convergence(results):
                     else f"the decay is least at lambda_t = {', '.join(dict.fromkeys(least))}")
                    + "; the lost area changes by " + " and by ".join(
                        f"{100 * min(values):+.0f} to {100 * max(values):+.0f} % from lambda_t = "
-                       f"{tangential(residual)[-2]:g} to {tangential(residual)[-1]:g} (rho = "
+                       f"{MORE_TANGENTIAL[-2]:g} to {MORE_TANGENTIAL[-1]:g} (rho = "
                        f"{residual:g})" for residual, values in changes.items())
                    + ": converging, not converged, whatever the residual friction")
 

@@ -1,5 +1,6 @@
 """What the figures of the paper have in common: sizes, colours, labels, and files."""
 
+import shutil
 from pathlib import Path
 
 import matplotlib
@@ -35,11 +36,15 @@ def panels(rows, columns, width=WIDE, height=None):
 def save(figure, name, folder, pages=None):
     """Write a figure for print, as PNG of 200 dots an inch and as PDF, to a folder, and copies to
     another one."""
-    for place in (folder, pages):
-        if place is not None:
-            figure.savefig(Path(place) / f"{name}.png", dpi=200)
-            # The same figure is the same file: no date in it.
-            figure.savefig(Path(place) / f"{name}.pdf", metadata={"CreationDate": None})
+    # Laid out once; both files are of the same size.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    # The same figure is the same file: no date in it.
+    for kind, how in (("png", {"dpi": 200}), ("pdf", {"metadata": {"CreationDate": None}})):
+        file = Path(folder) / f"{name}.{kind}"
+        figure.savefig(file, **how)
+        if pages is not None and Path(pages) != Path(folder):
+            shutil.copyfile(file, Path(pages) / file.name)
 
 
 def branch(axes, record, x, y, part=slice(None), **look):
@@ -52,6 +57,16 @@ def branch(axes, record, x, y, part=slice(None), **look):
             axes.plot(horizontal[jump], vertical[jump], color=line.get_color(), linestyle=":",
                       linewidth=0.7)
         look = {**look, "color": line.get_color(), "label": None}
+
+
+def key(axes, label, look="k-", **more):
+    """An entry of a legend for what is drawn in several colours, or by other means."""
+    axes.plot([], [], look, **{"linewidth": 0.8, "markersize": 4, **more}, label=label)
+
+
+ONSET = ("onset", "k*", {"markerfacecolor": "w", "markeredgewidth": 0.5, "markersize": 6})
+JUMP = ("jump", "k:", {"linewidth": 0.7})
+"""Entries of stars at onsets and of the dotted lines of `branch`."""
 
 
 def shades(count, name="viridis"):

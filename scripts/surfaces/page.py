@@ -21,7 +21,7 @@ AREA, LENGTH, FORCE = 1e-8, 1e-4, 2.5e-3
 """Of the cell, m^2; its period, m; the largest normal force, N."""
 
 
-OTHERS = {"coarse": ", waves of 256²", "long": ", waves of 6.4 µm and more"}
+OTHERS = {"fine": ", waves of 128²"}
 """Waves of runs that have not those of their grid, in words."""
 
 
@@ -29,6 +29,12 @@ def runs_of(found, kind):
     """Name without the kind -> columns of the runs of a kind."""
     return {name.removeprefix(f"{kind}-"): run for name, run in found.items()
             if name.startswith(kind)}
+
+
+def of_the_grid(found):
+    """The runs without shear whose surface has the waves of their grid, or all where none has."""
+    every = runs_of(found, "pressed")
+    return {name: run for name, run in every.items() if not name.endswith(tuple(OTHERS))} or every
 
 
 def told(name):
@@ -120,21 +126,19 @@ def reach(run):
 
 def draw(found, path):
     """Force, area, spots and their sizes of the runs that have the waves of their grid."""
-    every = runs_of(found, "pressed")
-    pressed = {name: run for name, run in every.items()
-               if not name.endswith(tuple(OTHERS))} or every
+    pressed = of_the_grid(found)
     with matplotlib.rc_context(STYLE):
         figure = Figure((2.1 * WIDTH, 1.6 * WIDTH), layout="constrained")
         (force, area), (count, sizes) = figure.subplots(2, 2)
         for run, colour in zip(pressed.values(), colours(len(pressed))):
             _draw_loop(run, colour, force, area, count)
-        first = next(iter(pressed.values()))
-        inset = force.inset_axes([0.14, 0.42, 0.5, 0.5])
-        for part, line in ((first["leg"] < 3, "-"), (first["leg"] == 3, "--")):
-            inset.plot(1e6 * first["normal_displacement"][part],
-                       1e6 * first["normal_force"][part], line, color=colours(len(pressed))[0])
-        lowest = 1e6 * first["normal_force"].min()
-        inset.set(xlim=(-0.12, 0.25), ylim=(1.3 * lowest, -2.5 * lowest), title="touch, µN")
+        finest = list(pressed.values())[-1]
+        inset = force.inset_axes([0.17, 0.45, 0.45, 0.5])
+        for part, line in ((finest["leg"] < 3, "-"), (finest["leg"] == 3, "--")):
+            inset.plot(1e6 * finest["normal_displacement"][part],
+                       1e6 * finest["normal_force"][part], line, color=colours(len(pressed))[-1])
+        lowest = 1e6 * finest["normal_force"].min()
+        inset.set(xlim=(-0.12, 0.25), ylim=(1.3 * lowest, -2.5 * lowest), ylabel="$W$ (µN)")
         inset.axhline(0, color=GREY, linewidth=0.4)
         force.set(xlabel="displacement $D$ (µm)", ylabel="pressure $W/L^2$ (kPa)")
         area.set(xlabel="pressure (kPa)", ylabel="contact area over $L^2$ (%)")
@@ -145,7 +149,7 @@ def draw(found, path):
                              Line2D([], [], color="black", linestyle="--", label="pulled"),
                              Line2D([], [], color="black", linestyle=":",
                                     label="counted, corrected")])
-        _draw_sizes(first, sizes)
+        _draw_sizes(finest, sizes)
         figure.savefig(path, dpi=160)
     return path
 
@@ -178,18 +182,21 @@ def _draw_sizes(run, axes):
 
 def draw_shear(found, path):
     """The spots at 250 kPa, and forces and shares of the contact under shear."""
-    (_, run), *_ = runs_of(found, "sheared").items()
-    (_, spots), *_ = runs_of(found, "pressed").items()
+    run, spots = (list(runs.values())[-1] for runs in (runs_of(found, "sheared"),
+                                                       of_the_grid(found)))
     with matplotlib.rc_context(STYLE):
         figure = Figure((2.1 * WIDTH, 0.95 * WIDTH), layout="constrained")
         chart, shear = figure.subplots(1, 2)
         half = 0.5e6 * LENGTH
         pressure = 1e-6 * np.ma.masked_where(spots["map"] == 0, spots["pressure"])
         image = chart.imshow(pressure.T, origin="lower", extent=(-half, half, -half, half),
-                             cmap="RdBu_r", norm=matplotlib.colors.TwoSlopeNorm(0.0))
+                             cmap="RdBu_r", norm=matplotlib.colors.TwoSlopeNorm(
+                                 0.0, pressure.min(), pressure.max()))
         chart.set(xlabel="$x$ (µm)", ylabel="$y$ (µm)")
-        figure.colorbar(image, ax=chart, label="pressure in contact (MPa)", shrink=0.85)
-        part = run["leg"] == 3
+        ends = pressure.min(), 0.5 * pressure.min(), 0.0, 0.5 * pressure.max(), pressure.max()
+        figure.colorbar(image, ax=chart, label="pressure in contact (MPa)", shrink=0.85).set_ticks(
+            ends, labels=[f"{end:.2g}" for end in ends])
+        part = slice(full(run), None)
         moved = 1e9 * run["tangential_displacement_x"][part]
         shear.plot(moved, 1e3 * run["tangential_force_x"][part], color="C0")
         shear.set(xlabel="tangential displacement $U$ (nm)", ylabel="tangential force $T$ (mN)",

@@ -23,6 +23,7 @@ from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.grid.transfer import resampled  # noqa: E402
 from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
+from contactsnes.solvers.snes import COLD  # noqa: E402
 
 PAPER = {}
 SPHERE = {"dimension": 2, "points": 256, "period": 12.0, "geometry": "sphere", "normal_maugis": 4.0}
@@ -113,6 +114,21 @@ def test_a_failure_on_coarse_grids_is_told_and_costs_only_time(monkeypatch):
     system = made({**PAPER, "points": 8192}, said.append)
     point = coldstart.start(system, (DISPLACEMENT,), np.array([3.0]))
     assert point.residual_norm <= 1e-8 and "the coarse grid failed" in said[0]
+
+
+def test_every_grid_has_as_many_iterations_as_a_cold_solve(monkeypatch):
+    """A sharp law on a fine grid takes more of them than a warm step may."""
+    given, run = [], Corrector.run
+
+    def watched(self, form, unknown, most, snes=None):
+        given.append((form.grid.shape, most))
+        return run(self, form, unknown, most, snes)
+
+    monkeypatch.setattr(Corrector, "run", watched)
+    _, point, _ = first({**SPHERE, "normal_maugis": 5.6}, DISPLACEMENT, 1.0)
+    assert len({shape for shape, _ in given}) > 2 and {most for _, most in given} == {COLD}
+    # half of the cell is more than its own circle has room for, padded
+    assert point.state.window.is_whole
 
 
 def test_resampling_keeps_every_wave():

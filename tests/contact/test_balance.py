@@ -12,11 +12,14 @@ from contactsnes import Branch, Contact, Form, Load, NotConverged, Scene, Steps
 from contactsnes.branch.remarks import DILUTED
 from contactsnes.branch.tracing import Tracer
 from contactsnes.contact.balance import Balance, Response
-from contactsnes.contact.even_form import EvenForm, Symmetry
+from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.states import State
+from contactsnes.contact.symmetry import Symmetry
 from contactsnes.grid.boxes import Spots, convolution
-from contactsnes.grid.even import UNEVEN, EvenConvolution, EvenWindow, lone
+from contactsnes.grid.cosines import EvenConvolution
+from contactsnes.grid.even import EvenWindow, lone
+from contactsnes.grid.parity import UNEVEN, parities
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import tangential_legs
@@ -212,8 +215,8 @@ def test_symmetry_is_what_heights_have(name, even):
         branch = branch_of(contact, load, form, Steps(initial_step=0.5, largest_step=0.5))
         for point in branch:
             balanced(contact, point, heights.max() - heights)
-        normal_only = len(point.controls) == 1 or (scene.dimension == 1 and name in ("sheared",))
-        assert isinstance(branch.corrector.form, EvenForm) == (even and form != OFF and normal_only)
+        assert isinstance(branch.corrector.form, EvenForm) == (even and form != OFF
+                                                               and name != "slid")
         assert (contact.unevenness <= UNEVEN) == even
         forces.append(point.forces)
     np.testing.assert_allclose(*forces, rtol=1e-7, atol=1e-7)
@@ -289,7 +292,7 @@ def test_an_isolated_layer_moves_sideways(height, alone):
         x = (np.arange(128) - 64) * scene.spacings[0]
         balanced(contact, point, x ** 2 / 2)
         return
-    assert isinstance(branch.corrector.form, EvenForm) == math.isinf(height)
+    assert isinstance(branch.corrector.form, EvenForm)
     (first,) = state.window.start
     (count,) = state.window.shape
     h = 0.3
@@ -396,7 +399,7 @@ def test_what_heights_are_is_asked_of_them():
 def test_a_wrong_belief_in_symmetry_ends_it(monkeypatch):
     """The residual of all nodes is found again for every point: were unevenness not seen, points
     would be right, and say why."""
-    monkeypatch.setattr("contactsnes.contact.even_form.obstacle", lambda contact, components: None)
+    monkeypatch.setattr("contactsnes.contact.symmetry.obstacle", lambda *given: None)
     scene, load = CASES["line"]
     heights, said = waves(scene.shape, scene.periods, 3, even=False), []
     branch = branch_of(Contact(scene, heights), load, log=said.append)
@@ -407,29 +410,32 @@ def test_a_wrong_belief_in_symmetry_ends_it(monkeypatch):
 
 
 def test_a_body_that_couples_ends_symmetry_on_an_arc_too(monkeypatch):
-    monkeypatch.setattr("contactsnes.contact.even_form.obstacle", lambda contact, components: None)
+    monkeypatch.setattr("contactsnes.contact.symmetry.parities_of",
+                        lambda operator, components, loaded: ((1,),) * components)
     scene, load = CASES["coupled"]
-    branch = Branch(scene, load, Steps(type="arclength"))
+    said = []
+    branch = Branch(scene, load, Steps(type="arclength"), log=said.append)
     x = (np.arange(128) - 64) * scene.spacings[0]
     for point in branch:
         balanced(branch.contact, point, x ** 2 / 2)
+    assert any("going on without symmetry" in sentence for sentence in said)
     assert np.abs(point.state.displacement[1]).max() > 1e-3
 
 
 @pytest.mark.parametrize("name", ["line", "coupled", "plane"])
 def test_responses_are_those_of_all_nodes(name):
-    """Of even fields by halves, where the body leaves components apart, of any others by whole
-    transforms: to rounding the same."""
+    """Of fields as even or odd as the body allows by halves, of any others by whole transforms: to
+    rounding the same."""
     scene = CASES[name][0]
     contact, count = Contact(scene), 1 if scene.dimension == 2 else 2
     window = Window(contact.grid, [n // 2 - 5 for n in scene.shape], [11] * scene.dimension)
-    half = EvenConvolution(EvenWindow(window), contact.operator(count), count)
+    signs = parities(contact.operator(count), count)
+    half = EvenConvolution(EvenWindow(window, signs), contact.operator(count), count)
     response = Response(window, contact.operator(count), count, half)
     whole = convolution(window, contact.operator(count), count)
     field = np.random.default_rng(2).normal(size=(count, window.size))
     even = half.window.unfold(half.window.fold(field))
-    for values, by_halves in ((even, name != "coupled"), (even + 1e-12 * field, False),
-                              (field, False)):
+    for values, by_halves in ((even, True), (even + 1e-12 * field, False), (field, False)):
         before = contact.grid.transforms
         found = response.apply(values, np.empty_like(values))
         by_whole = response._whole is not None

@@ -13,6 +13,7 @@ from contactsnes.contact.problem import DISPLACEMENT, Contact
 from contactsnes.grid import boxes as spots
 from contactsnes.grid.boxes import Spots, SpotsConvolution
 from contactsnes.grid.cell import Convolution, Grid, Operator, transform_cost
+from contactsnes.grid.numbers import numbers_of, of_numbers
 from contactsnes.grid.windows import Window, enclosing
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps
@@ -133,7 +134,7 @@ def test_transforms_are_counted_on_the_circles():
 def test_a_window_is_made_again_from_start_and_shape():
     for window in (boxes_of(LINE), boxes_of(PLANE), Window(Grid(PLANE, (4.0, 4.0)), (3, 60),
                                                            (7, 9))):
-        again = spots.of_boxes(window.grid, np.array(window.start), np.array(window.shape))
+        again = of_numbers(window.grid, numbers_of(window))
         assert again == window and type(again) is type(window)
     assert boxes_of(LINE) != boxes_of(LINE).parts[0]
 

@@ -1,5 +1,5 @@
-"""Even states on half the line or a quarter of the plane: the same numbers for less work, where
-scene and load path are even."""
+"""Even and odd states on half the line or a quarter of the plane: the same numbers for less work,
+where scene and load path are even."""
 
 import itertools
 import math
@@ -11,14 +11,17 @@ from processes import call, refused
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
 from contactsnes.contact.bordered import ArcLength
-from contactsnes.contact.even_form import EVEN, EvenForm
+from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
-from contactsnes.contact.states import State
+from contactsnes.contact.states import State, onto
+from contactsnes.contact.symmetry import EVEN
 from contactsnes.dynamics import jumps
-from contactsnes.grid.cell import Convolution, Grid
-from contactsnes.grid.even import Cosines, EvenConvolution, EvenWindow, asymmetry, centred, obstacle
+from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.cosines import Cosines, EvenConvolution
+from contactsnes.grid.even import EvenWindow, asymmetry, centred
+from contactsnes.grid.parity import obstacle, parities, parity
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError
@@ -31,29 +34,42 @@ SOFT = replace(LINE, points=64, period=16.0, normal_maugis=2.0, tangential_maugi
 SPHERE = Scene(dimension=2, points=64, period=12.0, geometry="sphere", normal_maugis=2.0)
 ALL, HALF = Form(symmetry="off"), Form(symmetry="even")
 
-CONTACTS = {"line": Contact(SOFT), "plane": Contact(replace(SPHERE, points=(16, 20),
-                                                            period=(12.0, 14.0), height=5.0)),
+PLANE = replace(SPHERE, points=(16, 20), period=(12.0, 14.0), tangential_maugis=1.5)
+COUPLED = {"poisson": 0.3, "work_ratio": 2.0}
+CONTACTS = {"line": Contact(SOFT), "plane": Contact(replace(PLANE, height=5.0)),
+            "slipping": Contact(PLANE), "coupled": Contact(replace(PLANE, **COUPLED)),
+            "coupled line": Contact(replace(SOFT, **COUPLED)),
             "alone": IsolatedContact(lay_out(replace(SOFT, period=math.inf, height=math.inf,
                                                      points=None, spacing=0.1), 0.1))}
 BOXES = {"part": ("line", (9,)), "cell": ("line", (64,)), "much": ("line", (51,)),
          "box": ("plane", (9, 13)), "strip": ("plane", (9, 20)), "plane": ("plane", (16, 20)),
          "alone": ("alone", (41,))}
+ODD = {f"{name} {box}": (name, BOXES[box][1])
+       for name, boxes in {"slipping": ("box", "strip", "plane"), "coupled line": ("part", "cell"),
+                           "coupled": ("box", "strip", "plane")}.items() for box in boxes}
+"""Boxes of contacts some of whose components are odd."""
 
 every_box = pytest.mark.parametrize("box", BOXES)
 
 
 def window_of(box):
     """A contact, and a window of it about the apex."""
-    contact, shape = CONTACTS[BOXES[box][0]], BOXES[box][1]
+    name, shape = (BOXES | ODD)[box]
+    contact = CONTACTS[name]
     return contact, Window(contact.grid,
                            [total // 2 - n // 2 for n, total in zip(shape, contact.grid.shape)],
                            shape)
 
 
-def fields(window, count, seed=1):
-    """Random even fields (count, nodes of the full window)."""
-    even = EvenWindow(window)
+def fields(window, count, seed=1, signs=None):
+    """Random even fields (count, nodes of the full window), or odd ones by ``signs``."""
+    even = EvenWindow(window, signs)
     return even.unfold(np.random.default_rng(seed).normal(size=(count, even.size)))
+
+
+def signs_of(contact, count, loaded=()):
+    """Parities of the components of a contact."""
+    return parities(contact.operator(count), count, loaded)
 
 
 # Nodes and transforms
@@ -115,11 +131,81 @@ def test_convolution_is_that_of_all_nodes(box, count):
                                    atol=1e-12 * np.max(np.abs(expected)))
 
 
+@pytest.mark.parametrize("box", ODD)
+@pytest.mark.parametrize("transposed", [False, True])
+def test_convolution_of_odd_fields_is_that_of_all_nodes(box, transposed):
+    """For loads along either direction, and none; on the waves of both kinds of transforms."""
+    contact, window = window_of(box)
+    count = contact.scene.components
+    operator = contact.operator(count)
+    for loaded in ((), (1,), (count - 1,)):
+        signs = signs_of(contact, count, loaded)
+        if signs is None:
+            assert "coupled" in box and loaded
+            continue
+        assert any(-1 in own for own in signs)
+        even, values = EvenWindow(window, signs), fields(window, count, signs=signs)
+        assert asymmetry(window, values, signs) == 0.0 and asymmetry(window, values) > 0.1
+        expected = Convolution(window, operator, count).apply(values, np.empty_like(values),
+                                                              transposed)
+        for make in (Cosines, contact.kernels.even):
+            found = EvenConvolution(even, operator, count, make).apply(
+                even.fold(values), np.empty((count, even.size)), transposed)
+            np.testing.assert_allclose(even.unfold(found), expected,
+                                       atol=1e-12 * np.max(np.abs(expected)))
+
+
+def test_parities_are_those_of_body_and_loads():
+    """Loads along both directions, or along one that normal tractions move oddly, leave none."""
+    slipping, coupled, line = (CONTACTS[name] for name in ("slipping", "coupled", "coupled line"))
+    even, odd, across, along = (1, 1), (-1, -1), (-1, 1), (1, -1)
+    for loaded in ((), (1,)):
+        assert signs_of(slipping, 3, loaded) == (even, even, odd)
+    assert signs_of(slipping, 3, (2,)) == (even, odd, even)
+    assert signs_of(coupled, 3) == (even, across, along) and signs_of(line, 2) == ((1,), (-1,))
+    assert signs_of(CONTACTS["line"], 2, (1,)) == ((1,), (1,))
+    for contact, loaded in ((slipping, (1, 2)), (coupled, (1,)), (coupled, (2,)), (line, (1,))):
+        assert signs_of(contact, contact.scene.components, loaded) is None
+
+
+def test_parity_of_a_block_is_measured():
+    """A block that is neither even nor odd in a direction has none."""
+    operator = CONTACTS["coupled"].operator(3)
+    assert parity(operator, (0, 1)) == (-1, 1) and parity(operator, (1, 2)) == (-1, -1)
+    for change in (0.1, 0.1j):
+        twisted = Operator(operator.grid, {(0, 0): operator.blocks[0, 0] + change
+                                           * np.abs(operator.blocks[0, 1] + operator.blocks[1, 2])
+                                           * (np.arange(16)[:, None] == 3)})
+        assert parity(twisted, (0, 0)) is None and parities(twisted, 1) is None
+
+
+@pytest.mark.parametrize("box", ODD)
+def test_odd_fields_vanish_on_their_axes(box):
+    contact, window = window_of(box)
+    count = contact.scene.components
+    signs = signs_of(contact, count)
+    field = fields(window, count, signs=signs)
+    for place, direction in itertools.product(range(count), range(len(window.shape))):
+        if signs[place][direction] < 0:
+            nodes = np.moveaxis(window.box(field[place]), direction, 0)
+            aside = np.zeros_like(field)
+            np.moveaxis(window.box(aside[place]), direction, 0)[len(nodes) // 2] = 0.1
+            assert not nodes[len(nodes) // 2].any()
+            assert asymmetry(window, field + aside, signs) == pytest.approx(0.2)
+            if window.shape[direction] == window.grid.shape[direction]:
+                assert not nodes[0].any()
+
+
 @pytest.mark.parametrize("shape", [(11,), (33,), (7, 6), (9, 7), (9, 11)])
-def test_cosines_are_sums_of_waves(shape):
+@pytest.mark.parametrize("signs", list(itertools.product((1, -1), repeat=2)))
+def test_cosines_and_sines_are_sums_of_waves(shape, signs):
     contact = CONTACTS["line" if len(shape) == 1 else "plane"]
-    plan = Cosines(contact.grid, shape, 2)
+    signs = signs[-len(shape):]
+    plan = Cosines(contact.grid, shape, 2, (signs, signs))
     before, values = contact.grid.transforms, np.random.default_rng(3).normal(size=(2, *shape))
+    for axis, (sign, closed) in enumerate(zip(signs, plan.closed), start=1):
+        if sign < 0:
+            np.moveaxis(values, axis, 0)[[0, -1] if closed else 0] = 0.0
     plan.real[...] = values
     plan.forward()
     expected = values.copy()
@@ -129,7 +215,8 @@ def test_cosines_are_sums_of_waves(shape):
         weights[0] = 1.0
         if closed:
             weights[-1] = 1.0
-        matrix = weights * np.cos(waves.reshape(-1)[:, None] * spacing * nodes)
+        wave = np.cos if signs[axis] > 0 else np.sin
+        matrix = weights * wave(waves.reshape(-1)[:, None] * spacing * nodes)
         expected = np.moveaxis(np.tensordot(matrix, expected, axes=(1, axis + 1)), 0, axis + 1)
     np.testing.assert_allclose(plan.spectrum, expected, atol=1e-12)
     plan.backward()
@@ -161,13 +248,17 @@ def forms(box, controls):
     displacements."""
     contact, window = window_of(box)
     full, even = DisplacementForm(contact, window, controls), EvenForm(contact, window, controls)
-    load = np.linspace(0.5, 0.8, len(controls))
-    displacement = 0.3 * fields(window, len(controls))
+    displacement = 0.3 * fields(window, len(controls), signs=even.parities)
     displacement[0] -= 0.3 * full.initial_gap
-    scalars = np.array([0.1, 0.2])[:len(full.forced)]
+    scalars = np.where(bare(even), 0.0, [0.1, 0.2, 0.3][:len(controls)])
     for form in (full, even):
-        form.set_load(load)
-    return full, even, full.pack(displacement, scalars), even.pack(displacement, scalars)
+        form.set_load(np.where(bare(even), 0.0, np.linspace(0.5, 0.8, len(controls))))
+    return (full, even, *(form.pack(displacement, scalars[form.forced]) for form in (full, even)))
+
+
+def bare(even):
+    """Which components of an even form are odd, so that they have neither mean nor load."""
+    return np.array([-1 in signs for signs in even.parities])
 
 
 def cases():
@@ -176,6 +267,10 @@ def cases():
         for count in (1, 2) if name == "line" else (1,):
             for controls in itertools.product((DISPLACEMENT, FORCE), repeat=count):
                 yield pytest.param(box, controls, id=f"{box}-{'-'.join(controls)}")
+    for box, (name, _) in ODD.items():
+        for control in (DISPLACEMENT, FORCE):
+            controls = (control,) * CONTACTS[name].scene.components
+            yield pytest.param(box, controls, id=f"{box}-{control}")
 
 
 @pytest.mark.parametrize("box, controls", list(cases()))
@@ -191,20 +286,23 @@ def test_form_is_the_full_one_for_even_states(box, controls):
         scale = np.max(np.abs(expected))
         np.testing.assert_allclose(even.displacement(found), full.displacement(expected),
                                    atol=1e-11 * scale * full.root)
-        np.testing.assert_allclose(even.scalars(found), full.scalars(expected), atol=1e-11 * scale)
+        scalars = np.zeros(len(controls))
+        scalars[even.forced] = even.scalars(found)
+        np.testing.assert_allclose(scalars[full.forced], full.scalars(expected),
+                                   atol=1e-11 * scale)
         assert np.linalg.norm(found) == pytest.approx(np.linalg.norm(expected), rel=1e-10)
 
     same(even.residual(half, np.empty(even.size)), full.residual(unknown, np.empty(full.size)))
     full.linearise(unknown)
     even.linearise(half)
-    displacement = fields(full.window, len(controls), seed=5)
-    scalars = np.array([0.3, -0.4])[:len(full.forced)]
-    vector, other = full.pack(displacement, scalars), even.pack(displacement, scalars)
+    displacement = fields(full.window, len(controls), seed=5, signs=even.parities)
+    scalars = np.where(bare(even), 0.0, [0.3, -0.4, 0.2][:len(controls)])
+    vector, other = (form.pack(displacement, scalars[form.forced]) for form in (full, even))
     same(even.apply_jacobian(other, np.empty(even.size)),
          full.apply_jacobian(vector, np.empty(full.size)))
     same(even.apply_transpose(other, np.empty(even.size)),
          full.apply_transpose(vector, np.empty(full.size)))
-    direction = np.arange(1.0, 1.0 + len(controls))
+    direction = np.where(bare(even), 0.0, np.arange(1.0, 1.0 + len(controls)))
     same(even.load_derivative(direction, np.empty(even.size)),
          full.load_derivative(direction, np.empty(full.size)))
 
@@ -233,7 +331,7 @@ def test_preconditioner_is_near_the_full_one(box, controls, arc):
     spreads = []
     for form, start in ((full, unknown), (even, half)):
         if arc:
-            direction = np.ones(len(controls))
+            direction = np.where(bare(even), 0.0, 1.0)
             form = ArcLength(form, direction, direction, start, np.ones(form.size), 0.1)
             start = np.append(start, 0.0)
         form.linearise(start)
@@ -341,20 +439,79 @@ def test_folds_and_jumps_stay():
     same_points(replace(LINE, height=250.0), slid, initial_step=2.0, largest_step=4.0)
 
 
-def test_normal_legs_are_even_before_sheared_ones_are_not():
-    scene = replace(SPHERE, points=32, normal_maugis=1.0)
-    load = Load(start="normal_displacement=1",
-                path="normal_displacement=1.5; tangential_displacement_x=0.5")
+@pytest.mark.parametrize("more, even", [({}, 2), (COUPLED, 1)])
+@pytest.mark.parametrize("stepping", ["natural", "arclength"])
+def test_legs_are_even_before_others_are_not(more, even, stepping):
+    """Without coupling until there are loads along both directions, else until there is one."""
+    scene = replace(SPHERE, points=32, normal_maugis=1.0, **more)
+    load = Load(start="normal_displacement=1", path="normal_displacement=1.5; "
+                "tangential_displacement_x=0.5; tangential_displacement_y=0.3")
     force = None
     for form in (ALL, Form()):
-        branch, kinds = Branch(scene, load, form=form), []
+        branch, kinds = Branch(scene, load, Steps(type=stepping), form), []
         for point in branch:
             kinds.append((point.leg, type(branch.corrector.form)))
         if form == Form():
-            assert ({kind for leg, kind in kinds if leg < 2} == {EvenForm}
-                    and {kind for leg, kind in kinds if leg == 2} == {DisplacementForm})
-            assert branch.observe(point)["tangential_force_x"] == pytest.approx(force, rel=1e-6)
-        force = branch.observe(point)["tangential_force_x"]
+            assert ({kind for leg, kind in kinds if leg <= even} == {EvenForm}
+                    and {kind for leg, kind in kinds if leg > even} == {DisplacementForm})
+            np.testing.assert_allclose(point.forces, force, rtol=1e-6)
+        force = point.forces
+
+
+@pytest.mark.parametrize("along", "xy")
+def test_a_sheared_sphere_is_a_quarter_of_the_work(along):
+    """Its slip along the load is even, that across it odd, in both directions."""
+    scene = replace(SPHERE, tangential_maugis=1.5, residual_friction=0.5)
+    load = Load(start="normal_displacement=1", path=f"tangential_displacement_{along}=80; "
+                                                    "normal_displacement=0.5")
+    (_, all_points, all_costs), (branch, points, costs) = (
+        followed(scene, load, form, predictor="secant") for form in (ALL, HALF))
+    assert isinstance(branch.corrector.form, EvenForm) and len(points) == len(all_points)
+    for point, other in zip(points, all_points):
+        np.testing.assert_allclose(point.forces, other.forces, atol=1e-6)
+        np.testing.assert_allclose(states_onto(point, other), other.state.displacement, atol=3e-6)
+        assert point.residual_norm < 1.001e-8
+    assert np.abs(points[-1].state.displacement[2 if along == "x" else 1]).max() > 0.01
+    assert costs[2] < 0.4 * all_costs[2]
+
+
+def states_onto(point, other):
+    """Displacements of a point on the window of another."""
+    return onto(point.state, other.state.window)
+
+
+def test_a_pressed_compressible_body_is_even_without_a_load_along_it():
+    """Normal tractions move its surface oddly."""
+    for scene in (replace(LINE, poisson=0.3), replace(SPHERE, **COUPLED)):
+        load = Load(path="normal_displacement=1.5")
+        (_, all_points, all_costs), (branch, points, costs) = (followed(scene, load, form)
+                                                               for form in (ALL, HALF))
+        assert isinstance(branch.corrector.form, EvenForm)
+        assert np.abs(points[-1].state.displacement[1]).max() > 0.01
+        np.testing.assert_allclose(points[-1].forces, all_points[-1].forces, atol=1e-6)
+        np.testing.assert_allclose(states_onto(points[-1], all_points[-1]),
+                                   all_points[-1].state.displacement, atol=3e-6)
+        assert costs[2] < (0.7 if scene.dimension == 1 else 0.4) * all_costs[2]
+
+
+def test_a_slip_that_is_not_odd_ends_symmetry():
+    """A perturbation across the load, and a load across it."""
+    scene, said = replace(SPHERE, points=32, normal_maugis=1.0), []
+    load = Load(start="normal_displacement=1", path="tangential_displacement_x=0.5")
+    branch = Branch(scene, load, log=said.append)
+    *_, point = branch
+    assert isinstance(branch.corrector.form, EvenForm) and not said
+    tilted = point.state.displacement.copy()
+    tilted[2] += 1e-3
+    found = branch.corrector.solve(State(point.state.window, tilted, point.state.means),
+                                   point.controls, point.load)
+    assert not isinstance(branch.corrector.form, EvenForm)
+    assert said == ["the state is not even about the apex: going on without symmetry"]
+    np.testing.assert_allclose(found.forces, point.forces, atol=1e-6)
+    branch = Branch(scene, load)
+    *_, point = branch
+    across = branch.corrector.solve(point.state, point.controls, point.load + [0.0, 0.0, 0.2])
+    assert not isinstance(branch.corrector.form, EvenForm) and across.forces[2] > 1e-3
 
 
 def test_a_path_goes_on_from_an_archive():
@@ -461,25 +618,24 @@ def test_a_jump_may_end_symmetry(monkeypatch):
     np.testing.assert_allclose(settled.forces, point.forces, rtol=1e-5)
 
 
-@pytest.mark.parametrize("scene, components, words", [(replace(LINE, poisson=0.3), 2, "couples"),
-                                                      (replace(LINE, height=2.0), 2, "couples"),
-                                                      (SPHERE, 3, "different directions"),
-                                                      (LINE, 1, None), (LINE, 2, None),
-                                                      (replace(LINE, poisson=0.3), 1, None),
-                                                      (SPHERE, 1, None),
-                                                      (replace(SPHERE, geometry="cylinder"), 1,
-                                                       None),
-                                                      (replace(LINE, geometry="rough",
-                                                               rough_slope=0.1, rough_shortest=5.0),
-                                                       1, "differ by")])
-def test_obstacles(scene, components, words):
-    why = obstacle(Contact(scene), components)
+@pytest.mark.parametrize("scene, loaded, words", [
+    (replace(LINE, poisson=0.3), {1}, "couples"), (replace(LINE, height=2.0), {1}, "couples"),
+    (replace(LINE, poisson=0.3), (), None), (SPHERE, {1, 2}, "different directions"),
+    (SPHERE, {1}, None), (SPHERE, {2}, None), (LINE, {1}, None),
+    (replace(SPHERE, geometry="cylinder"), {1}, None),
+    (replace(LINE, geometry="rough", rough_slope=0.1, rough_shortest=5.0), (), "differ by")])
+def test_obstacles(scene, loaded, words):
+    contact = Contact(scene)
+    why = obstacle(contact, contact.scene.components, loaded)
     assert why is None if words is None else words in why
+    assert (obstacle(contact, 1) is None) == (scene.geometry != "rough")
 
 
 @pytest.mark.parametrize("scene, path, form, words",
-                         [(replace(LINE, poisson=0.3), "normal_displacement=1", HALF, "couples"),
-                          (SPHERE, "normal_displacement=1; tangential_displacement_x=1", HALF,
+                         [(replace(LINE, poisson=0.3), "tangential_displacement=1", HALF,
+                           "couples"),
+                          (SPHERE, "normal_displacement=1; tangential_displacement_x=1, "
+                                   "tangential_displacement_y=1", HALF,
                            "different directions"), (replace(LINE, tangential="off"),
                                                      "normal_displacement=1",
                                                      replace(HALF, form="force"), "force form")])
@@ -487,8 +643,8 @@ def test_symmetry_that_is_not_there_is_an_error(scene, path, form, words):
     with pytest.raises(InputError, match=f"-contact_symmetry is 'even', but .*{words}"):
         Branch(scene, Load(path=path), form=form)
     branch = Branch(scene, Load(path=path), form=replace(form, symmetry="auto"))
-    next(iter(branch))
-    assert scene.poisson == 0.5 or not isinstance(branch.corrector.form, EvenForm)
+    *_, point = branch
+    assert point.leg and not isinstance(branch.corrector.form, EvenForm)
 
 
 def test_symmetry_without_tangential_unknowns():
@@ -512,13 +668,17 @@ def test_info_says_what_is_skipped(tmp_path):
     said = call("info", *INFO, "-contact_symmetry", "off", folder=tmp_path).stdout
     assert ("no symmetry is used: -contact_symmetry is off" in said
             and f"1 x {window} displacements" in said)
-    said = call("info", *INFO, "-scene_poisson", "0.3", folder=tmp_path).stdout
-    assert "no symmetry is used: the body couples" in said
+    said = call("info", *INFO[:-1], "normal_force=1; tangential_force=1", "-scene_poisson", "0.3",
+                folder=tmp_path).stdout
+    assert "mirror images before leg 2" in said and "on the body couples" in said
     plane = ["-scene_dimension", "2", "-scene_points", "64", "-scene_geometry", "sphere",
              "-scene_period", "20"]
-    said = call("info", *plane, "-load_path", "normal_force=1; tangential_force_x=1",
+    sheared = "normal_force=1; tangential_force_x=1"
+    said = call("info", *plane, "-load_path", sheared, folder=tmp_path).stdout
+    assert "mirror images, so that a quarter of the plane is solved" in said
+    said = call("info", *plane, "-load_path", f"{sheared}; tangential_force_y=1",
                 folder=tmp_path).stdout
-    assert "mirror images before leg 2, so that a quarter of the plane is solved" in said
+    assert "mirror images before leg 3, so that a quarter of the plane is solved" in said
     said = call("info", *INFO, "-snes_type", "qn", folder=tmp_path).stdout
     assert "no symmetry is used: the method (-snes_type qn)" in said
     said = call("info", *INFO, "-contact_form", "force", folder=tmp_path).stdout

@@ -114,7 +114,8 @@ def test_an_interrupted_path_goes_on_as_if_it_had_not_been():
 def test_a_path_that_ended_at_a_fold_goes_on_with_its_jump():
     stopped, _ = bracketed(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop")
     rest, error = bracketed(System(cubic()), [-1.875, 2.0], [-1.5], resumed=stopped[-4:])
-    assert error is None and events(rest)[-1] == "jump" and rest[-1].position == 1.0
+    assert error is None and events(rest) == ["jump"] and rest[-1].position == 1.0
+    assert rest[0].load[0] == stopped[-1].load[0]
 
 
 def test_no_path_ends_where_no_branch_leads_back():

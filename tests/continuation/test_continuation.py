@@ -722,6 +722,37 @@ def test_a_step_that_ends_off_its_prediction_is_refused(states, predictor, end, 
         assert steps._step(0.2, PREDICTORS[predictor]).position == 0.2
 
 
+class Doubting(Landing):
+    """A system that doubts all until so many tangents are ``trusted``."""
+
+    tangents = 0
+
+    def along_tangent(self, point, *rest):
+        self.tangents += 1
+        return super().along_tangent(point, *rest)
+
+    def doubtful(self, guess, *_):
+        return self.tangents != self.trusted
+
+    detached = doubtful
+
+
+@pytest.mark.parametrize("trusted, refused", [(0, False), (1, False), (2, False), (3, True)])
+def test_a_step_that_one_prediction_foretells_without_doubt_is_kept(trusted, refused):
+    """Tangents are asked only if all other predictions are doubted: first that at the end, which
+    leads back, then that at the beginning, before the step is refused."""
+    system = Doubting([0.4])
+    system.trusted = trusted
+    steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), PREDICTORS["secant"],
+                         "jump")
+    if refused:
+        with pytest.raises(NotConverged, match="another branch"):
+            steps._step(0.2, PREDICTORS["secant"])
+    else:
+        assert steps._step(0.2, PREDICTORS["secant"]).position == 0.2
+    assert system.tangents == (2 if refused else trusted)
+
+
 def test_what_a_step_released_is_asked_where_its_end_was_foretold():
     for jumped in (False, True):
         system = Landing([0.4], jumped=jumped)

@@ -10,7 +10,7 @@ petsc4py.init()
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps
 from contactsnes.branch import first_points
 from contactsnes.contact import states
-from contactsnes.contact.even_form import Symmetry
+from contactsnes.contact.symmetry import Symmetry
 from contactsnes.dynamics import jumps, relaxing
 from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from contactsnes.solvers.capabilities import NEWTON

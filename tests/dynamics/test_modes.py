@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation.points import NotConverged
-from contactsnes.dynamics.modes import NEUTRAL, joined, leading_modes, oriented
+from contactsnes.dynamics.modes import NEUTRAL, leading_modes, oriented
+from contactsnes.dynamics.projection import Space, joined
 from contactsnes.grid.contours import first_largest
 
 
@@ -118,3 +119,25 @@ def test_sign_and_phase_of_a_mode_do_not_hang_on_what_finds_it(turn):
         assert reference[first_largest(reference)] > 0.0
         if not np.iscomplexobj(mode):
             np.testing.assert_allclose(np.abs(reference), np.abs(mode), atol=1e-14)
+
+
+def test_images_of_nearly_dependent_vectors_stay_accurate():
+    """Vectors of a Krylov sequence as they come."""
+    class Diagonal:
+        size = 400
+        values = np.linspace(0.5, 1.5, size)
+
+        def apply(self, vector):
+            return self.values * vector
+
+    operator = Diagonal()
+    space, vector = Space(operator), np.random.default_rng(1).standard_normal(operator.size)
+    for _ in range(24):
+        vector = operator.apply(vector)
+        vector /= np.linalg.norm(vector)
+        space.product(vector)
+    assert 4 < space.largest < 24
+    found = joined(space.modes())
+    assert np.all(np.abs(found.values - 1.0) <= 0.5 + 1e-6)
+    for value, mode, defect in zip(found.values, found.vectors, found.defects):
+        assert operator.apply(mode) - value * mode == pytest.approx(defect, abs=1e-4)

@@ -9,6 +9,7 @@ from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.even_form import EvenForm, HalfForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
+from contactsnes.grid.active import Nodes
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.windows import Window
@@ -28,7 +29,8 @@ SCENES = {"line": LINE, "odd": {**LINE, "points": 254}, "coupled": {**LINE, "poi
           "plane": PLANE, "uneven": {**PLANE, "points": (62, 46)},
           "coupled plane": {**PLANE, "poisson": 0.2}}
 EVEN = [(name, count, part, "even") for name, count in (("line", 1), ("line", 2), ("odd", 2),
-                                                        ("plane", 1), ("uneven", 1))
+                                                        ("plane", 1), ("uneven", 1), ("plane", 3),
+                                                        ("coupled", 2), ("coupled plane", 3))
         for part in ("open", "closed", "strip")]
 HALF = [("line", 2, "open", "half"), ("line", 1, "closed", "half")]
 PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled", 2),
@@ -36,13 +38,20 @@ PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled
          for part in ("open", "closed", "strip")]
 SPOTS = [(name, count, "spots", "plain") for name, count in (("coupled", 1), ("coupled", 2),
                                                              ("coupled plane", 3))]
-CASES = [(*case, control) for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS,
-                                                                 ("displacement", "force"))]
+NODES = [(name, count, part, "plain") for name, count in (("plane", 1), ("coupled plane", 3))
+         for part in ("nodes of a box", "nodes of the cell")]
+CASES = [(*case, control)
+         for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS + NODES,
+                                                ("displacement", "force"))]
 
 
 def window_of(grid, part):
-    """A window about the apex, the cell, one closed in its last direction only, or two boxes."""
+    """A window about the apex, the cell, one closed in its last direction only, two boxes, or some
+    nodes of a box or of the cell."""
     shape = grid.shape
+    if part.startswith("nodes"):
+        hull = window_of(grid, "closed" if "cell" in part else "open")
+        return Nodes(hull, np.flatnonzero(np.random.default_rng(2).random(hull.size) < 0.6))
     if part == "spots":
         return Spots(grid, np.array([[n // 8 for n in shape], [n // 2 for n in shape]]),
                      [n // 5 for n in shape])
@@ -156,17 +165,23 @@ def test_a_residual_leaves_the_tangent_of_the_last_linearisation():
 
 
 @pytest.mark.parametrize("shape", [(1,), (2,), (3,), (24,), (25,), (12, 15), (40, 64)])
-def test_compiled_cosines_are_scipys(shape):
-    """Rows that close on the cell, that do not, and both, forwards and back."""
+@pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
+def test_compiled_cosines_are_scipys(shape, signs):
+    """Rows that close on the cell, that do not, and both, of even and odd fields, forwards and
+    back."""
+    signs = signs[-len(shape):]
     contact = Contact(Scene(**(LINE if len(shape) == 1 else PLANE)), kernels=chosen(True))
     grid = contact.grid
     closed = tuple(n // 2 + 1 for n in grid.shape)
     shapes = [shape, closed] if len(shape) == 1 else [shape, closed, (shape[0], closed[1]),
                                                       (closed[0], shape[1])]
     for points in shapes:
-        ours, scipys = (kind(grid, points, 2) for kind in (contact.kernels.even,
-                                                           chosen(False).even))
+        ours, scipys = (kind(grid, points, 2, (signs, signs)) for kind in (contact.kernels.even,
+                                                                           chosen(False).even))
         field = np.random.default_rng(2).normal(size=scipys.real.shape)
+        for axis, (sign, ends) in enumerate(zip(signs, ours.closed), start=1):
+            if sign < 0:
+                np.moveaxis(field, axis, 0)[[0, -1] if ends else 0] = 0.0
         for plan in (ours, scipys):
             plan.real[...] = field
             plan.forward()

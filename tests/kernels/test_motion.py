@@ -14,7 +14,8 @@ from petsc4py import PETSc  # noqa: E402
 from contactsnes.contact.force_form import ForceForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.grid.cell import transform_cost  # noqa: E402
-from contactsnes.grid.even import EvenWindow, obstacle  # noqa: E402
+from contactsnes.grid.even import EvenWindow  # noqa: E402
+from contactsnes.grid.parity import obstacle  # noqa: E402
 from contactsnes.interface.laws.modified import Modified  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.kernels.choice import chosen  # noqa: E402

@@ -43,8 +43,8 @@ def driven(mean, force):
                   tangential_displacement=reference.driven_displacement(mean, force, 100.0, 2000.0))
 
 
-def test_map_has_eight_by_ten_onsets_at_both_loads():
-    assert len(regimes.CASES) == 8 * 10 * 2 == len(set(regimes.CASES))
+def test_map_has_eight_by_eleven_onsets_at_both_loads():
+    assert len(regimes.CASES) == 8 * 11 * 2 == len(set(regimes.CASES))
     names = [run.name for run in regimes.NEEDED]
     assert len(set(names)) == len(names)
     assert runs.mapped(0, 10, 0.8).options["scene_points"] % 8192 == 0

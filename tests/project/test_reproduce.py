@@ -59,6 +59,31 @@ def test_an_archive_of_other_steps_is_not_taken_for_a_run(tmp_path):
     assert points[1] > points[0]
 
 
+def test_each_command_has_a_process_of_its_own_that_tells_its_end_and_its_time(tmp_path):
+    from starter import Starter
+
+    script = tmp_path / "spend.py"
+    script.write_text("import sys, time\nprint(sys.argv[1:], __name__)\n"
+                      "while time.process_time() < float(sys.argv[1]): pass\nsys.exit(3)\n")
+    starter, said = Starter(), tmp_path / "said"
+    status, used = starter.run([str(script), "0.2"], said)
+    assert status == 3 and 0.1 < used < 5.0
+    assert said.read_text() == "['0.2'] __main__\n"
+    assert starter.run(["-m", "contactsnes", "--version"], said)[0] == 0
+    assert "contactsnes 0" in said.read_text()
+    starter.end()
+
+
+def test_processor_time_is_summed_from_what_runs_said(tmp_path):
+    import runs
+
+    found = runs.Results(tmp_path)
+    some = [runs.Run("one", {}), runs.Run("two", {}), runs.Run("missing", {})]
+    (tmp_path / "one.log").write_text("x\n1.50 s of processor time\nexit status 0\n")
+    (tmp_path / "two.log").write_text("2.25 s of processor time\n1.00 s of processor time\n")
+    assert found.used(some) == 4.75
+
+
 def test_an_interrupted_run_goes_on_and_those_behind_it_do_not_begin(tmp_path, monkeypatch):
     import runs
 

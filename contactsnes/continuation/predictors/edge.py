@@ -3,12 +3,16 @@
 from ..points import lagrange_weights
 from .predictor import Predictor
 
+ASIDE = 0.25
+"""Part of the last step's way by which its end may have missed the polynomial through the points
+before it, above which the tangent is taken."""
+
 
 class Edge(Predictor):
     """The parabola through the last three states, in coordinates that follow the contact's edge.
 
-    The tangent where there is one point, or none of them has an edge; along the arc the parabola of
-    states as they are.
+    Of many spots, or none, the cubic through the last four as they are, which costs no linear
+    solve; the tangent where there is one point. Along the arc the parabola of states as they are.
     """
 
     name = "edge"
@@ -18,8 +22,21 @@ class Edge(Predictor):
 
     def state(self, system, points, places, place, tangent=None):
         """As of `Predictor.state`."""
-        points, weights = points[-3:], lagrange_weights(places[-3:], place)
-        followed = system.follow_edge(points, weights) if len(points) > 1 else None
+        last, weights = points[-3:], lagrange_weights(places[-3:], place)
+        followed = system.follow_edge(last, weights) if len(last) > 1 else None
         if followed is not None:
             return followed
-        return system.extrapolate(points, weights) if tangent is None else tangent()
+        if tangent is None:
+            return system.extrapolate(last, weights)
+        if len(points) == 1 or self._misled(system, points, places):
+            return tangent()
+        return system.extrapolate(points[-4:], lagrange_weights(places[-4:], place))
+
+    def _misled(self, system, points, places):
+        """Whether the last point was not where those before it had foretold it: by more than a part
+        of its way."""
+        if len(points) < 3:
+            return False
+        foretold = system.extrapolate(points[-4:-1], lagrange_weights(places[-4:-1], places[-1]))
+        way = system.missed(points[-2].state, points[-1].state)
+        return system.missed(foretold, points[-1].state) > ASIDE * way

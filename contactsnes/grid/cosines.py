@@ -1,0 +1,176 @@
+"""Cosine and sine transforms of fields that are even or odd about the apex, and convolutions by
+them."""
+
+import math
+
+import numpy as np
+import pyfftw
+from scipy import fft
+
+from .cell import clear_padding, transform_cost
+from .parity import parity
+
+
+class Cosines:
+    """A pair of cosine transforms of ``count`` even arrays, sine transforms where they are odd,
+    with the interface of `cell.Transform`, in place.
+
+    In each direction m points from the axis outwards. If they reach to the middle of the cell, the
+    waves are those of the cell (type I, circle of 2 m - 2 points). Otherwise even fields go on
+    oddly beyond the last point, odd ones evenly (types III and II, circle of 4 m points, on which
+    waves of odd number only): the same as zeros there for a convolution that is padded, and faster.
+    Sines belong to the waves of the cosines; those that vanish at all points have no part in
+    anything.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : tuple of int, points in each direction from the axis outwards
+    count : int, number of arrays
+    parities : for each array and direction 1 (even) or -1 (odd); None: all are even
+    """
+
+    def __init__(self, grid, shape, count, parities=None):
+        self.shape = shape
+        self._odd = np.zeros((count, len(shape)), dtype=bool) if parities is None \
+            else np.array(parities) < 0
+        self.real = self.spectrum = pyfftw.zeros_aligned((count, *shape))
+        self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
+        self.gain = math.prod(2 * (m - 1) if closed else 2 * m
+                              for m, closed in zip(shape, self.closed))
+        self._counter = grid.counter
+        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
+        self._plans = self._plan(3), self._plan(2)
+
+    def _plan(self, open_type):
+        """{type: axes}, or on a line of even fields a plan, of the transforms with a given type in
+        directions that are not closed."""
+        kinds = [1 if closed else open_type for closed in self.closed]
+        if len(kinds) == 1 and not self._odd.any():
+            # SciPy's transforms are the faster ones in the plane, but on a line its calls take
+            # longer than they.
+            name = {1: "FFTW_REDFT00", 2: "FFTW_REDFT10", 3: "FFTW_REDFT01"}[kinds[0]]
+            return pyfftw.FFTW(self.real, self.real, axes=(1,), direction=name, threads=1,
+                               flags=("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"))
+        return {kind: [axis for axis, own in enumerate(kinds) if own == kind] for kind in kinds}
+
+    def _execute(self, plan):
+        self._counter.transforms += self._cost
+        if not isinstance(plan, dict):
+            plan.execute()
+            return
+        for field, odd in zip(self.real, self._odd):
+            for kind, axes in plan.items():
+                even = [axis for axis in axes if not odd[axis]]
+                if even:
+                    done = fft.dctn(field, kind, axes=even, overwrite_x=True)
+                    if done is not field:
+                        field[...] = done
+                for axis in set(axes) - set(even):
+                    _sines(np.moveaxis(field, axis, 0), kind)
+
+    def forward(self):
+        """``real`` to ``spectrum``, which is the same memory."""
+        self._execute(self._plans[0])
+
+    def backward(self):
+        """``spectrum`` to ``real``, times ``gain``."""
+        self._execute(self._plans[1])
+
+    def ordered(self, symbol):
+        """A symbol on these waves in their order, which is that of their numbers."""
+        return np.ascontiguousarray(symbol)
+
+    def wavevectors(self, spacings):
+        """Wave numbers, 1/beta, to broadcast."""
+        axes = [np.pi / h * (np.arange(m) / (m - 1) if closed else (np.arange(m) + 0.5) / m)
+                for m, h, closed in zip(self.shape, spacings, self.closed)]
+        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+
+def _sines(field, kind):
+    """Sine transform of a field along its first axis, in place: type 1 between two nodes where it
+    vanishes, or types 2 and 3 between such a node and one beyond the last."""
+    if kind == 1:
+        field[1:-1] = fft.dst(field[1:-1], 1, axis=0)
+        field[[0, -1]] = 0.0
+    elif kind == 3:
+        field[:-1] = field[1:].copy()
+        field[-1] = 0.0
+        field[...] = fft.dst(field, 3, axis=0)
+    else:
+        field[1:] = fft.dst(field, 2, axis=0)[:-1]
+        field[0] = 0.0
+
+
+class EvenConvolution:
+    """Product of a circulant operator of the cell with even or odd fields on an even window: as
+    `cell.Convolution`.
+
+    An odd kernel times cosines is a sum of sines, and times sines one of cosines with the sign
+    reversed: its symbol has that sign.
+
+    Parameters
+    ----------
+    window : EvenWindow, whose parities fit the operator's (`parity.parities`)
+    operator : Operator on the cell
+    count : int, number of components
+    make : what makes its transform, as `Cosines` of a grid, a shape, a count and parities
+    """
+
+    def __init__(self, window, operator, count, make=Cosines):
+        self.window, self._make = window, make
+        self._circle = tuple(limit if closed else fft.next_fast_len(2 * n - 1, real=True)
+                             for n, limit, closed in zip(window.shape, window.limits,
+                                                         window.closed))
+        self.transform = make(window.grid, self._circle, count, window.parities)
+        self.blocks = {key: self._symbol(operator, key) for key in operator.blocks}
+        self._inside = (slice(None), *(slice(0, n) for n in window.shape))
+        self._product = None if all(i == j for i, j in self.blocks) else np.empty_like(
+            self.transform.spectrum)
+
+    def _symbol(self, operator, key):
+        """The block on the waves of the circle, by which the waves of one component give those of
+        another."""
+        window, own = self.window, parity(operator, key)
+        source = window.of(key[1]) or ()
+        sign = math.prod(-1 for here, there in zip(own, source) if here < 0 and there < 0)
+        if all(window.closed):
+            part = operator.blocks[key][tuple(slice(0, m) for m in self._circle)]
+            return self.transform.ordered(sign * (part * 1j ** own.count(-1)).real)
+        plan = self._make(window.grid, self._circle, 1, (own,) if -1 in own else None)
+        lags = tuple(slice(0, m if closed else 2 * n - 1)
+                     for n, m, closed in zip(window.shape, plan.shape, window.closed))
+        plan.real[0] = 0.0
+        plan.real[(0, *lags)] = operator.kernel(key)[lags]
+        plan.forward()
+        return sign / plan.gain * plan.spectrum[0]
+
+    def apply(self, values, out, transposed=False):
+        """Write the operator times values to out, which is returned.
+
+        Parameters
+        ----------
+        values, out : arrays (components, nodes), perhaps the same one
+        transposed : bool, whether the transpose is meant
+        """
+        plan = self.transform
+        plan.real[self._inside] = self.window.box(values)
+        clear_padding(plan.real, self.window.shape)
+        plan.forward()
+        self._multiply(plan.spectrum, transposed)
+        plan.backward()
+        self.window.box(out)[...] = plan.real[self._inside]
+        return out
+
+    def _multiply(self, spectrum, transposed):
+        """Multiply spectra (components, *waves) by the blocks, or by their transpose, in place."""
+        if self._product is None:
+            for (i, _), symbol in self.blocks.items():
+                spectrum[i] *= symbol
+            return
+        np.copyto(self._product, spectrum)
+        spectrum[...] = 0.0
+        for (i, j), symbol in self.blocks.items():
+            to, source = (j, i) if transposed else (i, j)
+            spectrum[to] += symbol * self._product[source]

@@ -1,0 +1,181 @@
+"""First points and jumps of a rough plane: on coarser grids, compared with motion of everything."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from petsc4py import PETSc  # noqa: E402
+
+from contactsnes import Branch, Load, Scene  # noqa: E402
+from contactsnes.branch import coarse_motion  # noqa: E402
+from contactsnes.branch.coarser import resolving  # noqa: E402
+from contactsnes.branch.departure import Departure  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.energies import stored  # noqa: E402
+from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
+from contactsnes.dynamics import jumps  # noqa: E402
+from contactsnes.scene.settings import Form, Steps  # noqa: E402
+from contactsnes.solvers.patience import Patience  # noqa: E402
+
+PERIOD, WAVES, SLOPE, SEED = 12.0, (3.0, 0.75), 2.0, 0
+START, END = -0.3, 0.0
+
+
+def branch_of(heights, file, start=START, path="normal_displacement=hold", log=lambda text: None,
+              steps=None, **form):
+    """The branch of heights on a plane at a normal Maugis parameter of 2."""
+    np.save(file, heights)
+    scene = Scene(dimension=2, geometry="file", geometry_file=str(file), points=len(heights),
+                  period=PERIOD, normal_maugis=2.0)
+    return Branch(scene, Load(start=f"normal_displacement={start}", path=path), steps=steps,
+                  form=Form(**form), log=log)
+
+
+@pytest.fixture(scope="module")
+def heights():
+    """A function (points) -> heights, the same waves on every grid."""
+    def made(points):
+        most = int(PERIOD / WAVES[1])
+        numbers = np.array(np.meshgrid(*[np.arange(-most, most + 1)] * 2, indexing="ij"))
+        size = np.hypot(*numbers) / PERIOD
+        kept = (size * WAVES[0] >= 1) & (size * WAVES[1] <= 1)
+        phases = np.random.default_rng(SEED).random(size.shape)
+        spectrum = np.zeros((points, points), complex)
+        spectrum[tuple(numbers % points)] = kept * np.where(kept, size, 1.0) ** -1.8 * np.exp(
+            2j * np.pi * phases)
+        frequencies = np.meshgrid(*[np.fft.fftfreq(points, 1 / points)] * 2, indexing="ij")
+        slopes = [np.fft.ifft2(spectrum * 2j * np.pi / PERIOD * frequency).real
+                  for frequency in frequencies]
+        return np.fft.ifft2(spectrum).real * SLOPE / np.sqrt(np.mean(np.square(slopes[0])
+                                                                     + np.square(slopes[1])))
+
+    return made
+
+
+@pytest.fixture(scope="module")
+def pressed(heights, tmp_path_factory):
+    """A branch through jumps, its points and its log."""
+    said = []
+    branch = branch_of(heights(128), tmp_path_factory.mktemp("plane") / "heights.npy",
+                       path=f"normal_displacement={END}", log=said.append,
+                       steps=Steps(initial_step=0.04, largest_step=0.08))
+    return branch, list(branch), said
+
+
+@pytest.fixture(scope="module")
+def folds(pressed):
+    """(fold, jump) pairs of the branch."""
+    _, points, _ = pressed
+    pairs = [pair for pair in zip(points, points[1:]) if pair[0].event == "fold"]
+    assert pairs and all(jump.event == "jump" for _, jump in pairs)
+    return pairs
+
+
+def bracket(fold):
+    """Width of the load's bracket."""
+    return fold.fold_precision * max(abs(fold.load[0]), 1e-3)
+
+
+def test_coarser_grids_lead_to_the_first_point_of_motion_on_everything(heights, tmp_path):
+    found = []
+    for cascade in (True, False):
+        branch = branch_of(heights(128), tmp_path / "heights.npy", start=0.0, cascade=cascade)
+        found.append((next(iter(branch)), branch.contact.grid.transforms))
+    (point, cost), (direct, whole) = found
+    assert point.forces[0] == pytest.approx(direct.forces[0], rel=1e-6)
+    assert cost < 0.4 * whole
+    inertial = branch_of(heights(128), tmp_path / "heights.npy", start=0.0, cascade=False)
+    state = states.undeformed(inertial.contact, (DISPLACEMENT,), np.zeros(1))
+    fire = jumps.by_inertia(inertial.corrector, state, (DISPLACEMENT,), np.zeros(1), "here")
+    assert fire.forces[0] == pytest.approx(point.forces[0], rel=1e-6)
+
+
+def test_the_first_point_does_not_depend_on_the_kernels(heights, tmp_path):
+    forces = [next(iter(branch_of(heights(128), tmp_path / "heights.npy",
+                                  kernels=kernels))).forces[0] for kernels in ("auto", "off")]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-7)
+
+
+def test_a_grid_too_coarse_for_the_gap_is_not_used(heights, tmp_path):
+    branch = branch_of(heights(64), tmp_path / "heights.npy")
+    assert resolving(branch.corrector, False) is None
+    fine = branch_of(heights(128), tmp_path / "heights.npy")
+    assert resolving(fine.corrector, False).contact.grid.shape == (64, 64)
+
+
+def test_a_coarse_state_that_newton_leaves_is_moved_on(heights, tmp_path, monkeypatch):
+    said = []
+    reference = next(iter(branch_of(heights(128), tmp_path / "heights.npy"))).forces[0]
+    monkeypatch.setattr(coarse_motion, "CORRECTED", 0.0)
+    point = next(iter(branch_of(heights(128), tmp_path / "heights.npy", log=said.append)))
+    assert point.forces[0] == pytest.approx(reference, rel=1e-6)
+    assert any("motion goes on" in sentence for sentence in said)
+
+
+def test_jumps_end_where_motion_of_everything_does(pressed, folds):
+    """With inertia from each fold, on the whole grid, at the load of the bracket's far end, and
+    back."""
+    branch = pressed[0]
+    system = branch.corrector
+    for fold, jump in folds:
+        beyond = fold.load + bracket(fold)
+        ahead = jumps.by_inertia(system, fold.state, fold.controls, beyond, "here")
+        back = system.solve(ahead.state, fold.controls, fold.load, 200)
+        assert states.missed(system.contact, jump.state, back.state, largest=True) < 1e-4
+        assert states.missed(system.contact, fold.state, back.state, largest=True) > 0.3
+
+
+def test_jumps_lose_energy_and_are_told_with_their_places(pressed, folds):
+    branch, _, said = pressed
+    for fold, jump in folds:
+        assert jump.load[0] == fold.load[0]
+        assert sum(stored(branch.contact, jump)) < sum(stored(branch.contact, fold))
+        assert jump.dissipated_work > fold.dissipated_work
+    assert sum("a jump before" in sentence and "at x = " in sentence for sentence in said) >= len(
+        folds)
+
+
+def test_a_located_fold_lies_in_its_bracket(folds, heights, tmp_path):
+    fold = folds[0][0]
+    start = float(fold.load[0]) - 0.02
+    branch = branch_of(heights(128), tmp_path / "heights.npy", start=start,
+                       path=f"normal_displacement={float(fold.load[0]) + 2 * bracket(fold):g}",
+                       steps=Steps(at_fold="stop", locate_folds=True, initial_step=0.005,
+                                   largest_step=0.01))
+    located = list(branch)[-1]
+    assert located.event == "fold" and 0.0 < located.fold_precision <= 1e-8
+    assert fold.load[0] <= located.load[0] <= fold.load[0] + bracket(fold)
+
+
+@pytest.mark.parametrize("control", [DISPLACEMENT, FORCE])
+def test_an_equilibrium_stands_still_on_the_coarser_grid(heights, tmp_path, control):
+    branch = branch_of(heights(128), tmp_path / "heights.npy")
+    system = branch.corrector
+    point = next(iter(branch))
+    load = point.load if control == DISPLACEMENT else point.forces
+    coarse = resolving(system, False)
+    level = Departure(system.contact, coarse.contact, point.state)
+    found = type(coarse)(level.contact, system.settings).solve(level.origin, (control,),
+                                                               level.load((control,), load))
+    assert states.missed(level.contact, level.origin, found.state, largest=True) < 1e-6
+    again = level.prolonged(level.injected(point.state))
+    assert states.missed(system.contact, again, point.state, largest=True) < 1e-12
+
+
+@pytest.mark.parametrize("norms, reason", [
+    ([1.0, 0.8], "DIVERGED_DTOL"), ([1.0, 0.6], "ITERATING"), ([1.0, 0.6, 0.55], "DIVERGED_DTOL"),
+    ([1.0, 0.1, 1e-3], "ITERATING"), ([1.0, 0.1, 1e-9], "CONVERGED_FNORM_ABS")])
+def test_patience_ends_where_a_residual_does_not_fall(norms, reason):
+    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    snes.setTolerances(atol=1e-8, rtol=0.0, stol=0.0)
+    reasons, patience = PETSc.SNES.ConvergedReason, Patience()
+    for short in (True, False):
+        patience.short = short
+        found = [patience.test(snes, iteration, (1.0, 1.0, norm))
+                 for iteration, norm in enumerate(norms)]
+        assert found[:-1] == [reasons.ITERATING] * (len(norms) - 1)
+        lost = reason == "DIVERGED_DTOL" and not short
+        assert found[-1] == (reasons.ITERATING if lost else getattr(reasons, reason))
+    snes.destroy()
