@@ -9,7 +9,7 @@ import shutil
 import threading
 import time
 
-from . import bad_input, faults, judge, kills, planted, scenes
+from . import bad_input, faults, judge, kills, planted, scenes, ways_out
 
 COLUMNS = ("part", "number", "seed", "outcome", "points", "runs", "left_out", "seconds", "found",
            "command")
@@ -148,6 +148,14 @@ def kills_part(asked, end):
         return kills.judged(asked.seed, number, worker, folder, asked.seconds)
 
     run(asked, end, "kills", asked.kills, judged)
+
+
+def ways_out_part(asked, end):
+    """Random tables, figures, reports, movies and exports of archives."""
+    def judged(number, worker, folder):
+        return ways_out.judged(asked.seed, number, worker, folder, asked.seconds)
+
+    run(asked, end, "ways-out", asked.ways_out, judged)
 
 
 ROUNDINGS = {"two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"},

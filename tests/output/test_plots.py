@@ -430,3 +430,11 @@ def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatc
     assert set(range(2 if dimension == 1 else 1, 1 + len(names))) <= drawn
     assert below.get_xlabel().startswith("tangential force")
     assert "outlines" not in plot(tmp_path / "run.h5").skipped or interface == "line"
+    for row in rows:
+        row.update(dict.fromkeys(names, np.nan))
+    (tmp_path / "run.h5").unlink()
+    if interface == "plane":
+        plane_archive(tmp_path / "run.h5", rows)
+    else:
+        archive_of(tmp_path / "run.h5", [(row, ()) for row in rows])
+    assert plot(tmp_path / "run.h5").skipped["shape"] == "nothing is in contact"

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 # noqa: E402
-from campaigns import checker, comparison, faults, judge, physics, planted, scenes, table
+from campaigns import checker, comparison, faults, judge, physics, planted, scenes, table, ways_out
 
 
 @pytest.fixture(scope="module")
@@ -198,6 +198,25 @@ def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
 def test_a_scene_and_its_variants_tell_the_same(worker, tmp_path, number):
     verdict = judge.judged(scenes.create(1, number), worker, tmp_path, budget=1.0)
     assert verdict.outcome not in judge.FORBIDDEN, verdict.found
+
+
+@pytest.mark.parametrize("number", [1, 3])
+def test_ways_out_of_an_archive_are_as_asked(worker, tmp_path, number):
+    verdict, _ = ways_out.judged(1, number, worker, tmp_path, 30)
+    assert verdict.outcome == "agreed" and verdict.runs > 1, verdict.found
+
+
+def test_a_table_that_says_something_else_is_seen(worker, tmp_path):
+    archive, _ = run(worker, tmp_path, {"load_path": "normal_displacement=1"})
+    made = tmp_path / "made.csv"
+    worker.run(["table", str(archive), "-columns", "contact_area", "-output", str(made)],
+               tmp_path / "said", 30)
+    text = made.read_text().rstrip("\n")
+    for change, outcome in (("", "agreed"), ("e1", "silent")):
+        verdict = judge.Verdict()
+        made.write_text(text + change + "\n")
+        ways_out.judge_table(verdict, made, archive, {})
+        assert verdict.outcome == outcome
 
 
 def test_a_scene_is_the_same_whenever_it_is_drawn():

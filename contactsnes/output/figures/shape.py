@@ -65,6 +65,8 @@ def _draw(axes, record, load, part, columns):
                           color=colour)
         if text and np.isfinite(vertical).any():
             handles.append(Line2D([], [], color=colour, linestyle=line, label=text))
+    if not handles:
+        raise NothingToShow("nothing is in contact")
     axes.margins(0.06)
     place_legend(axes, handles)
 
