@@ -204,5 +204,5 @@ def faults_part(asked, end):
 
 
 PARTS = {"scenes": scene_part, "laws": functools.partial(scene_part, name="laws"),
-         "bad-input": bad_input_part, "kills": kills_part, "roundings": roundings_part,
-         "planted": planted_part, "faults": faults_part}
+         "bad-input": bad_input_part, "ways-out": ways_out_part, "kills": kills_part,
+         "roundings": roundings_part, "planted": planted_part, "faults": faults_part}
