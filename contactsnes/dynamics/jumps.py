@@ -189,7 +189,15 @@ def polished(system, rest, controls, load):
 
 
 def taken_over(system, slow, controls, load):
-    """The same where a `rough` motion has but slowed down: the point has to be stable."""
+    """The same where a `rough` motion has but slowed down: the point has to be stable.
+
+    Parameters
+    ----------
+    system : System
+    slow : State that the motion has come to
+    controls : tuple, 'displacement' or 'force' of each component
+    load : array
+    """
     point = system.solve(slow, controls, load, WARM)
     if point.softest < 0.0:
         raise NotConverged("Newton's solution is not stable")

@@ -92,21 +92,21 @@ def _window():
 
     fitted = Corrector.fitted
 
-    def held(self, state):
-        state = fitted(self, state)
+    def held(self, state, afresh=False):
+        state = fitted(self, state, afresh)
         first = vars(self).setdefault("_first_window", state.window)
         return state if state.window == first else states.State(first, states.onto(state, first),
                                                                 state.means)
 
-    states.covers = lambda contact, state: True
+    states.covers = lambda contact, state, closest=None: True
     Corrector.fitted = held
 
 
 def _evenness():
     """Every state is taken for even."""
-    from contactsnes.contact import even_form as mirrored
+    from contactsnes.contact import symmetry as mirrored
 
-    mirrored.obstacle = lambda contact, components: None
+    mirrored.obstacle = lambda contact, components, loaded=(): None
     mirrored.Symmetry._is_even = lambda self, state: True
     _trust()
 

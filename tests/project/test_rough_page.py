@@ -70,7 +70,9 @@ def test_paths_end_apart_and_gliding(script, found):
     assert pressed["spots"][top] > 50 and pressed["normal_force"].min() < 0.0
     assert np.sum(pressed["areas_1"]) == pytest.approx(pressed["contact_area"][top], rel=0.05)
     assert pressed["stiffness"][top] > 0.0
-    assert script.page.at(pressed, 2.5e-5, 3) > script.page.at(pressed, 2.5e-5, 1)
+    # one curve: an asperity here is too sharp to snap
+    assert script.page.at(pressed, 2.5e-5, 3) == pytest.approx(script.page.at(pressed, 2.5e-5, 1),
+                                                               rel=0.02)
     assert 0.0 < sheared["tangential_force_x"][-1] < 2.5e-3 and sheared["stick_area"][-1] == 0.0
 
 
