@@ -5,7 +5,7 @@ import math
 
 from ..interface import shapes
 from ..options.fields import InputError, as_text
-from ..scene.settings import tangential_legs
+from ..scene.settings import loaded_legs, tangential_legs
 from .grid_choice import cell_of, nice_below, window_part
 from .memory import memory, memory_of_solve
 
@@ -31,7 +31,7 @@ def refuse_too_large(scene, load, form):
     room, whole = memory(), form.form == "force" or form.window == "off"
     needed, unknowns = memory_of_solve(nodes, nodes) + shape, nodes
     if not whole and (needed > room or nodes > MOST_UNKNOWNS):
-        unknowns = nodes * _least_part(cell, load)
+        unknowns = nodes * _least_part(cell, load) * _mirrored_part(cell, load, form)
         needed = memory_of_solve(unknowns, nodes) + shape
     share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
     if share < 1.0:
@@ -47,6 +47,15 @@ def _least_part(cell, load):
         return window_part(cell, load)
     except (ArithmeticError, ValueError):
         return 0.0
+
+
+def _mirrored_part(cell, load, form):
+    """The part of its nodes that a scene is solved on where shape, body and loads claim mirror
+    images."""
+    loaded = loaded_legs(cell, load)[-1] if load.path else ()
+    claimed = (form.symmetry != "off" and set(shapes.of(cell).even) == set(range(cell.dimension))
+               and len(loaded) < 2 and not (loaded and cell.coupled))
+    return 0.5 ** cell.dimension if claimed else 1.0
 
 
 def _too_many(scene, cell, needed, room, unknowns, share):

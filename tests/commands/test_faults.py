@@ -404,6 +404,14 @@ def test_what_is_said_to_fit_does(monkeypatch):
         points = int(str(refusal.value).split("; ")[1].split()[0].split(",")[0])
         too_large.refuse_too_large(replace(scene, points=points), load, form)
         assert 100 * points ** scene.dimension > 3e7
+    # a quarter of a sphere's plane is solved, of one that is sheared both ways all of it
+    monkeypatch.setattr(too_large, "memory", lambda: 5e9)
+    sphere = Scene(points=4096, dimension=2, geometry="sphere", normal_maugis=16.0)
+    too_large.refuse_too_large(sphere, load, form)
+    both = "normal_displacement=1; tangential_displacement_x=1, tangential_displacement_y=1"
+    for refused in ((load, Form(symmetry="off")), (Load(path=both), form)):
+        with pytest.raises(InputError, match="would fit"):
+            too_large.refuse_too_large(sphere, *refused)
     monkeypatch.setattr(too_large, "memory", lambda: 1e15)
     too_large.refuse_too_large(Scene(points=2 ** 31), load, Form())
     with pytest.raises(InputError, match="PETSc counts 2147483647"):

