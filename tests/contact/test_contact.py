@@ -499,9 +499,9 @@ def count_compiled(monkeypatch, count):
 
 @pytest.fixture
 def counter(monkeypatch):
-    """Counts pyFFTW's transforms, SciPy's cosine transforms and those of compiled kernels; others
+    """Counts pyFFTW's transforms, SciPy's cosines and sines, and those of compiled kernels; others
     would not be counted by the grid, and are errors."""
-    count, cosines = Counter(SHARP["points"]), scipy.fft.dctn
+    count, cosines, sines = Counter(SHARP["points"]), scipy.fft.dctn, scipy.fft.dst
     if library.reason() is None:
         count_compiled(monkeypatch, count)
 
@@ -520,6 +520,11 @@ def counter(monkeypatch):
         count.add(values, axes)
         return cosines(values, kind, axes=axes, overwrite_x=overwrite_x)
 
+    def counted_sines(values, kind, axis):
+        # (sines between two nodes where they vanish, which count, too)
+        count.add(np.pad(values, 1) if kind == 1 else values, (axis,))
+        return sines(values, kind, axis=axis)
+
     def forbidden(*args, **kwargs):
         raise AssertionError("a transform that the grid does not count")
 
@@ -536,6 +541,7 @@ def counter(monkeypatch):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, forbidden)
     monkeypatch.setattr(scipy.fft, "dctn", counted)
+    monkeypatch.setattr(scipy.fft, "dst", counted_sines)
     return count
 
 
