@@ -27,7 +27,6 @@ SHORTEST = 0.2
 """Part of a bracket below which steps on the way back through it are not halved."""
 
 
-
 def reached(system, start, controls, load, where):
     """The first point, where motion from a start leads.
 

@@ -165,18 +165,11 @@ class NodesConvolution(Convolution):
         super().__init__(window, operator, count, make)
         self._flat = self.transform.real.reshape(count, -1)
 
-    def apply(self, values, out, transposed=False):
-        """Write the operator, or its transpose, times values to out, which is returned.
-
-        Parameters
-        ----------
-        values, out : arrays (components, nodes), perhaps the same one
-        transposed : bool, whether the transpose is meant
-        """
-        plan = self.transform
-        plan.real[...] = 0.0
+    def _put(self, values):
+        """Write values to their places on the transform's circle, 0 elsewhere."""
+        self.transform.real[...] = 0.0
         self._flat[:, self.window.on_circle] = values
-        plan.forward()
-        self.multiply(plan.spectrum, transposed)
-        plan.backward()
-        return np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+
+    def _take(self, out):
+        """Read the nodes from the circle."""
+        np.take(self._flat, self.window.on_circle, axis=-1, out=out)

@@ -231,8 +231,12 @@ class Convolution:
         self.window, self.count = window, count
         self.transform = make(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
-        self._inside = (slice(None), *(slice(0, n) for n in window.shape))
-        self._diagonal = set(self.blocks) == {(i, i) for i in range(count)}
+        self._lay_out()
+
+    def _lay_out(self):
+        """Find where the window is on the circle of the transform, and room to multiply blocks."""
+        self._inside = (slice(None), *(slice(0, n) for n in self.window.shape))
+        self._diagonal = set(self.blocks) == {(i, i) for i in range(self.count)}
         self._product = (None if self._diagonal
                          else np.empty_like(self.transform.spectrum[:, :self._rows()]))
 
@@ -244,14 +248,21 @@ class Convolution:
         values, out : arrays (components, nodes), perhaps the same one
         transposed : bool, whether the transpose is meant
         """
-        plan = self.transform
-        plan.real[self._inside] = self.window.box(values)
-        clear_padding(plan.real, self.window.shape)
-        plan.forward()
-        self.multiply(plan.spectrum, transposed)
-        plan.backward()
-        self.window.box(out)[...] = plan.real[self._inside]
+        self._put(values)
+        self.transform.forward()
+        self.multiply(self.transform.spectrum, transposed)
+        self.transform.backward()
+        self._take(out)
         return out
+
+    def _put(self, values):
+        """Write values to the transform's circle, 0 elsewhere."""
+        self.transform.real[self._inside] = self.window.box(values)
+        clear_padding(self.transform.real, self.window.shape)
+
+    def _take(self, out):
+        """Read the window's nodes from the circle."""
+        self.window.box(out)[...] = self.transform.real[self._inside]
 
     def multiply(self, spectrum, transposed=False):
         """Multiply a spectrum (components, *half spectrum) by the blocks, or by their transpose, in

@@ -7,7 +7,7 @@ import numpy as np
 import pyfftw
 from scipy import fft
 
-from .cell import clear_padding, transform_cost
+from .cell import Convolution, transform_cost
 from .parity import parity
 
 
@@ -103,9 +103,8 @@ def _sines(field, kind):
         field[0] = 0.0
 
 
-class EvenConvolution:
-    """Product of a circulant operator of the cell with even or odd fields on an even window: as
-    `cell.Convolution`.
+class EvenConvolution(Convolution):
+    """Product of a circulant operator of the cell with even or odd fields on an even window.
 
     An odd kernel times cosines is a sum of sines, and times sines one of cosines with the sign
     reversed: its symbol has that sign.
@@ -119,15 +118,13 @@ class EvenConvolution:
     """
 
     def __init__(self, window, operator, count, make=Cosines):
-        self.window, self._make = window, make
+        self.window, self.count, self._make = window, count, make
         self._circle = tuple(limit if closed else fft.next_fast_len(2 * n - 1, real=True)
                              for n, limit, closed in zip(window.shape, window.limits,
                                                          window.closed))
         self.transform = make(window.grid, self._circle, count, window.parities)
         self.blocks = {key: self._symbol(operator, key) for key in operator.blocks}
-        self._inside = (slice(None), *(slice(0, n) for n in window.shape))
-        self._product = None if all(i == j for i, j in self.blocks) else np.empty_like(
-            self.transform.spectrum)
+        self._lay_out()
 
     def _symbol(self, operator, key):
         """The block on the waves of the circle, by which the waves of one component give those of
@@ -145,32 +142,3 @@ class EvenConvolution:
         plan.real[(0, *lags)] = operator.kernel(key)[lags]
         plan.forward()
         return sign / plan.gain * plan.spectrum[0]
-
-    def apply(self, values, out, transposed=False):
-        """Write the operator times values to out, which is returned.
-
-        Parameters
-        ----------
-        values, out : arrays (components, nodes), perhaps the same one
-        transposed : bool, whether the transpose is meant
-        """
-        plan = self.transform
-        plan.real[self._inside] = self.window.box(values)
-        clear_padding(plan.real, self.window.shape)
-        plan.forward()
-        self._multiply(plan.spectrum, transposed)
-        plan.backward()
-        self.window.box(out)[...] = plan.real[self._inside]
-        return out
-
-    def _multiply(self, spectrum, transposed):
-        """Multiply spectra (components, *waves) by the blocks, or by their transpose, in place."""
-        if self._product is None:
-            for (i, _), symbol in self.blocks.items():
-                spectrum[i] *= symbol
-            return
-        np.copyto(self._product, spectrum)
-        spectrum[...] = 0.0
-        for (i, j), symbol in self.blocks.items():
-            to, source = (j, i) if transposed else (i, j)
-            spectrum[to] += symbol * self._product[source]
