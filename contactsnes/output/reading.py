@@ -131,9 +131,13 @@ class Record(Mapping):
             if held <= point < self.points and point in self.field_points:
                 return self._waiting[point - held].fields[name]
             return safely(self.path, lambda file: stored.field(file, name, point))
+        return self._cell(name, self.active(point))
+
+    def _cell(self, name, kept):
+        """The cell's 'displacement' or 'traction' from what is kept of a point on active nodes."""
         if self._rebuilt is None:
             self._rebuilt = safely(self.path, Rebuilt)
-        return self._rebuilt(name, self.active(point))
+        return self._rebuilt(name, kept)
 
     def active(self, point):
         """What is kept of a point of `field_points` on the nodes where the law acts, a mapping:
@@ -155,23 +159,28 @@ class Record(Mapping):
         names : sequence of str
         """
         held = self.points - len(self._waiting)
-        stored_ones = [point for point in points
-                       if not (self.on_active or held <= point < self.points)]
+        in_file = [point for point in points if not held <= point < self.points]
+
+        def kept(file, point):
+            on_active = (stored.on_active(file, point)
+                         if self.on_active and set(names) - {"mode"} else None)
+            return on_active, {name: stored.field(file, name, point) for name in names
+                               if on_active is None or name == "mode"}
 
         def take(file):
-            for point in stored_ones:
-                for name in names:
-                    stored.field(file, name, point)
+            for point in in_file:
+                kept(file, point)
 
-        if stored_ones:
+        if in_file:
             checked(self.path, take)
         for point in points:
-            if point not in stored_ones:
+            if point not in in_file:
                 yield [self.field(name, point) for name in names]
                 continue
             with open_archive(self.path) as file:
-                found = [stored.field(file, name, point) for name in names]
-            yield found
+                on_active, whole = kept(file, point)
+            yield [whole[name] if name in whole else self._cell(name, on_active)
+                   for name in names]
 
 
 def read(path):
