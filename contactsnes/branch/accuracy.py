@@ -72,7 +72,7 @@ class Reference(Corrector):
 
     def __init__(self, contact, window):
         wanted = PETSc.Options().getReal("snes_atol", 1e-8)
-        super().__init__(contact, Form(window=window),
+        super().__init__(contact, Form(window=window, linear_precision="double"),
                          tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
 
 

@@ -20,6 +20,7 @@ from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
+from ..solvers.precision import pays, trusted
 from ..solvers.snes import WARM, create_snes
 
 
@@ -72,8 +73,9 @@ class Corrector:
 
     def _spent_so_far(self):
         """Everything spent since the beginning."""
-        return {**self.totals, "transforms": self.contact.grid.counter.transforms,
-                "wall_time": time.perf_counter()}
+        counter = self.contact.grid.counter
+        return {**self.totals, "transforms": counter.transforms,
+                "transforms_single": counter.transforms_single, "wall_time": time.perf_counter()}
 
     def account(self):
         """What was spent since the last call, by name."""
@@ -142,7 +144,8 @@ class Corrector:
                 self.log(in_words(guess.window))
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
-            self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            self.snes = create_snes(self.form, self.prefix, self.tolerance,
+                                    pays(self.form, self.settings.linear_precision))
             if (of_snes(self.snes).has_tangent and not self.contact.convex
                 and len(self.contact.grid.shape) == 2):
                 self.snes.setConvergenceTest(self.patience.test)
@@ -165,7 +168,8 @@ class Corrector:
         """
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
-        self.patience.short = most_iterations == WARM
+        self.patience.short = warm = most_iterations == WARM
+        form.precision.allowed = trusted(form, warm)
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)

@@ -6,11 +6,13 @@ multiplies by the number of points.
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 
-from .counter import Counter
+from .counter import Counter, transform_cost
+from .precision import first_half
 from .windows import Window
 
 
@@ -26,28 +28,35 @@ class Transform:
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
+    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, memory=None):
         axes = tuple(range(1, 1 + len(shape)))
         self.shape, self.gain = shape, math.prod(shape)
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
-                                             dtype=complex)
+        self.real, self.spectrum = memory or (
+            pyfftw.zeros_aligned((count, *shape)),
+            pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex))
         plan = {"axes": axes, "threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
-        self._counter = grid.counter
-        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
+        self._grid, self._counter = grid, grid.counter
+        self._cost = count * transform_cost(math.prod(shape), grid.counter.size), self.real.itemsize < 8
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision, on the same memory."""
+        return Transform(self._grid, self.shape, len(self.real),
+                         (first_half(self.real), first_half(self.spectrum)))
 
     def forward(self):
         """``real`` to ``spectrum``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._forward.execute()
 
     def backward(self):
         """``spectrum`` to ``real``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._backward.execute()
 
 
@@ -55,12 +64,6 @@ def _counted(values, where):
     """Values (..., nodes) where a mask, of all their axes or the last ones, holds: picking them
     takes a third of a reduction under a mask."""
     return values[(slice(None),) * (np.ndim(values) - np.ndim(where)) + (where,)]
-
-
-def transform_cost(points, size):
-    """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m /
-    (N log N)."""
-    return points * math.log(max(points, 2)) / (size * math.log(size))
 
 
 class Grid(Counter):

@@ -220,65 +220,47 @@ static int find_circle(Zone *z, long i)
     return 1;
 }
 
-CLONES static void make_symbol(const Zone *z, const Block *b)
+/* The symbol of a block's circle in the precision of the form's products, made when it is asked for. */
+static const void *symbol_of(const Zone *z, Block *b, long box)
 {
-    const Transform *t = b->circle->transform;
-    const double *restrict c = b->circle->compliance;
+    const Form *f = z->form;
+    const Transform *t = f->single ? b->circle->quick : b->circle->transform;
+    char *symbol = b->circle->symbol;
+    const long wide = t->waves * (f->single ? sizeof(float) : sizeof(double));
     double gain = 1.0;
     for (int axis = 0; axis < 2; axis++) {
         const long n = t->shape[axis];
         if (t->even) gain *= n == 1 ? 1.0 : t->line[axis].closed ? 2.0 * (n - 1) : 2.0 * n;
         else gain *= n;
     }
-    for (long box = 0; box < z->form->response->boxes; box++) {
-        double *restrict s = b->circle->symbol + box * t->waves;
-        for (long k = 0; k < t->waves; k++) s[k] = 1.0 / gain / (c[k] * b->mean[box] + 1.0);
-    }
+    for (long k = 0; k < f->response->boxes && b->made != f->single; k++)
+        invert(t, b->circle->compliance, b->mean[k], gain, symbol + k * wide);
+    b->made = f->single;
+    return symbol + box * wide;
 }
 
-CLONES static int apply_block(const Zone *z, const Block *b, double *field)
+static int apply_block(const Zone *z, Block *b, double *field)
 {
-    const long *shape = z->form->response->shape, n = nodes_of_box(z->form);
-    const long boxes = z->form->response->boxes, *e = b->extent;
-    Transform *t = b->circle->transform;
+    const Response *response = z->form->response;
+    const long *shape = response->shape, n = nodes_of_box(z->form), *e = b->extent;
+    const long boxes = response->boxes;
+    Transform *t = z->form->single ? b->circle->quick : b->circle->transform;
+    double *first = field + b->first[0] * shape[1] + b->first[1];
     int status;
     long at = 0;
-    if (z->form->response->picked) {
-        memset(t->real, 0, t->shape[0] * t->shape[1] * sizeof *t->real);
-        for (long k = 0; k < b->picked; k++) t->real[b->at[k]] = b->into[k] * field[b->node[k]];
-    }
-    for (long box = 0; box < boxes && !z->form->response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1]) {
-            const double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
-            double *restrict r = row_of(t, box, j);
-            const double *restrict w = b->into + at;
-            for (long k = 0; k < e[1]; k++) r[k] = w[k] * x[k];
-        }
+    if (response->picked) put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
+    for (long box = 0; box < boxes && !response->picked; box++)
+        for (long j = 0; j < e[0]; j++, at += e[1])
+            put_row(t, box, j, b->into + at, first + box * n + j * shape[1], e[1]);
     clear_beyond(t, e);
     if ((status = forward(t, e[0]))) return status;
-    for (long box = 0; box < boxes; box++) {
-        const long wide = t->even ? 1 : 2;
-        double *restrict s = t->spectrum + wide * box * t->waves;
-        const double *restrict y = b->circle->symbol + box * t->waves;
-        for (long k = 0; k < t->waves && t->even; k++) s[k] *= y[k];
-        for (long k = 0; k < t->waves && !t->even; k++) {
-            s[2 * k] *= y[k];
-            s[2 * k + 1] *= y[k];
-        }
-    }
+    for (long box = 0; box < boxes; box++) filter(t, box, symbol_of(z, b, box));
     if ((status = backward(t, e[0]))) return status;
     at = 0;
-    for (long k = 0; k < b->picked; k++) {
-        double *x = field + b->node[k];
-        *x = b->outside[k] * *x + b->back[k] * t->real[b->at[k]];
-    }
-    for (long box = 0; box < boxes && !z->form->response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1]) {
-            double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
-            const double *restrict r = row_of(t, box, j), *restrict w = b->back + at;
-            const double *restrict o = b->outside + at;
-            for (long k = 0; k < e[1]; k++) x[k] = o[k] * x[k] + w[k] * r[k];
-        }
+    if (response->picked) blend_nodes(t, 0, b->at, b->node, b->outside, b->back, field, b->picked);
+    for (long box = 0; box < boxes && !response->picked; box++)
+        for (long j = 0; j < e[0]; j++, at += e[1])
+            blend_row(t, box, j, b->outside + at, b->back + at, first + box * n + j * shape[1], e[1]);
     return 0;
 }
 
@@ -294,9 +276,9 @@ CLONES static void by_box(const Zone *z, long i, const double *field, double *su
     }
 }
 
-static int apply_component(const Zone *z, long i, double *field)
+static int apply_component(Zone *z, long i, double *field)
 {
-    const Block *b = &z->block[i];
+    Block *b = &z->block[i];
     const long boxes = z->form->response->boxes, n = nodes_of_box(z->form);
     if (!b->on) return 0;
     int status = apply_block(z, b, field);
@@ -457,7 +439,7 @@ static int eliminate_means(Zone *z)
     return 0;
 }
 
-CLONES static int apply_zone(const Zone *z, const double *vector, double *out)
+CLONES static int apply_zone(Zone *z, const double *vector, double *out)
 {
     const Form *f = z->form;
     const long n = f->nodes, m = f->components, q = z->mean_count;
@@ -503,7 +485,7 @@ int set_up(Zone *z)
         if (!find_core(z, i)) continue;
         if (find_circle(z, i)) return 1;
         keep_weights(z, &z->block[i]);
-        make_symbol(z, &z->block[i]);
+        z->block[i].made = NONE;
         if (f->response->boxes > 1 && (status = couple_boxes(z, i))) return status;
     }
     if ((status = eliminate_means(z)) || !z->arc) return status;

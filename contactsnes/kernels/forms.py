@@ -60,9 +60,10 @@ def _response(convolution, count):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        product = None if all(i == j for i, j in symbols) else np.empty(transform.spectrum.size)
+        product = None if all(i == j for i, j in symbols) else np.empty(transform.spectrum.size,
+                                                                        transform.real.dtype)
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
-        product = np.empty(2 * transform.spectrum.size)
+        product = np.empty(2 * transform.spectrum.size, transform.real.dtype)
     if product is not None:
         own.product = address(product)
     if isinstance(window, Nodes):
@@ -110,6 +111,7 @@ class CompiledForm:
             setattr(own, name, address(array))
         own.law = ctypes.pointer(law.structure)
         own.response = ctypes.pointer(self._response)
+        self._quick = None
         self.reference = ctypes.addressof(own)
 
     @property
@@ -127,14 +129,29 @@ class CompiledForm:
         """Take the law's tangent at the unknown."""
         self.library.linearise(self.reference, address(unknown))
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector."""
+    def make_quick(self):
+        """Have what products in single precision take, in the memory of those in double."""
+        if self._quick is None:
+            self._quick = _response(self.half.quick, self.half.components)
+            self.structure.quick = ctypes.pointer(self._quick[0])
+
+    def set_precision(self, single):
+        """Have products, and the preconditioner, be in single precision from now on, or in
+        double."""
+        if single:
+            self.make_quick()
+        self.structure.single = single
+
+    def apply_jacobian(self, vector, out, single=False):
+        """out = J vector, perhaps in single precision."""
+        self.set_precision(single)
         call(self.library.product, self.grid.counter, self.reference, address(vector),
              address(out))
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector."""
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector, perhaps in single precision."""
+        self.set_precision(single)
         call(self.library.transposed_product, self.grid.counter, self.reference,
              address(vector), address(out))
         return out

@@ -2,11 +2,13 @@
 
 import ctypes
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 
-from ..grid.cell import transform_cost
+from ..grid.counter import transform_cost
+from ..grid.precision import SINGLE, first_half
 from . import structures
 from .fftw import Plans
 from .library import shared
@@ -41,6 +43,14 @@ class Compiled:
         counter = self._grid.counter
         self.structure.counter = address(counter.numbers)
         self.structure.cost = self.count * transform_cost(math.prod(self.shape), counter.size)
+        if "single" in vars(self):
+            self.single.charge()
+
+    def _hold(self, real, spectrum):
+        """Take the memory to work on, whose precision decides on that."""
+        self.real, self.spectrum, own = real, spectrum, self.structure
+        own.real, own.spectrum = address(real), address(spectrum)
+        own.single = real.itemsize < 8
 
     def _call(self, function):
         if function(self._reference, self.structure.shape[0]) == TOO_MANY:
@@ -63,19 +73,23 @@ class Real(Compiled):
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
+    memory : as of `grid.cell.Transform`
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, memory=None):
         super().__init__(grid, shape, count)
-        self.gain = math.prod(shape)
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
-                                             dtype=complex)
-        self._plans = Plans(self.shape, count, address(self.real), address(self.spectrum))
-        own = self.structure
+        self.gain, own = math.prod(shape), self.structure
+        self._hold(*memory or (pyfftw.zeros_aligned((count, *shape)), pyfftw.zeros_aligned(
+            (count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)))
+        self._plans = Plans(self.shape, count, own.real, own.spectrum, bool(own.single))
         own.waves = self.spectrum[0].size
-        own.real, own.spectrum = address(self.real), address(self.spectrum)
         own.forward, own.backward = self._plans.to_half, self._plans.to_row
+
+    @cached_property
+    def single(self):
+        """The same in single precision, on the same memory."""
+        return Real(self._grid, self.shape, self.count,
+                    (first_half(self.real), first_half(self.spectrum)))
 
 
 class Cosines(Compiled):
@@ -91,24 +105,33 @@ class Cosines(Compiled):
     shape : tuple of int, points in each direction from the axis outwards
     count : int, number of arrays, at most 3
     parities : as of `grid.cosines.Cosines`
+    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
     """
 
-    def __init__(self, grid, shape, count, parities=None):
+    def __init__(self, grid, shape, count, parities=None, memory=None):
         super().__init__(grid, shape, count)
+        self._parities = parities
         own, plane = self.structure, len(shape) == 2
         self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
         self.gain = math.prod(2 * (m - 1) if closed else 2 * m
                               for m, closed in zip(shape, self.closed))
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[::-1])) if plane else self.real
+        if memory is None:
+            real = pyfftw.zeros_aligned((count, *shape))
+            memory = real, pyfftw.zeros_aligned((count, *shape[::-1])) if plane else real
+        self._hold(*memory)
         own.even, own.waves = 1, self.real[0].size
-        own.real, own.spectrum = address(self.real), address(self.spectrum)
         self.waves = [_order(m, closed) for m, closed in zip(shape, self.closed)]
-        self._lines = [_Line(m, closed) for m, closed in zip(shape, self.closed)]
+        self._lines = [_Line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
         for place, line in enumerate(self._lines, start=2 - len(shape)):
             own.line[place] = line.structure
             for field, signs in enumerate(parities or ()):
                 own.odd[field][place] = signs[place - 2 + len(shape)] < 0
+
+    @cached_property
+    def single(self):
+        """The same in single precision, on the same memory."""
+        memory = first_half(self.real), first_half(self.spectrum)
+        return Cosines(self._grid, self.shape, self.count, self._parities, memory)
 
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
@@ -133,16 +156,17 @@ def _order(points, closed):
 class _Line:
     """Work, factors and plans of a direction's rows."""
 
-    def __init__(self, points, closed):
+    def __init__(self, points, closed, single=False):
+        real, wave = (SINGLE[np.dtype(kind)] if single else kind for kind in (float, complex))
         self.structure = own = structures.Line(points=points, closed=closed)
         length, self._turn = points, None
         if closed:
             length = 2 * (points - 1)
         else:
-            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points)
-        self._row = pyfftw.zeros_aligned(length)
-        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=complex)
-        self._plans = Plans((length,), 1, address(self._row), address(self._half))
+            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points).astype(wave)
+        self._row = pyfftw.zeros_aligned(length, dtype=real)
+        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=wave)
+        self._plans = Plans((length,), 1, address(self._row), address(self._half), single)
         own.row, own.half, own.turn = (address(part) for part in (self._row, self._half,
                                                                   self._turn))
         own.to_row, own.to_half = self._plans.to_row, self._plans.to_half

@@ -86,7 +86,16 @@ class CoreBlock:
         self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, len(self.boxes))))
         self.symbol += 1.0
         np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
+        self._quick = None
         self._lay_out(window, extents)
+
+    def circle(self, single):
+        """(transform, symbol) of the circle, perhaps in single precision."""
+        if not single:
+            return self.transform, self.symbol
+        if self._quick is None:
+            self._quick = self.symbol.astype(np.float32)
+        return self.transform.single, self._quick
 
     def _find(self, window, weight):
         """Take the core's nodes with their weights; its extents."""
@@ -101,15 +110,15 @@ class CoreBlock:
         """Find the core's place on the circle."""
         self.inside = (slice(None), *(slice(0, extent) for extent in extents))
 
-    def apply(self, field):
+    def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        core, plan = field.reshape(self.boxes)[self.core], self.transform
+        core, (plan, symbol) = field.reshape(self.boxes)[self.core], self.circle(single)
         inner = plan.real[self.inside]
-        np.multiply(self.root, core, out=inner)
+        np.multiply(self.root, core, out=inner, casting="same_kind")
         # Other blocks, with cores of other extents, use the same circle.
         clear_padding(plan.real, inner.shape[1:])
         plan.forward()
-        plan.spectrum *= self.symbol
+        plan.spectrum *= symbol
         plan.backward()
         inner *= self.root
         core *= self.outside
@@ -132,14 +141,14 @@ class ScatteredBlock(CoreBlock):
         """Find the core's place on the circle."""
         self.inside = np.ravel_multi_index(self._nodes, self.transform.shape)
 
-    def apply(self, field):
+    def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        core, plan = field[self.core], self.transform
+        core, (plan, symbol) = field[self.core], self.circle(single)
         plan.real[...] = 0.0
         circle = plan.real.reshape(-1)
         circle[self.inside] = self.root * core
         plan.forward()
-        plan.spectrum *= self.symbol
+        plan.spectrum *= symbol
         plan.backward()
         field[self.core] = self.outside * core + self.root * circle[self.inside]
 
@@ -187,9 +196,9 @@ class CoupledBlock:
         """Sum of D field over each box."""
         return np.einsum("bn,bn->b", self.tangent.reshape(self.by_box), field.reshape(self.by_box))
 
-    def apply(self, field):
+    def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field."""
-        self.block.apply(field)
+        self.block.apply(field, single)
         means = self.inverse @ self._response(field)
         field.reshape(self.by_box)[...] -= means[:, None] * self.column
 
@@ -231,9 +240,10 @@ class CoreZone:
     form : DisplacementForm, linearised
     options : CoreOptions
     floor : float, dimensionless
+    single : bool, whether it is set up in single precision
     """
 
-    def __init__(self, form, options=CoreOptions(), floor=0.0):
+    def __init__(self, form, options=CoreOptions(), floor=0.0, single=False):
         self.form, self.grid = form, form.grid
         self.blocks = [self._block(i, core_weight(form, i, options), options.pad)
                        for i in range(form.components)]
@@ -245,7 +255,7 @@ class CoreZone:
         self.matrix = np.zeros((len(self.means), len(self.means)))
         for place, (i, column) in enumerate(zip(self.means, self.columns)):
             if self.blocks[i] is not None:
-                self.blocks[i].apply(column)
+                self.blocks[i].apply(column, single)
             self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
             if self.forced[i]:
@@ -271,14 +281,14 @@ class CoreZone:
         scalar."""
         return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
 
-    def apply(self, vector, out):
-        """out = M^-1 vector, arrays of the form's size."""
+    def apply(self, vector, out, single=False):
+        """out = M^-1 vector, arrays of the form's size, perhaps in single precision."""
         form = self.form
         np.copyto(out, vector)
         field = out[:form.count].reshape(form.shape)
         for i, block in enumerate(self.blocks):
             if block is not None:
-                block.apply(field[i])
+                block.apply(field[i], single)
         if not len(self.means):
             return out
         right = -self._response(field)

@@ -17,6 +17,7 @@ from . import callbacks
 from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
+from .precision import Precision
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -80,19 +81,28 @@ class RegularisedStep:
         return True
 
 
-def equip(snes, form):
+def equip(snes, form, single=False):
     """Give a SNES a form's function and exact Jacobian, compiled ones where there are, and our
-    defaults for its linear systems."""
+    defaults for its linear systems.
+
+    Parameters
+    ----------
+    snes : SNES
+    form : of the equations, which gets ``precision``
+    single : bool, whether linear solves may be in single precision
+    """
     ksp = snes.getKSP()
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=150)
     if callbacks.available(form):
-        callbacks.equip(snes, form)
+        callbacks.equip(snes, form, single)
         return
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
                      PETSc.Vec().createSeq(form.size))
-    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
+    form.precision = Precision(snes if single else None)
+    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form, form.precision),
+                                      comm=PETSc.COMM_SELF)
     matrix.setUp()
 
     def linearise(snes, x, operator, preconditioner):
@@ -149,7 +159,7 @@ def full_steps(database, kind):
             database.delValue(name)
 
 
-def create_snes(form, prefix="", tolerance=None):
+def create_snes(form, prefix="", tolerance=None, single=False):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
@@ -161,6 +171,7 @@ def create_snes(form, prefix="", tolerance=None):
     form : of the equations
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
+    single : bool, whether linear solves may be in single precision
     """
     database = PETSc.Options(prefix)
     _collect()
@@ -168,7 +179,7 @@ def create_snes(form, prefix="", tolerance=None):
     kept(snes)
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
-    equip(snes, form)
+    equip(snes, form, single)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
