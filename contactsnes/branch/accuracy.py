@@ -97,7 +97,7 @@ class Estimator:
     def transforms(self):
         """Transforms of estimates so far, in units of one of the contact's whole cell."""
         weights = {ratio: ratio ** len(self.contact.grid.shape) for ratio in self._finer}
-        return sum(weights[ratio] * system.contact.grid.counter.transforms
+        return sum(weights[ratio] * system.contact.grid.counter.weighed
                    for ratio, (system, _) in self._finer.items())
 
     def __call__(self, point):

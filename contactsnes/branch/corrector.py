@@ -20,7 +20,7 @@ from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
-from ..solvers.precision import pays, trusted
+from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.snes import WARM, create_snes
 
 
@@ -38,6 +38,10 @@ def finite(state):
     if not (np.isfinite(state.displacement).all() and np.isfinite(state.means).all()):
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
+
+
+TURNED = (f"a linear solve is slow: it went on in double precision after {PATIENCE} iterations "
+          "(-contact_linear_precision)")
 
 
 class Corrector:
@@ -169,7 +173,8 @@ class Corrector:
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
         self.patience.short = warm = most_iterations == WARM
-        form.precision.allowed = trusted(form, warm)
+        precision, turned = form.precision, form.precision.turned
+        precision.allowed = trusted(form, warm)
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
@@ -178,6 +183,8 @@ class Corrector:
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
+        if precision.turned > turned == 0:
+            self.log(TURNED)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None

@@ -87,6 +87,11 @@ class EvenForm:
         return twin(self, self.half, self.node_scale)
 
     @property
+    def convolution(self):
+        """The half form's."""
+        return self.half.convolution
+
+    @property
     def load(self):
         """The controlled values."""
         return self.half.load

@@ -6,6 +6,7 @@ such solves is its own iterative refinement (Higham, Accuracy and Stability of N
 chapter 12).
 """
 
+import math
 import weakref
 
 SAFE = 1e-5
@@ -16,19 +17,24 @@ PATIENCE = 60
 """Iterations after which a solve goes on in double precision: a cycle of FGMRES, which then finds its
 residual anew."""
 
-LEAST = 2 ** 15
-"""Unknowns from which single precision pays (measured)."""
+LEAST = 2 ** 14
+"""Points of the circle that a product transforms from which single precision pays (measured)."""
+
+
+def is_large(form):
+    """Whether single precision pays for the products of a form that has it."""
+    return math.prod(form.convolution.transform.shape) >= LEAST
 
 
 def pays(form, wanted):
     """Whether solves of a form may be in single precision by ``-contact_linear_precision``."""
-    return form.has_single and (wanted == "single" or (wanted == "auto" and form.size >= LEAST))
+    return form.has_single and (wanted == "single" or (wanted == "auto" and is_large(form)))
 
 
 def trusted(form, warm):
     """Whether a solve of a form is one whose way rounding does not decide: from near by, or on a
     fine grid of a body with one contact. From afar Newton's method is chaotic."""
-    return warm or (form.contact.convex and form.size >= LEAST)
+    return warm or (form.has_single and form.contact.convex and is_large(form))
 
 
 class Precision:
