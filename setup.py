@@ -24,7 +24,8 @@ def kernels():
         found.update((KERNELS / name).read_bytes())
     return Extension("contactsnes.kernels._compiled",
                      [f"contactsnes/kernels/{name}" for name in SOURCES if name.endswith(".c")],
-                     depends=[f"contactsnes/kernels/{name}" for name in SOURCES], extra_compile_args=FLAGS,
+                     depends=[f"contactsnes/kernels/{name}" for name in SOURCES],
+                     extra_compile_args=FLAGS,
                      define_macros=[("KERNELS_CHECKSUM", f'"{found.hexdigest()[:32]}"')],
                      libraries=["m"], optional=True)
 

@@ -21,7 +21,7 @@ from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
-from ..solvers.snes import WARM, create_snes
+from ..solvers.snes import WARM, collect, create_snes
 
 
 def _names(cls):
@@ -146,6 +146,8 @@ class Corrector:
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
+            self.form = self.snes = self.arc = kept = None
+            collect()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,
@@ -153,7 +155,6 @@ class Corrector:
             if (of_snes(self.snes).has_tangent and not self.contact.convex
                 and len(self.contact.grid.shape) == 2):
                 self.snes.setConvergenceTest(self.patience.test)
-            self.arc = None
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
@@ -173,8 +174,7 @@ class Corrector:
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
         self.patience.short = warm = most_iterations == WARM
-        precision, turned = form.precision, form.precision.turned
-        precision.allowed = trusted(form, warm)
+        turned, form.precision.allowed = form.precision.turned, trusted(form, warm)
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
@@ -183,7 +183,7 @@ class Corrector:
         solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
-        if precision.turned > turned == 0:
+        if form.precision.turned > turned == 0:
             self.log(TURNED)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations

@@ -46,8 +46,8 @@ class Result:
     counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that
         is timed
     errors : see ``Target.errors``
-    histories : for each pass an array (iterations, 3) of transforms (`weighed`), seconds and residual
-        norm, at the points that are watched
+    histories : for each pass an array (iterations, 3) of transforms (`weighed`), seconds and
+        residual norm, at the points that are watched
     """
 
     outcome: str = NOT_TRIED

@@ -15,13 +15,15 @@ from .targets import ERRORS
 COLUMNS = {"stage": "", "method": "", "family": "", "points": "", "found": "", "elsewhere": "",
            "failed": "", "failed_at": "", "reason": "", "transforms": "real FFTs of the cell",
            "transforms_single": "the same in single precision", "function_evaluations": "",
-           "jacobian_products": "", "nonlinear_iterations": "", "linear_iterations": "", "time": "s", "time_low": "s", "time_high": "s",
+           "jacobian_products": "", "nonlinear_iterations": "", "linear_iterations": "",
+           "time": "s", "time_low": "s", "time_high": "s",
            "transforms_ratio": "", "time_ratio": "", "time_ratio_low": "", "time_ratio_high": "",
            "displacement_error": "ranges of the law", "force_error": "", "area_error": "",
            "residual_norm": "ranges of the law"}
 """Columns with their units. Counts and times are means over points, times medians over passes with
-the extremes; in ratios of transforms two in single precision are one; errors and residuals are the largest of a stage; points that a method failed at, or
-found another branch at, first of all ``failed_at``."""
+the extremes; in ratios of transforms two in single precision are one; errors and residuals are the
+largest of a stage; points that a method failed at, or found another branch at, first of all
+``failed_at``."""
 
 TEXTS = ("stage", "method", "family", "failed_at", "reason")
 
@@ -130,7 +132,8 @@ def _line(row, width):
     between = f"({1e3 * row['time_low']:.3g}-{1e3 * row['time_high']:.3g})"
     ratios = f"({row['time_ratio_low']:.3g}-{row['time_ratio_high']:.3g})"
     return (f"  {row['method']:{width}} {found:>7} {row['transforms']:10.1f} "
-            f"{row['transforms_single']:7.1f} {row['transforms_ratio']:7.2f} {row['function_evaluations']:11.1f} "
+            f"{row['transforms_single']:7.1f} {row['transforms_ratio']:7.2f} "
+            f"{row['function_evaluations']:11.1f} "
             f"{row['jacobian_products']:8.1f} {1e3 * row['time']:8.2f} {between:>15} "
             f"{row['time_ratio']:6.2f} {ratios:>13} {row['displacement_error']:8.0e} "
             f"{row['force_error']:7.0e} {row['area_error']:7.0e}")

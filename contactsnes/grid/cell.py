@@ -41,7 +41,7 @@ class Transform:
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
         self._grid, self._counter = grid, grid.counter
-        self._cost = count * transform_cost(math.prod(shape), grid.counter.size), self.real.itemsize < 8
+        self._cost = count * transform_cost(self.gain, grid.counter.size), self.real.itemsize < 8
 
     @cached_property
     def single(self):

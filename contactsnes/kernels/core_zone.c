@@ -1,5 +1,5 @@
-/* The core-zone preconditioner of the displacement form (solvers/core_zone.py has its mathematics), set
-   up and applied; under arc length the load is eliminated besides. */
+/* The core-zone preconditioner of the displacement form (solvers/core_zone.py and core_blocks.py have its
+   mathematics), set up and applied; under arc length the load is eliminated besides. */
 #include "kernels.h"
 #include <math.h>
 #include <stdlib.h>
@@ -146,7 +146,7 @@ static int find_picked(Zone *z, Block *b, const double *tangent, double level)
     return 1;
 }
 
-/* Weight of each node of the window, in z->column until the block has taken it; mean tangents; extent. */
+/* Weight of each node of the window, in b->outside until the block has taken it; mean tangents; extent. */
 CLONES static int find_core(Zone *z, long i)
 {
     const Form *f = z->form;
@@ -172,7 +172,7 @@ CLONES static int find_core(Zone *z, long i)
             sum += w * tangent[box * n + k];
         }
         b->mean[box] = sum / (count > 0.0 ? count : 1.0);
-        memcpy(z->column + box * n, z->mask, n * sizeof *z->mask);
+        memcpy(b->outside + box * n, z->mask, n * sizeof *z->mask);
     }
     for (int axis = 0; axis < 2; axis++) b->extent[axis] = last[axis] + 1 - b->first[axis];
     return 1;
@@ -192,7 +192,8 @@ CLONES static void keep_weights(Zone *z, Block *b)
         for (long j = 0; j < b->extent[0]; j++)
             for (long k = 0; k < b->extent[1]; k++, at++) {
                 const long node = (b->first[0] + j) * shape[1] + b->first[1] + k;
-                const double w = z->column[box * n + node], root = sqrt(w);
+                /* what is written never lies beyond what is read */
+                const double w = b->outside[box * n + node], root = sqrt(w);
                 b->outside[at] = 1.0 - w;
                 b->into[at] = root * at_or_one(f->unscale, node);
                 b->back[at] = root * at_or_one(f->scale, node);
@@ -294,7 +295,7 @@ static int apply_component(Zone *z, long i, double *field)
 }
 
 /* Boxes know of each other as a whole: inverse = (1 + k R)^-1 k, singular values at least 0.1, R the
-   response of each to its column (core_zone.CoupledBlock). */
+   response of each to its column (core_blocks.CoupledBlock). */
 static int couple_boxes(Zone *z, long i)
 {
     Block *b = &z->block[i];

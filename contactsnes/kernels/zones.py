@@ -61,21 +61,22 @@ class CompiledZone:
             own.wraps[axis] = points == total
         nodes = self.form.nodes
         own.sums = self._array(window.shape[-1])
-        if isinstance(window, Nodes):
-            # the box is blurred in memory of its transform, which is not at work then
+        if len(window.shape) == 2:
+            # boxes are blurred in memory of their transform, which is not at work then
             transform = self.form.convolution.transform
             own.mask, own.blur = address(transform.real), address(transform.spectrum)
         else:
             own.mask, own.blur = self._array(nodes), self._array(nodes)
-        own.column = self._array(max(nodes, self.kernel.size))
+        if self._arc is not None:
+            own.column = self._array(self.kernel.size)
 
     def _blocks(self, window, count):
         """Memory of the blocks; of several boxes what they know of each other."""
         own, boxes, nodes = self.structure, len(window.parts), window.size
         for i in range(count):
             block = own.block[i]
-            for name in ("into", "back", "outside"):
-                setattr(block, name, self._array(nodes))
+            block.into, block.outside = self._array(nodes), self._array(nodes)
+            block.back = self._array(nodes) if self.kernel.structure.scale else block.into
             if isinstance(window, Nodes):
                 self._kept.append(np.zeros((2, nodes), dtype=np.intc))
                 block.node, block.at = (address(part) for part in self._kept[-1])
@@ -96,7 +97,7 @@ class CompiledZone:
         means = [i for i in range(count) if i in form.forced or form.rigid_compliance[i] != 0.0]
         own.mean_count = len(means)
         own.means[:len(means)] = means
-        own.columns = self._array(max(len(means), 1), form.nodes)
+        own.columns = self._array(len(means), form.nodes)
 
     def _circle_maker(self, window, count, quick):
         """What makes a circle for a component's core of a rounded extent, and enters it.

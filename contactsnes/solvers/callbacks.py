@@ -123,7 +123,7 @@ class CompiledPrecision:
 
 
 class CompiledRitz:
-    """What the monitor of a SNES in the library keeps, as `snes.Ritz`."""
+    """What the monitor of a SNES in the library keeps, as `ritz.Ritz`."""
 
     def __init__(self, structure):
         self._structure = structure

@@ -1,9 +1,9 @@
-"""In which precision a linear solve multiplies and preconditions: in single where it is asked for no
-more than that holds, and where that pays.
+"""In which precision a linear solve multiplies and preconditions: in single where it is asked for
+no more than that holds, and where that pays.
 
-Residuals are doubles always, and what a solve leaves out the next one finds: a Newton iteration with
-such solves is its own iterative refinement (Higham, Accuracy and Stability of Numerical Algorithms,
-chapter 12).
+Residuals are doubles always, and what a solve leaves out the next one finds: a Newton iteration
+with such solves is its own iterative refinement (Higham, Accuracy and Stability of Numerical
+Algorithms, chapter 12).
 """
 
 import math
@@ -14,8 +14,8 @@ SAFE = 1e-5
 whose rounding is 6e-8: what is lost in them stays far below."""
 
 PATIENCE = 60
-"""Iterations after which a solve goes on in double precision: a cycle of FGMRES, which then finds its
-residual anew."""
+"""Iterations after which a solve goes on in double precision: a cycle of FGMRES, which then finds
+its residual anew."""
 
 LEAST = 2 ** 14
 """Points of the circle that a product transforms from which single precision pays (measured)."""

@@ -18,6 +18,7 @@ from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
 from .precision import Precision
+from .ritz import Ritz
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -41,10 +42,6 @@ class NewtonOptions(Options):
                               "kappa, above the law's steepest softening, 0.135 for a exp(-a)",
                               "phi_n/delta_n^2", kind="number", above=SOFTENING,
                               default_text="0.2 for a exp(-a), else 1.5 times the softening")
-
-
-TELLING = 3
-"""Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
 
 
 def regularised_stiffness(law, stiffness):
@@ -117,32 +114,6 @@ def equip(snes, form, single=False):
     ksp.getPC().setPythonType(callbacks.OWN_ZONE)
 
 
-class Ritz:
-    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last
-    two linear solves that tell.
-
-    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body
-    that rests, so that a negative one belongs to an unstable mode of J (Sylvester's law of inertia,
-    where J is symmetric). They cost no product.
-    """
-
-    def __init__(self):
-        self.found = []
-
-    def __call__(self, snes, iteration, norm):
-        if iteration == 0:
-            self.found = []
-            return
-        values = snes.getKSP().computeEigenvalues()
-        if len(values) >= TELLING:
-            self.found.append(float(values.real.min()))
-
-    @property
-    def smallest(self):
-        """That number, nan where no solve told anything."""
-        return min(self.found[-2:], default=np.nan)
-
-
 @contextmanager
 def full_steps(database, kind):
     """Line searches of Newton's method that the user has not chosen are none while PETSc reads its
@@ -174,9 +145,8 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     single : bool, whether linear solves may be in single precision
     """
     database = PETSc.Options(prefix)
-    _collect()
-    snes = PETSc.SNES().create(PETSc.COMM_SELF)
-    kept(snes)
+    collect()
+    snes = kept(PETSc.SNES().create(PETSc.COMM_SELF))
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
     equip(snes, form, single)
@@ -259,7 +229,7 @@ def kept(thing):
     return thing
 
 
-def _collect():
+def collect():
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
     problem's size."""
     getattr(PETSc, "garbage_cleanup", lambda: None)()
@@ -271,7 +241,7 @@ def _destroy_all():
     be called no more."""
     for thing in list(_alive.values()):
         thing.destroy()
-    _collect()
+    collect()
 
 
 def displacement_test(snes, iteration, norms, form):

@@ -1,5 +1,5 @@
-"""In which precision linear solves are: what they find and what they take, where they must not be in
-single, and where they go on in double."""
+"""In which precision linear solves are: what they find and what they take, where they must not be
+in single, and where they go on in double."""
 
 import numpy as np
 import petsc4py
