@@ -183,11 +183,6 @@ CLONES static void keep_weights(Zone *z, Block *b)
     const Form *f = z->form;
     const long *shape = f->response->shape, n = nodes_of_box(f);
     long at = 0;
-    for (long k = 0; k < b->picked; k++) {
-        const long place = f->response->in_box[b->node[k]];
-        b->at[k] = (int)((place / shape[1] - b->first[0]) * b->circle->transform->shape[1]
-                         + place % shape[1] - b->first[1]);
-    }
     for (long box = 0; box < f->response->boxes && !f->response->picked; box++)
         for (long j = 0; j < b->extent[0]; j++)
             for (long k = 0; k < b->extent[1]; k++, at++) {
@@ -221,23 +216,30 @@ static int find_circle(Zone *z, long i)
     return 1;
 }
 
-/* The symbol of a block's circle in the precision of the form's products, made when it is asked for. */
-static const void *symbol_of(const Zone *z, Block *b, long box)
+/* The block's circle for the precision of the form's products: its symbol and, of picked nodes, their
+   places on it. */
+static Transform *circle_of(const Zone *z, Block *b)
 {
     const Form *f = z->form;
-    const Transform *t = f->single ? b->circle->quick : b->circle->transform;
+    const Response *r = f->response;
+    Transform *t = f->single ? b->circle->quick : b->circle->transform;
     char *symbol = b->circle->symbol;
-    const long wide = t->waves * (f->single ? sizeof(float) : sizeof(double));
     double gain = 1.0;
+    if (b->made == f->single) return t;
     for (int axis = 0; axis < 2; axis++) {
         const long n = t->shape[axis];
         if (t->even) gain *= n == 1 ? 1.0 : t->line[axis].closed ? 2.0 * (n - 1) : 2.0 * n;
         else gain *= n;
     }
-    for (long k = 0; k < f->response->boxes && b->made != f->single; k++)
-        invert(t, b->circle->compliance, b->mean[k], gain, symbol + k * wide);
+    for (long box = 0; box < r->boxes; box++)
+        invert(t, b->circle->compliance, b->mean[box], gain,
+               symbol + box * t->waves * (f->single ? sizeof(float) : sizeof(double)));
+    for (long k = 0; k < b->picked; k++) {
+        const long place = r->in_box[b->node[k]], c = r->shape[1];
+        b->at[k] = (int)place_of(t, place / c - b->first[0], place % c - b->first[1]);
+    }
     b->made = f->single;
-    return symbol + box * wide;
+    return t;
 }
 
 static int apply_block(const Zone *z, Block *b, double *field)
@@ -245,7 +247,7 @@ static int apply_block(const Zone *z, Block *b, double *field)
     const Response *response = z->form->response;
     const long *shape = response->shape, n = nodes_of_box(z->form), *e = b->extent;
     const long boxes = response->boxes;
-    Transform *t = z->form->single ? b->circle->quick : b->circle->transform;
+    Transform *t = circle_of(z, b);
     double *first = field + b->first[0] * shape[1] + b->first[1];
     int status;
     long at = 0;
@@ -253,10 +255,7 @@ static int apply_block(const Zone *z, Block *b, double *field)
     for (long box = 0; box < boxes && !response->picked; box++)
         for (long j = 0; j < e[0]; j++, at += e[1])
             put_row(t, box, j, b->into + at, first + box * n + j * shape[1], e[1]);
-    clear_beyond(t, e);
-    if ((status = forward(t, e[0]))) return status;
-    for (long box = 0; box < boxes; box++) filter(t, box, symbol_of(z, b, box));
-    if ((status = backward(t, e[0]))) return status;
+    if ((status = filter(t, e, b->circle->symbol))) return status;
     at = 0;
     if (response->picked) blend_nodes(t, 0, b->at, b->node, b->outside, b->back, field, b->picked);
     for (long box = 0; box < boxes && !response->picked; box++)

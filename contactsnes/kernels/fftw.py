@@ -26,6 +26,8 @@ def _calls():
     library, sizes = fftw(), POINTER(c_int)
     arguments = [c_int, sizes, c_int, c_void_p, sizes, c_int, c_int, c_void_p, sizes, c_int, c_int,
                  c_uint]
+    library.fftwf_plan_many_dft.argtypes = [*arguments[:-1], c_int, c_uint]
+    library.fftwf_plan_many_dft.restype = c_void_p
     for kind in KINDS:
         for name in ("plan_many_dft_r2c", "plan_many_dft_c2r"):
             getattr(library, f"{kind}_{name}").argtypes = arguments
@@ -35,6 +37,28 @@ def _calls():
     library.fftw_import_wisdom_from_filename.argtypes = [c_char_p]
     library.fftw_export_wisdom_to_filename.argtypes = [c_char_p]
     return library
+
+
+class Rows:
+    """A pair of plans of complex transforms in single precision, of rows that stand one after
+    another, in place.
+
+    Parameters
+    ----------
+    points, count : int, points of a row and number of rows
+    memory : address of (count, points) complex numbers in single precision
+    """
+
+    def __init__(self, points, count, memory):
+        sizes, way = (c_int * 1)(points), [None, 1, points]
+        self.forward, self.backward = (
+            _calls().fftwf_plan_many_dft(1, sizes, count, memory, *way, memory, *way, sign, ESTIMATE)
+            for sign in (-1, 1))
+
+    def __del__(self):
+        for plan in (getattr(self, "forward", None), getattr(self, "backward", None)):
+            if plan and ctypes is not None:
+                _calls().fftwf_destroy_plan(plan)
 
 
 class Plans:

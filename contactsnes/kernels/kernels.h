@@ -42,6 +42,9 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;
+    long packed;                       /* in the plane, single: as `packed.c` has it, which alone knows these: */
+    void *columns, *columns_back;      /* plans; those of rows are `forward` and `backward` */
+    float *block;
     double cost, *counter; /* of one transform; transforms so far, their limit, and those in single precision */
 } Transform;
 
@@ -135,7 +138,7 @@ typedef struct {
 } System;
 
 struct Libraries {
-    void (*execute)(void *), (*execute_single)(void *);
+    void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
     int (*get_read)(void *, const double **), (*put_read)(void *, const double **);
     int (*get)(void *, double **), (*put)(void *, double **);
     int (*mat_context)(void *, void *), (*pc_context)(void *, void *);
@@ -162,9 +165,21 @@ void blend_row(const Transform *t, long field, long row, const double *outside, 
                double *x, long n);
 void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
                  const double *back, double *x, long n);
-void filter(const Transform *t, long field, const void *symbol);
+int filter(Transform *t, const long *shape, const void *symbol);
+long place_of(const Transform *t, long row, long column);
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
 int convolve(const Response *r, int transposed);
+long packed_place(const Transform *t, long row, long column);
+void packed_clear_beyond(const Transform *t, const long *shape);
+void packed_put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);
+void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
+                     const double *scale, const double *own, double *out, long n);
+void packed_blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+                      double *x, long n);
+void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+                     int transposed);
+void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
+                   float *symbol);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
               double *tangent);
 void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);

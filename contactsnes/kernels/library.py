@@ -11,8 +11,8 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "precision.h", "transforms.c", "forms.c", "motion.c", "core_zone.c",
-           "petsc.c", "laws.c", "library.c")
+SOURCES = ("kernels.h", "precision.h", "transforms.c", "packed.c", "forms.c", "motion.c",
+           "core_zone.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -75,6 +75,7 @@ def shared():
     library = load()
     pointers(library).execute = pointer(fftw(), "fftw_execute")
     pointers(library).execute_single = pointer(fftw(), "fftwf_execute")
+    pointers(library).execute_rows = pointer(fftw(), "fftwf_execute_dft")
     for name, arguments in CALLS.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)

@@ -51,7 +51,8 @@ class Transform(ctypes.Structure):
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
                 ("single", c_long), ("real", c_void_p), ("spectrum", c_void_p),
                 ("odd", c_long * 2 * MOST), ("line", Line * 2), ("forward", c_void_p),
-                ("backward", c_void_p), ("cost", c_double), ("counter", c_void_p)]
+                ("backward", c_void_p), ("packed", c_long), ("columns", c_void_p),
+                ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double), ("counter", c_void_p)]
 
 
 class Response(ctypes.Structure):
@@ -149,7 +150,7 @@ class Libraries(ctypes.Structure):
     """Functions of others that the library calls."""
 
     _fields_ = [(name, c_void_p) for name in
-                ("execute", "execute_single", "get_read", "put_read", "get", "put", "mat_context",
+                ("execute", "execute_single", "execute_rows", "get_read", "put_read", "get", "put", "mat_context",
                  "pc_context", "assembly_begin", "assembly_end", "get_ksp", "iterations",
                  "eigenvalues", "print", "tolerances", "right_side", "norm")]
 

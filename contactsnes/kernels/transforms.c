@@ -48,13 +48,15 @@ int backward(Transform *t, long used)
 /* zeros in the columns beyond a box, and in the rows beyond it that a transform reads */
 void clear_beyond(const Transform *t, const long *shape)
 {
-    IN_ITS_PRECISION(t, clear_beyond, t, shape);
+    if (t->packed) packed_clear_beyond(t, shape);
+    else IN_ITS_PRECISION(t, clear_beyond, t, shape);
 }
 
 /* x, or weight x, to a row of a field */
 void put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n)
 {
-    IN_ITS_PRECISION(t, put_row, t, field, row, weight, x, n);
+    if (t->packed) packed_put_row(t, field, row, weight, x, n);
+    else IN_ITS_PRECISION(t, put_row, t, field, row, weight, x, n);
 }
 
 /* x, or of some nodes weight x, to n places of a field, which is zero elsewhere */
@@ -68,7 +70,8 @@ void put_nodes(const Transform *t, long field, const int *at, const int *node, c
 void take_row(const Transform *t, long field, long row, double mean, double factor, const double *scale,
               const double *own, double *out, long n)
 {
-    IN_ITS_PRECISION(t, take_row, t, field, row, mean, factor, scale, own, out, n);
+    if (t->packed) packed_take_row(t, field, row, mean, factor, scale, own, out, n);
+    else IN_ITS_PRECISION(t, take_row, t, field, row, mean, factor, scale, own, out, n);
 }
 
 /* the same without a scale from n places of a field */
@@ -82,7 +85,8 @@ void take_nodes(const Transform *t, long field, const int *at, double mean, doub
 void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
                double *x, long n)
 {
-    IN_ITS_PRECISION(t, blend_row, t, field, row, outside, back, x, n);
+    if (t->packed) packed_blend_row(t, field, row, outside, back, x, n);
+    else IN_ITS_PRECISION(t, blend_row, t, field, row, outside, back, x, n);
 }
 
 /* the same of some nodes and n places of a field */
@@ -92,16 +96,33 @@ void blend_nodes(const Transform *t, long field, const int *at, const int *node,
     IN_ITS_PRECISION(t, blend_nodes, t, field, at, node, outside, back, x, n);
 }
 
-/* the spectrum of a field times a real symbol of its precision, in place */
-void filter(const Transform *t, long field, const void *symbol)
+/* where a node stands in a field */
+long place_of(const Transform *t, long row, long column)
 {
-    IN_ITS_PRECISION(t, filter, t, field, symbol);
+    return t->packed ? packed_place(t, row, column) : row * t->shape[1] + column;
+}
+
+/* What stands in boxes of a shape times real symbols of its precision, one after another, in place. */
+int filter(Transform *t, const long *shape, const void *symbol)
+{
+    int status;
+    clear_beyond(t, shape);
+    if (t->packed) {
+        packed_multiply(t, 0, symbol, shape[0], 0);
+        return counted(t) || counted(t) ? TOO_MANY : 0;
+    }
+    if ((status = forward(t, shape[0]))) return status;
+    for (long i = 0; i < t->count; i++)
+        IN_ITS_PRECISION(t, filter, t, i,
+                         (const char *)symbol + i * t->waves * (t->single ? sizeof(float) : sizeof(double)));
+    return backward(t, shape[0]);
 }
 
 /* the symbol 1 / gain / (1 + C D) on a transform's waves, in its precision */
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol)
 {
-    IN_ITS_PRECISION(t, invert, t->waves, compliance, stiffness, gain, symbol);
+    if (t->packed) packed_invert(t, compliance, stiffness, gain, symbol);
+    else IN_ITS_PRECISION(t, invert, t->waves, compliance, stiffness, gain, symbol);
 }
 
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
@@ -116,6 +137,10 @@ int convolve(const Response *r, int transposed)
     Transform *t = r->transform;
     int status;
     clear_beyond(t, r->shape);
+    if (t->packed) {
+        packed_multiply(t, r, 0, r->shape[0], transposed);
+        return counted(t) || counted(t) ? TOO_MANY : 0;
+    }
     if ((status = forward(t, r->shape[0]))) return status;
     IN_ITS_PRECISION(t, multiply, r, transposed);
     return backward(t, r->shape[0]);

@@ -10,9 +10,13 @@ import pyfftw
 from ..grid.counter import transform_cost
 from ..grid.precision import SINGLE, first_half
 from . import structures
-from .fftw import Plans
+from .fftw import Plans, Rows
 from .library import shared
 from .structures import TOO_MANY, address
+
+
+COLUMNS = 8
+"""Columns of a block, as packed.c has it."""
 
 
 class Compiled:
@@ -52,6 +56,15 @@ class Compiled:
         own.real, own.spectrum = address(real), address(spectrum)
         own.single = real.itemsize < 8
 
+    def fitting(self, block):
+        """A symbol as the library takes it."""
+        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
+        return np.ascontiguousarray(block, dtype=kind)
+
+    def places(self, numbers):
+        """Where the library has the nodes of some numbers on the circle."""
+        return numbers
+
     def _call(self, function):
         if function(self._reference, self.structure.shape[0]) == TOO_MANY:
             self._grid.counter.check()
@@ -87,9 +100,47 @@ class Real(Compiled):
 
     @cached_property
     def single(self):
-        """The same in single precision, on the same memory."""
-        return Real(self._grid, self.shape, self.count,
-                    (first_half(self.real), first_half(self.spectrum)))
+        """The same in single precision, on the same memory; in the plane `Packed` where it can
+        be."""
+        real = first_half(self.real)
+        if len(self.shape) == 2 and not any(points % 2 for points in self.shape):
+            return Packed(self._grid, self.shape, self.count, real)
+        return Real(self._grid, self.shape, self.count, (real, first_half(self.spectrum)))
+
+
+class Packed(Compiled):
+    """Products with symbols in single precision of ``count`` arrays over a plane, by the library
+    (packed.c): two rows are one of complex numbers, and there is no whole spectrum.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : (int, int), points in each direction, even
+    count : int, number of arrays
+    real : array (count, *shape) in single precision to work on
+    """
+
+    def __init__(self, grid, shape, count, real):
+        super().__init__(grid, shape, count)
+        self.gain, self.real, own = math.prod(shape), real, self.structure
+        self.waves = shape[0], shape[1] // 2 + 1
+        self.block = pyfftw.zeros_aligned((count, COLUMNS, shape[0]), dtype=np.complex64)
+        own.single = own.packed = 1
+        own.real, own.block, own.waves = address(real), address(self.block), math.prod(self.waves)
+        self._rows = Rows(shape[1], 1, own.real)
+        self._columns = Rows(shape[0], count * COLUMNS, own.block)
+        own.forward, own.backward = self._rows.forward, self._rows.backward
+        own.columns, own.columns_back = self._columns.forward, self._columns.backward
+
+    def fitting(self, block):
+        """A symbol as the library takes it: column after column."""
+        waves = block.reshape(-1, *self.waves)
+        return np.ascontiguousarray(np.swapaxes(waves, -1, -2), dtype=SINGLE[block.dtype])
+
+    def places(self, numbers):
+        """Where the library has the nodes of some numbers on the circle."""
+        row, column = np.divmod(numbers, self.shape[1])
+        return (row // 2 * 2 * self.shape[1] + row % 2 + 2 * column).astype(np.int32)
 
 
 class Cosines(Compiled):
