@@ -14,7 +14,6 @@ from .fftw import Plans, Rows
 from .library import shared
 from .structures import TOO_MANY, address
 
-
 COLUMNS = 8
 """Columns of a block, as packed.c has it."""
 
