@@ -183,7 +183,7 @@ def narrow(contact, before, after):
     contact : Contact
     before, after : State
     """
-    window = max(before.window, after.window, key=lambda window: window.size)
+    window = max(before.window, after.window, key=lambda window: window.total)
     first, last = states.onto(before, window), states.onto(after, window)
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0

@@ -39,6 +39,21 @@ class Window:
         return hash(self._which)
 
     @property
+    def total(self):
+        """Number of nodes, in all processes."""
+        return self.size
+
+    def some(self, places):
+        """The window of some of the nodes, by their numbers in the box."""
+        from .active import Nodes  # which is a window on top of this one
+
+        return Nodes(self, places)
+
+    def ringed(self, box):
+        """A box (..., *box) with the nodes around it, or its outermost nodes again."""
+        return ringed(box, self.closed)
+
+    @property
     def parts(self):
         """The boxes of which the window is made: one."""
         return (self,)
@@ -99,7 +114,8 @@ class Window:
         """
         box = self.box(values)
         if len(self.shape) == 2:
-            return area_below(ringed(box, self.closed), level) * self.grid.node_area
+            return float(self.grid.together(area_below(self.ringed(box), level))
+                         * self.grid.node_area)
         box = np.append(box, box[0]) if self.is_whole else box
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level
@@ -115,7 +131,7 @@ class Window:
         values, fields : arrays (nodes,) and (components, nodes) over the window
         level : float, unit of the values
         """
-        values, *fields = ringed(self.box(np.concatenate([values[None], fields])), self.closed)
+        values, *fields = self.ringed(self.box(np.concatenate([values[None], fields])))
         return at_level(values, level, np.array(fields))
 
     def circle(self):
