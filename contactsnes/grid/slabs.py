@@ -81,6 +81,42 @@ class Slab(Window):
         """Shape of the circle that holds a convolution: the cell."""
         return self.grid.shape
 
+    @property
+    def extents(self):
+        """Nodes in each direction, in all processes."""
+        return self.grid.shape
+
+    def occupied(self, mask, axis):
+        """Where along an axis a mask (rows, columns) holds anywhere."""
+        here = super().occupied(mask, axis)
+        if axis == 0:
+            return self.grid.rows.all(here[:, None])[:, 0]
+        return self.grid.together(here) > 0.0
+
+    def line(self, box, axis, through):
+        """Values of a box along an axis, on the line through places of the other directions.
+
+        Parameters
+        ----------
+        box : array (rows, columns)
+        axis : int
+        through : row and column, in the cell
+        """
+        if axis == 0:
+            return self.grid.rows.all(box[:, through[1]:through[1] + 1])[:, 0]
+        return self.grid.rows.at(box, [through[0]])[0]
+
+    def own(self, part):
+        """A part of the cell, slices, as far as it is here, and the same in what is here."""
+        rows, (first, count) = part[0], (self.grid.rows.first, self.grid.rows.count)
+        begin, end = max(rows.start, first), min(rows.stop, first + count)
+        end = max(begin, end)
+        return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
+
+    def cut(self, box, part):
+        """A part of the cell, slices, of a box (..., rows, columns), whoever has it."""
+        return self.grid.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]
+
     def some(self, places):
         """The window of some of the nodes that are here, by their numbers among them."""
         return SlabNodes(self, places)

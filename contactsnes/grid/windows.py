@@ -96,6 +96,35 @@ class Window:
         none of the window's, if it has such (`active.Nodes`)."""
         return values.reshape(*values.shape[:-1], *self.shape)
 
+    @property
+    def extents(self):
+        """Nodes of the box in each direction, in all processes."""
+        return self.shape
+
+    def occupied(self, mask, axis):
+        """Where along an axis a mask (*box) holds anywhere."""
+        return mask.any(axis=tuple(other for other in range(mask.ndim) if other != axis))
+
+    def line(self, box, axis, through):
+        """Values of a box along an axis, on the line through places of the other directions.
+
+        Parameters
+        ----------
+        box : array (*box)
+        axis : int
+        through : place in each direction; that along the axis is not asked for
+        """
+        return box[tuple(slice(None) if other == axis else place
+                         for other, place in enumerate(through))]
+
+    def own(self, part):
+        """A part of the box, slices, as far as it is here, and the same in what is here."""
+        return part, part
+
+    def cut(self, box, part):
+        """A part, slices, of a box (..., *box), as a copy."""
+        return box[(..., *part)].copy()
+
     def rim(self):
         """Mask of the nodes on the border of the box, in directions that the window does not
         fill."""
