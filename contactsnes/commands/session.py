@@ -6,6 +6,7 @@ import importlib
 import os
 import platform
 import sys
+from importlib.util import find_spec
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -100,7 +101,10 @@ def _count(name):
 
 
 def _refuse_several(size, rank):
-    """InputError in the first of several processes; the others end without a word."""
+    """InputError in the first of several processes, which cannot share out a scene; the others end
+    without a word."""
+    if find_spec("mpi4py") and find_spec("mpi4py_fft"):
+        return
     if size > 1 and rank:
         # a launcher that sees another status would end the first one before it has spoken
         sys.exit(0)
