@@ -56,6 +56,10 @@ class Nodes:
         return np.ravel_multi_index([(first + node) % total for first, node, total
                                      in zip(self.start, nodes, self.grid.shape)], self.grid.shape)
 
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return self.numbers
+
     @property
     def indices(self):
         """What picks the nodes from a field over the cell, in their order."""
@@ -121,7 +125,7 @@ class Nodes:
 
     def area_below(self, values, level):
         """Area where values (nodes) lie below a level, of the box."""
-        return self.hull.area_below(self.spread(values, np.max(values)), level)
+        return self.hull.area_below(self.spread(values, self.grid.maximum(values)), level)
 
     def at_level(self, values, level, fields):
         """Fields where values cross a level, (components, crossings), of the box.
@@ -131,7 +135,8 @@ class Nodes:
         values, fields : arrays (nodes,) and (components, nodes) over the window
         level : float, unit of the values
         """
-        return self.hull.at_level(self.spread(values, np.max(values)), level, self.spread(fields))
+        return self.hull.at_level(self.spread(values, self.grid.maximum(values)), level,
+                                  self.spread(fields))
 
     def circle(self):
         """Shape of the circle that holds a convolution of the box."""

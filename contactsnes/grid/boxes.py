@@ -76,6 +76,8 @@ class Spots:
         for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
             field[(..., *part.indices)] = own
 
+    node_numbers = Window.node_numbers
+
     def box(self, values, beyond=0.0):
         """View values (..., nodes) as (..., boxes, *box), of which there are no others."""
         return values.reshape(*values.shape[:-1], len(self.parts), *self.shape)

@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pyfftw
 
+from .contours import first_largest
 from .counter import Counter
 from .windows import Window
 
@@ -233,6 +234,23 @@ class Grid(Counter):
     def place(self, node):
         """Coordinates of a node, beta."""
         return [(i - n // 2) * h for i, n, h in zip(node, self.shape, self.spacings)]
+
+    def joined(self, rows):
+        """What all processes have of an array, one after the other along its first axis."""
+        return rows
+
+    def rows_to_first(self, field):
+        """A field (..., *grid) of all processes in the first of them, None in the others."""
+        return field
+
+    def first_largest(self, field):
+        """The largest size of values (components, *grid), with the sign of the first about as
+        large."""
+        return np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
+
+    def to_first(self, values):
+        """Values (..., nodes) of all processes in the first of them, None in the others."""
+        return values
 
     def together(self, parts):
         """Sums of what the parts of the cell have, in all processes."""

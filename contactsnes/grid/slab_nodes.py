@@ -1,8 +1,6 @@
 """Windows of some of the nodes of a slab (`slabs`), and values of one such window at the nodes of
 another."""
 
-from functools import cached_property
-
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -43,8 +41,7 @@ class SlabNodes(Nodes):
         """Numbers of the nodes in what is here of fields over the cell, array (nodes,)."""
         return self.places
 
-    @cached_property
-    def numbers_in_cell(self):
+    def node_numbers(self):
         """Numbers of the nodes in the cell, array (nodes,)."""
         return self.places.astype(np.int64) + self.start[0] * self.grid.shape[1]
 

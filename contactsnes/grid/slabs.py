@@ -81,6 +81,10 @@ class Slab(Window):
         """Shape of the circle that holds a convolution: the cell."""
         return self.grid.shape
 
+    def node_numbers(self):
+        """Numbers in the cell of the nodes that are here, array (nodes,)."""
+        return np.arange(self.size) + self.start[0] * self.grid.shape[1]
+
     @property
     def extents(self):
         """Nodes in each direction, in all processes."""
@@ -218,6 +222,33 @@ class Slabs(Grid):
     def together(self, parts):
         """Sums over processes of numbers, an array of any shape: the same on all of them."""
         return np.add.reduce(self.comm.allgather(np.asarray(parts, dtype=float)), axis=0)
+
+    def joined(self, rows):
+        """What all processes have of an array, one after the other along its first axis."""
+        return np.concatenate(self.comm.allgather(rows))
+
+    def rows_to_first(self, field):
+        """A field (..., rows, columns) of all processes in the first of them, None in the
+        others."""
+        return self.rows.to_first(field)
+
+    def alone(self):
+        """The grid of the same cell in one process."""
+        return Grid(self.shape, self.periods)
+
+    def first_largest(self, field):
+        """The largest size of values (components, rows, columns), with the sign of the first about
+        as large."""
+        largest = self.maximum(np.abs(field))
+        firsts = self.comm.allgather([next(iter(part[np.abs(part) >= 0.999 * largest]), 0.0)
+                                      for part in field])
+        first = next(value for component in zip(*firsts) for value in component if value)
+        return np.copysign(largest, first)
+
+    def to_first(self, values):
+        """Values (..., nodes) of all processes in the first of them, None in the others."""
+        parts = self.comm.gather(values)
+        return None if parts is None else np.concatenate(parts, axis=-1)
 
     def largest(self, number):
         """The largest of a number a process."""

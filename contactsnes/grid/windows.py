@@ -87,6 +87,10 @@ class Window:
         picked = field if self.is_whole else field[(..., *self.indices)]
         return np.ascontiguousarray(picked).reshape(*lead, self.size)
 
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return self.take(np.arange(self.grid.size).reshape(self.grid.shape))
+
     def put(self, values, field):
         """Write values (..., nodes) into a field (..., *grid) at the window's nodes."""
         field[(..., *self.indices)] = values.reshape(*values.shape[:-1], *self.shape)
