@@ -184,7 +184,8 @@ class Branch:
         """Name -> value of everything that a point can tell (``observables.table``), or of some
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
         names = list(observables.table(self.scene) if names is None else names)
-        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
+        found = observables.observe(self.contact, point,
+                                    [name for name in names if name != STIFFNESS])
         if STIFFNESS in names:
             found[STIFFNESS] = self.stiffness(point)
         return {name: found[name] for name in names}

@@ -198,7 +198,8 @@ class Run:
         row = self.watch.row(point) if self.watch else {}
         if observables.STIFFNESS in self.table:
             row[observables.STIFFNESS] = self.branch.stiffness(point)
-        wanted = self.table if self.archive else self.table.keys() & self.progress.taken
+        # in one order: where nodes are in several processes, what they find together
+        wanted = [name for name in self.table if self.archive or name in self.progress.taken]
         row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
             fields, active = (), {}

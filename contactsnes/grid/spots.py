@@ -60,7 +60,7 @@ def sizes(labels, grid=None):
     """
     if grid is None:
         return np.bincount(labels.ravel())[1:]
-    most = int(grid.maximum(labels))
+    most = int(grid.maximum(labels, initial=0))
     return grid.together(np.bincount(labels.ravel(), minlength=most + 1)).astype(int)[1:]
 
 
