@@ -245,6 +245,11 @@ class Slabs(Grid):
         first = next(value for component in zip(*firsts) for value in component if value)
         return np.copysign(largest, first)
 
+    def noise(self, count, seed):
+        """Random numbers (count, rows, columns), each row's its own."""
+        return np.stack([np.random.default_rng((seed, row)).standard_normal(
+            (count, self.shape[1])) for row in self.rows.numbers], axis=1)
+
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""
         parts = self.comm.gather(values)
