@@ -189,6 +189,12 @@ class Grid(Counter):
         ends = sum(np.vdot(first[..., k], second[..., k]).real for k in (0, -1))
         return 2.0 * np.vdot(first, second).real - ends
 
+    def waves_twice(self):
+        """How many waves each column of the cell's half spectrum stands for: interior ones two."""
+        columns = np.full(self.shape[-1] // 2 + 1, 2.0)
+        columns[[0, -1]] = 1.0
+        return columns
+
     def count(self, mask):
         """Number of nodes where ``mask`` holds."""
         return int(np.count_nonzero(mask))

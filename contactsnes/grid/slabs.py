@@ -299,15 +299,15 @@ class Slabs(Grid):
 
     def parseval(self, spectrum):
         """Sum over nodes and arrays of the squares of fields with these half spectra."""
-        return float(self.together(np.sum(self._twice() * (
+        return float(self.together(np.sum(self.waves_twice() * (
             np.square(spectrum.real) + np.square(spectrum.imag))))) / self.size
 
     def spectral_inner(self, first, second):
         """Real inner product of half spectra of the cell (arrays, *half spectrum)."""
         products = first.real * second.real + first.imag * second.imag
-        return float(self.together(np.sum(self._twice() * products)))
+        return float(self.together(np.sum(self.waves_twice() * products)))
 
-    def _twice(self):
+    def waves_twice(self):
         """How many waves each column of the half spectrum stands for."""
         numbers = np.arange(self.waves[1].start, self.waves[1].stop)
         return np.where((numbers == 0) | (numbers == self.shape[1] // 2), 1.0, 2.0)

@@ -34,16 +34,16 @@ class ZonedStiffness:
         self.rigid = [i for i in range(form.components) if i not in form.forced
                       and form.rigid_compliance[i] == 0.0]
         self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
-        self._work = np.empty(form.grid.size)
+        self._work = np.empty(form.nodes)
 
     def _zones(self, i, zone):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
         stiffness = form.contact.operator(form.components,
                                           "stiffness").blocks[i, i] * form.grid.size
-        smallest = np.min(stiffness[stiffness > 0.0])
-        stiffness.flat[0] = form.mean_stiffness[i]
-        weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
+        smallest = form.grid.minimum(stiffness, where=stiffness > 0.0)
+        form.grid.zero_wave(stiffness)[...] = form.mean_stiffness[i]
+        weight, tangent = (np.zeros(form.nodes), 1.0) if zone is None else zone
         zones = [(np.sqrt(weight), tangent), (np.sqrt(1.0 - weight), smallest)]
         return [(root, 1.0 / (stiffness + shift) / form.grid.size) for root, shift in zones]
 
