@@ -6,8 +6,8 @@ import importlib
 import os
 import platform
 import sys
-from importlib.util import find_spec
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from .active import Nodes, NodesConvolution
-from .cell import Convolution, Transform, clear_padding
+from .cell import Convolution, clear_padding
 from .windows import Window, enclosing
 
 MOST = 24

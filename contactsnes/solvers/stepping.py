@@ -192,7 +192,8 @@ class KineticDamping:
     def __init__(self, motion, options):
         self.motion, self.time_step = motion, options.time_step
         frequencies = np.where(motion.mobility > 0.0, motion.frequencies(), 0.0)
-        half = 0.5 * options.time_step * options.damping * frequencies / motion.grid.maximum(frequencies)
+        fastest = motion.grid.maximum(frequencies)
+        half = 0.5 * options.time_step * options.damping * frequencies / fastest
         self._kept, self._impulse = (1.0 - half) / (1.0 + half), options.time_step / (1.0 + half)
         self._moving, self._earlier = False, 0.0
 
