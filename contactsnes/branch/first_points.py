@@ -258,8 +258,8 @@ def _in_rows(contact, finer, state, ratio, stiffness):
     """
     gap = contact.extended(state)[0] + contact.initial_gap
     smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
-    gap = finer.law.gap_of_regularised(refined_field(finer.grid,
-                                                          smooth.reshape(gap.shape)).reshape(-1), stiffness)
+    smooth = refined_field(finer.grid, smooth.reshape(gap.shape))
+    gap = finer.law.gap_of_regularised(smooth.reshape(-1), stiffness)
     whole = finer.grid.whole
     window = whole.some(np.flatnonzero(gap < finer.law.range))
     found = states.State(window, (gap - whole.take(finer.initial_gap))[None, window.places],

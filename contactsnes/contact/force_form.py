@@ -33,6 +33,7 @@ class ForceForm:
 
     name, kernel = "force", None
     in_displacements, whole_cell, even, parities = False, True, False, None
+    has_single = False
     linear_tolerance = 0.0
 
     def __init__(self, contact, controls):

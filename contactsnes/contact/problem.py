@@ -11,8 +11,9 @@ import numpy as np
 
 from ..grid.active import widened
 from ..grid.boxes import fitting
-from ..grid.cell import Convolution, Grid, Operator
+from ..grid.cell import Convolution, Grid
 from ..grid.even import asymmetry
+from ..grid.operator import Operator
 from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes

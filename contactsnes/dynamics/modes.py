@@ -130,7 +130,8 @@ def _ahead(space, modes, accurate, number):
     """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
     the one that counts."""
     loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
-    steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose], space.grid)]
+    steps = [space.operator.precondition(residual)
+             for residual in _real(modes.defects[loose], space.grid)]
     shift = modes.values[min(number, len(modes.values) - 1)].real
     return [step / lengths(step, space.grid) for step in steps], min(shift, 0.5)
 

@@ -176,9 +176,10 @@ class NodesConvolution(Convolution):
     operator, count, make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, make=None):
-        super().__init__(window, operator, count, make)
-        self._flat = self.transform.real.reshape(count, -1)
+    def _lay_out(self):
+        """Find the transform's circle as one row, too."""
+        super()._lay_out()
+        self._flat = self.transform.real.reshape(self.count, -1)
 
     def _put(self, values):
         """Write values to their places on the transform's circle, 0 elsewhere."""
@@ -187,4 +188,7 @@ class NodesConvolution(Convolution):
 
     def _take(self, out):
         """Read the nodes from the circle."""
-        np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        if out.dtype == self._flat.dtype:
+            np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        else:
+            out[...] = self._flat[:, self.window.on_circle]

@@ -1,10 +1,11 @@
 """This process's rows of a cell that is shared out (`slabs`): a window, and transforms of them."""
 
 import math
+from functools import cached_property
 
 import numpy as np
 
-from .cell import transform_cost
+from .counter import transform_cost
 from .slab_nodes import SlabNodes
 from .windows import Window
 
@@ -18,26 +19,32 @@ class SlabTransform:
     grid : Slabs, whose counter counts
     shape : points in each direction: the cell's
     count : int, number of arrays
+    single : bool, whether they are in single precision
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, single=False):
         if tuple(shape) != grid.shape:
             raise ValueError("slabs have transforms of the whole cell only")
         self.shape, self.gain = grid.shape, grid.size
-        self._plan = grid.plan(count)
+        self._plan, self._grid = grid.plan(count, single), grid
         self.real, self.spectrum = self._plan.forward.input_array, self._plan.forward.output_array
         self.real[...], self.spectrum[...] = 0.0, 0.0
         self._counter = grid.counter
-        self._cost = count * transform_cost(grid.size, grid.counter.size)
+        self._cost = count * transform_cost(grid.size, grid.counter.size), single
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision."""
+        return SlabTransform(self._grid, self.shape, len(self.real), True)
 
     def forward(self):
         """``real`` to ``spectrum``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._plan.forward(normalize=False)
 
     def backward(self):
         """``spectrum`` to ``real``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._plan.backward(normalize=False)
 
 

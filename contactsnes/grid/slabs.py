@@ -49,12 +49,19 @@ class Slabs(Grid):
         """Rows and columns of this process."""
         return self.rows.count, self.shape[1]
 
-    def plan(self, count):
-        """Transforms of so many arrays, on memory that all such transforms use in turn."""
-        if count not in self._plans:
-            self._plans[count] = self._make(self._columns, (count, *self.shape), axes=(1, 2),
-                                            dtype=float)
-        return self._plans[count]
+    def plan(self, count, single=False):
+        """Transforms of so many arrays, on memory that all such transforms use in turn.
+
+        Parameters
+        ----------
+        count : int
+        single : bool, whether they are in single precision
+        """
+        if (count, single) not in self._plans:
+            self._plans[count, single] = self._make(
+                self._columns, (count, *self.shape), axes=(1, 2),
+                dtype=np.float32 if single else float)
+        return self._plans[count, single]
 
     def _whole(self):
         """The window of all nodes that are here."""
