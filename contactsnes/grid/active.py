@@ -159,11 +159,16 @@ def widened(grid, mask, reach):
     return grid.without_rows(mask, reach)
 
 
+def some(hull, places):
+    """The window of some nodes of a box, by their numbers in it."""
+    return (hull.of_nodes or Nodes)(hull, places)
+
+
 def within(hull, mask):
     """The window of the nodes of a box where a mask over the cell holds; the box itself if these
     are nearly all."""
     places = np.flatnonzero(hull.take(mask))
-    return (hull.some(places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
+    return (some(hull, places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
             else hull)
 
 

@@ -56,7 +56,7 @@ class Slab(Window):
     grid : Slabs
     """
 
-    is_whole = True
+    is_whole, of_nodes = True, SlabNodes
 
     def __init__(self, grid):
         super().__init__(grid, (0, 0), grid.shape)
@@ -116,10 +116,6 @@ class Slab(Window):
     def cut(self, box, part):
         """A part of the cell, slices, of a box (..., rows, columns), whoever has it."""
         return self.grid.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]
-
-    def some(self, places):
-        """The window of some of the nodes that are here, by their numbers among them."""
-        return SlabNodes(self, places)
 
     def ringed(self, box):
         """A box (..., rows, columns) with the nodes around it: a row before and two after."""
