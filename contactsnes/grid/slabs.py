@@ -12,6 +12,11 @@ from .convexity import convex_in_rows
 from .rows import Rows
 from .slab import Slab, SlabTransform
 
+PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
+"""Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
+plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
+begins to know of threads)."""
+
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
 
@@ -60,7 +65,7 @@ class Slabs(Grid):
         if (count, single) not in self._plans:
             self._plans[count, single] = self._make(
                 self._columns, (count, *self.shape), axes=(1, 2),
-                dtype=np.float32 if single else float)
+                dtype=np.float32 if single else float, **PLANS)
         return self._plans[count, single]
 
     def _whole(self):
