@@ -15,7 +15,8 @@ from ..continuation.points import Leg, NotConverged, Point
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
-from ..grid.numbers import numbers_of, of_numbers
+from ..grid.numbers import numbers_of
+from ..grid.numbers import restored as restored_window
 from ..interface import shapes
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
@@ -183,7 +184,8 @@ class Branch:
         """Name -> value of everything that a point can tell (``observables.table``), or of some
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
         names = list(observables.table(self.scene) if names is None else names)
-        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
+        found = observables.observe(self.contact, point,
+                                    [name for name in names if name != STIFFNESS])
         if STIFFNESS in names:
             found[STIFFNESS] = self.stiffness(point)
         return {name: found[name] for name in names}
@@ -197,7 +199,8 @@ class Branch:
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
-                "event": point.event or "none", "displacement": state.displacement,
+                "event": point.event or "none",
+                "displacement": self.contact.grid.to_first(state.displacement),
                 "means": state.means, **numbers_of(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}
@@ -210,8 +213,9 @@ class Branch:
             raise InputError("a point to go on from says nothing of "
                              f"{', '.join(lost)}: it was kept by another version "
                              "of this program; begin anew")
-        state = State(of_numbers(self.contact.grid, packed), np.array(packed["displacement"]),
-                      np.array(packed["means"]))
+        window, displacement = restored_window(self.contact.grid, packed,
+                                               np.array(packed["displacement"]))
+        state = State(window, displacement, np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                      units=units(self.scene),

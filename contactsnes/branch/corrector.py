@@ -21,6 +21,7 @@ from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
 from ..solvers.snes import WARM, create_snes
+from ..solvers.vectors import create_vector
 
 
 def _names(cls):
@@ -34,7 +35,8 @@ SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP
 def finite(state):
     """A state from which a solve may begin; NotConverged for one that holds infinite values or
     NaN."""
-    if not (np.isfinite(state.displacement).all() and np.isfinite(state.means).all()):
+    if state.window.grid.any(~np.isfinite(state.displacement)) or not np.isfinite(
+            state.means).all():
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
 
@@ -169,9 +171,9 @@ class Corrector:
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
-        if not np.isfinite(unknown).all():
+        if form.grid.any(~np.isfinite(unknown)):
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
-        solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
+        solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
@@ -208,7 +210,7 @@ class Corrector:
                 unknown, _ = self.run(form if system is None else system, unknown.copy(), WARM,
                                       snes)
                 if system is not None:
-                    system.set_position(unknown[-1])
+                    system.set_position(system.position(unknown))
                 state = form.state(unknown[:form.size])
                 found = self._imbalance(form, state)
             except NotConverged:

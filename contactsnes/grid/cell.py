@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pyfftw
 
+from .contours import first_largest
 from .counter import Counter
 from .windows import Window
 
@@ -65,7 +66,8 @@ def transform_cost(points, size):
 
 class Grid(Counter):
     """The periodic grid of the cell: wave vectors, transforms and their count, reductions over
-    nodes.
+    nodes. ``comm`` is None, or the communicator of the processes among which nodes are shared out
+    (`slabs`).
 
     Parameters
     ----------
@@ -75,6 +77,8 @@ class Grid(Counter):
         one)
     """
 
+    comm = None
+
     def __init__(self, shape, periods, counter=None):
         self.shape = tuple(shape)
         self.periods = tuple(float(period) for period in periods)
@@ -83,7 +87,21 @@ class Grid(Counter):
         self.area = math.prod(self.periods)
         self.node_area = self.area / self.size
         self.counter = self if counter is None else counter
-        self.whole = Window(self, (0,) * len(shape), self.shape)
+        self.whole = self._whole()
+
+    def _whole(self):
+        """The window of all nodes."""
+        return Window(self, (0,) * len(self.shape), self.shape)
+
+    @property
+    def local_shape(self):
+        """Shape of a field over the cell, as far as it is in this process."""
+        return self.shape
+
+    @property
+    def transform(self):
+        """What makes transforms over the cell."""
+        return Transform
 
     def coordinates(self):
         """Coordinates of the nodes, beta: one array a direction, shaped to broadcast over the
@@ -98,6 +116,22 @@ class Grid(Counter):
         axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], self.spacings)]
         axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], self.spacings[-1]))
         return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def symbols(self, make, components, shape=None):
+        """Blocks (i, j) -> half spectrum of a body on a circle.
+
+        Parameters
+        ----------
+        make : `Body.compliance` or `Body.stiffness`
+        components : int
+        shape : points of the circle in each direction (default the cell)
+        """
+        shape = self.shape if shape is None else shape
+        return make(self.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
+
+    def zero_wave(self, spectrum):
+        """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
+        return spectrum[(..., *[slice(0, 1)] * len(self.shape))]
 
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
@@ -158,6 +192,82 @@ class Grid(Counter):
     def count(self, mask):
         """Number of nodes where ``mask`` holds."""
         return int(np.count_nonzero(mask))
+
+    # A field over the cell, or as much of it as this process has, and rows of others beside it.
+    def with_rows(self, field, reach):
+        """A field over the cell (..., *grid) with rows around what is here: nothing is missing."""
+        return field
+
+    def without_rows(self, field, reach):
+        """The same without them."""
+        return field
+
+    def part_of(self, field):
+        """What is here of a whole field over the cell (..., *grid): all."""
+        return field
+
+    def every_other(self, field):
+        """A field over the cell (..., *grid) at every other node, a whole one."""
+        return field[(..., *[slice(None, None, 2)] * len(self.shape))]
+
+    @property
+    def first_column(self):
+        """Number of the first column of half spectra that is here."""
+        return 0
+
+    def quantiles(self, field, parts):
+        """Values below which parts of a field over the cell lie, about."""
+        return np.quantile(field, parts)
+
+    def convex(self, gap, test):
+        """Whether a gap over the cell is convex within it, by a test of arrays."""
+        return test(gap)
+
+    def edge(self, field, axis):
+        """The first nodes of a field over the cell along an axis."""
+        return np.take(field, [0], axis)
+
+    def highest(self, field):
+        """The first node of the largest value of a field over the cell, a tuple of int."""
+        return np.unravel_index(np.argmax(field), field.shape)
+
+    def place(self, node):
+        """Coordinates of a node, beta."""
+        return [(i - n // 2) * h for i, n, h in zip(node, self.shape, self.spacings)]
+
+    def joined(self, rows):
+        """What all processes have of an array, one after the other along its first axis."""
+        return rows
+
+    def rows_to_first(self, field):
+        """A field (..., *grid) of all processes in the first of them, None in the others."""
+        return field
+
+    def first_largest(self, field):
+        """The largest size of values (components, *grid), with the sign of the first about as
+        large."""
+        return np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
+
+    def to_first(self, values):
+        """Values (..., nodes) of all processes in the first of them, None in the others."""
+        return values
+
+    def together(self, parts):
+        """Sums of what the parts of the cell have, in all processes."""
+        return parts
+
+    def any(self, mask):
+        """Whether ``mask`` holds anywhere."""
+        return bool(np.any(mask))
+
+    # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
+    def scalars(self, tail, count):
+        """Scalars among unknowns, from what stands behind the nodes, so many."""
+        return tail
+
+    def held(self, scalars):
+        """Of scalars those that are kept here: all."""
+        return scalars
 
 
 class Operator:
@@ -224,11 +334,13 @@ class Convolution:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
-    make : what makes its transform, as `Transform` of a grid, a shape and a count
+    make : what makes its transform, as `Transform` of a grid, a shape and a count; None: as the
+        grid has it
     """
 
-    def __init__(self, window, operator, count, make=Transform):
+    def __init__(self, window, operator, count, make=None):
         self.window, self.count = window, count
+        make = make or window.grid.transform
         self.transform = make(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._lay_out()

@@ -17,6 +17,7 @@ from . import callbacks
 from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
+from .vectors import communicator, create_operator, create_vector
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -71,7 +72,7 @@ class RegularisedStep:
         step = y.getArray()[:form.count].reshape(form.shape)[0]
         root = np.broadcast_to(form.root, step.shape)
         far = np.abs(step) * root > 0.1
-        if not far.any():
+        if not form.grid.any(far):
             return False
         gap = form.gap(x.getArray(readonly=True))[0][far]
         root = root[far]
@@ -91,9 +92,8 @@ def equip(snes, form):
         callbacks.equip(snes, form)
         return
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
-                     PETSc.Vec().createSeq(form.size))
-    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
-    matrix.setUp()
+                     create_vector(form))
+    matrix = create_operator(form, Jacobian(form))
 
     def linearise(snes, x, operator, preconditioner):
         form.linearise(x.getArray(readonly=True))
@@ -164,7 +164,7 @@ def create_snes(form, prefix="", tolerance=None):
     """
     database = PETSc.Options(prefix)
     _collect()
-    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    snes = PETSc.SNES().create(communicator(form))
     kept(snes)
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
@@ -280,7 +280,7 @@ def displacement_test(snes, iteration, norms, form):
     imbalance = snes.getFunction()[0].getArray(readonly=True)
     if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
         imbalance = form.residual(unknown, np.empty(form.size))
-    norm = (np.linalg.norm(imbalance) if form.in_displacements
+    norm = (form.grid.norm(imbalance) if form.in_displacements
             else form.displacement_norm(unknown, imbalance))
     if not np.isfinite(norm):
         return NOT_A_NUMBER

@@ -126,7 +126,7 @@ class World:
         """The values that all processes have, in their order: a list."""
         return [value] if self.size == 1 else self._talk.allgather(value)
 
-    def meet(self, stage, status, patience=PATIENCE):
+    def meet(self, stage, status, patience=PATIENCE, speak=lambda: None):
         """Wait for all processes at the same stage of their end; end them all where some do not
         come in time.
 
@@ -135,6 +135,7 @@ class World:
         stage : int
         status : int, exit status of this process; 0 waits for ever
         patience : float, seconds
+        speak : function that says why this process has failed, before it ends all
         """
         if self.size == 1:
             return
@@ -142,9 +143,11 @@ class World:
         request = self._ends.Iallgather(np.array([stage], dtype="i8"), stages)
         while not request.Test():
             if status and time.monotonic() > until:
+                speak()
                 self._abort(status)
             time.sleep(0.002)
         if (stages != stage).any():
+            speak()
             self._abort(status or 1)
 
     def _abort(self, status):
