@@ -91,9 +91,8 @@ def _nodes(settings, branch):
     """Sentence on the nodes that are left out, or why none are."""
     window, cell = start_window(settings, branch), branch.contact.grid.shape
     if settings.scene.isolated:
-        return ("nodes beyond the law's range: the window has "
-                f"{_by(window.shape)} nodes at the start; there is "
-                f"room for {_by(n // 2 for n in cell)}")
+        return (f"nodes beyond the law's range: the window has {_by(window.shape)} nodes at the "
+                f"start; there is room for {_by(n // 2 for n in cell)}")
     if settings.form.form == "force":
         return f"no window: the force form is solved on the whole cell of {_by(cell)} nodes"
     if window.is_whole:
@@ -105,8 +104,8 @@ def _nodes(settings, branch):
 
 def _extents(window):
     """Nodes of a box in each direction; of another window their number."""
-    extents = window.parts[0].extents
-    return extents if math.prod(extents) == window.total else [window.total]
+    box, count = window.parts[0].extents, window.total
+    return box if math.prod(box) == count else [count]
 
 
 def _mirror_images(settings, branch, sheared):
