@@ -75,6 +75,7 @@ class Started:
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             start_new_session=True,
             env=kept | {"PYTHONPATH": path, "TMPDIR": self._scratch, "OMP_NUM_THREADS": "1",
+                        "OMPI_MCA_mpi_yield_when_idle": "1",  # there may be fewer cores
                         **variables})
 
     def ended(self, seconds=SECONDS):
