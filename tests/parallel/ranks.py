@@ -19,10 +19,17 @@ SECONDS = 240.0
 """After which processes that still run are ended, and the test fails."""
 
 
+def launcher_path():
+    """The program that starts processes: beside the interpreter, where PETSc's own MPI may be, or
+    in PATH."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    return shutil.which("mpirun", path=path) or shutil.which("mpiexec", path=path)
+
+
 def lacking():
     """What is not here to run tests in several processes, in words; empty where nothing lacks."""
     names = [name for name in PACKAGES if find_spec(name) is None]
-    if not (shutil.which("mpirun") or shutil.which("mpiexec")):
+    if not launcher_path():
         names.append("mpirun")
     return f"no {', '.join(names)} here: scripts/setup --mpi" if names else ""
 
@@ -46,9 +53,8 @@ class Done(NamedTuple):
 
 def launcher(size):
     """The words that start so many processes."""
-    program = shutil.which("mpirun") or shutil.which("mpiexec")
-    words = [program, "-n", str(size)]
-    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=False)
+    words = [launcher_path(), "-n", str(size)]
+    version = subprocess.run([words[0], "--version"], capture_output=True, text=True, check=False)
     if "Open MPI" in version.stdout or "OpenRTE" in version.stdout:
         words += ["--oversubscribe"] + ["--allow-run-as-root"] * (os.geteuid() == 0)
     return words
