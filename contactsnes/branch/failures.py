@@ -12,6 +12,8 @@ from ..continuation.points import NotConverged
 from ..interface.laws.law import softening
 from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
 
+PART = 2 ** 14
+"""Nodes whose tangents are taken at a time."""
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
 has six."""
@@ -130,10 +132,17 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    scene, (gap, _) = contact.scene, contact.evaluated(point.state)
-    full = contact.law.tangent(gap)
+    gap, _ = contact.evaluated(point.state)
+    parts = np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)
+    return float(contact.grid.maximum(np.concatenate([_steepness(contact, part) for part in parts]),
+                                      initial=0.0))
+
+
+def _steepness(contact, gap):
+    """The same at each of some nodes, from their gaps (components, nodes)."""
+    scene, full = contact.scene, contact.law.tangent(gap)
     if len(gap) == 1:
-        return max(-float(contact.grid.minimum(full)) * scene.normal_maugis ** 2, 0.0)
+        return -full[0, 0] * scene.normal_maugis ** 2
     tangent = full  # where slip is to one side or the other its direction changes nothing
     if len(gap) > 2:
         tangent = np.empty((2, 2, gap.shape[1]))
@@ -145,9 +154,7 @@ def steepest(contact, point):
         tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
         tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
     scale = np.array([scene.normal_maugis, sharpness(scene)])
-    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale,
-                                                                            scale)[..., None]),
-                                      initial=0.0))
+    return softening(tangent * np.multiply.outer(scale, scale)[..., None])
 
 
 def short_waves(contact, point):

@@ -14,6 +14,7 @@ from ..contact import states
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
+from ..grid.active import some
 from ..grid.transfer import extent, interpolated
 from ..grid.transfer import refined as refined_field
 from ..grid.windows import Window
@@ -258,10 +259,10 @@ def _in_rows(contact, finer, state, ratio, stiffness):
     """
     gap = contact.extended(state)[0] + contact.initial_gap
     smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
-    gap = finer.law.gap_of_regularised(refined_field(finer.grid,
-                                                          smooth.reshape(gap.shape)).reshape(-1), stiffness)
+    smooth = refined_field(finer.grid, smooth.reshape(gap.shape))
+    gap = finer.law.gap_of_regularised(smooth.reshape(-1), stiffness)
     whole = finer.grid.whole
-    window = whole.some(np.flatnonzero(gap < finer.law.range))
+    window = some(whole, np.flatnonzero(gap < finer.law.range))
     found = states.State(window, (gap - whole.take(finer.initial_gap))[None, window.places],
                          state.means / ratio)
     return states.State(whole, finer.extended(found).reshape(1, -1), found.means)

@@ -21,6 +21,8 @@ from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
 
+PART = 2 ** 14
+"""Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
 TIGHT = 1e-11
@@ -153,9 +155,10 @@ class Tracer(Corrector, Neighbours, Ends):
         moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
         field = form.displacement(moved)
         # In the regularised gap a long step into overlap stays bounded.
-        law = self.contact.law
-        ahead = law.regularised_step(gap, field[0] - state.displacement[0], law.moving_stiffness)
-        field[0] = state.displacement[0] + ahead
+        law, way = self.contact.law, field[0] - state.displacement[0]
+        for values in zip(*(np.array_split(each, 1 + len(gap) // PART) for each in (gap, way))):
+            values[1][...] = law.regularised_step(*values, law.moving_stiffness)
+        field[0] = state.displacement[0] + way
         moved = form.pack(field, form.scalars(moved))
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where

@@ -14,6 +14,8 @@ class ArcLength:
     F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
                                                     unknown is [x, s].
 
+    Its products are in double precision: what it finds is a fold, or is to be exact.
+
     Parameters
     ----------
     form : DisplacementForm
@@ -23,6 +25,8 @@ class ArcLength:
     length : how far to go
     rate : how much of that a unit of s is
     """
+
+    has_single = False
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form

@@ -9,6 +9,7 @@ from scipy import ndimage
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.contours import crossings
+from ..grid.splines import spline
 from ..grid.transfer import extent
 from ..grid.windows import Window
 from .states import NEAR, State, combined, normal_gap, onto, wider
@@ -34,8 +35,8 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
-    window = state.window
-    box = window.box(normal_gap(contact, state))
+    window = state.window.parts[0]
+    box = state.window.box(normal_gap(contact, state))
     level = contact.scene.contact_threshold
     ends = []
     touching = box < level
@@ -169,8 +170,8 @@ def _follow_spot(contact, states, weights, half=False):
 def _near_part(contact, state):
     """The part of a state's box where the law acts, two nodes wider: slices of what is here of it,
     and the same in what is here."""
-    window = state.window
-    near = window.box(normal_gap(contact, state)) < NEAR
+    window = state.window.parts[0]
+    near = state.window.box(normal_gap(contact, state)) < NEAR
     return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
                             for axis in range(near.ndim)))
 
@@ -265,39 +266,6 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     for axis, places in enumerate(sources, start=1):
         field = spline(field, places, axis)
     return field
-
-
-def spline(values, places, axis):
-    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
-    array with these along the axis.
-
-    Parameters
-    ----------
-    values : array, nodes along the axis
-    places : array, in nodes
-    axis : int
-    """
-    count = values.shape[axis]
-    if not count:
-        return values
-    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
-    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
-    first = np.minimum(places.astype(int), count - 2)
-    t = places - first
-    along = [1] * values.ndim
-    along[axis] = len(places)
-    mirrored = first.min() < 1 or first.max() > count - 3
-    total = 0.0
-    square, left = t * t, 1.0 - t
-    # (NumPy's third powers take longer than all the rest)
-    for shift, weight in zip(range(-1, 3), (left * left * left, 4.0 + square * (3.0 * t - 6.0),
-                                            1.0 + 3.0 * t * (1.0 + t - square), square * t)):
-        node = first + shift
-        if mirrored:  # beyond the ends, as the coefficients are
-            node = np.abs(node)
-            node = np.where(node > count - 1, 2 * (count - 1) - node, node)
-        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
-    return total
 
 
 def _nodes_between(window, other):

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from ..grid.boxes import convolution
+from ..grid.precision import in_single
 from ..kernels.forms import twin
 from .problem import APPROACH, FORCE
 from .states import State
@@ -42,6 +43,7 @@ class DisplacementForm:
         ``residual_norm``; else one of tractions
     whole_cell : whether it is solved on the whole cell, mean displacements among its unknowns
     even : whether states are taken for even about the apex, and half of them is solved for
+    has_single : whether products may be in single precision
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
@@ -50,6 +52,7 @@ class DisplacementForm:
 
     name = "displacement"
     in_displacements, whole_cell, even, parities = True, False, False, None
+    has_single = True
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 
@@ -79,6 +82,11 @@ class DisplacementForm:
         self.work = np.empty(self.shape)
         self.drag = np.zeros(self.components)
         self._evaluations = self._products = 0
+
+    @cached_property
+    def quick(self):
+        """The convolution in single precision, on the memory of that in double."""
+        return in_single(self.convolution)
 
     @cached_property
     def kernel(self):
@@ -184,16 +192,16 @@ class DisplacementForm:
             return np.multiply(self.tangent[0], field, out=out)
         return np.einsum("ijn,jn->in", self.tangent, field, out=out)
 
-    def apply_jacobian(self, vector, out):
+    def apply_jacobian(self, vector, out, single=False):
         """out = J vector at the last linearisation: two transforms of the padded window a
-        component."""
+        component, perhaps in single precision."""
         if self.kernel:
-            return self.kernel.apply_jacobian(vector, out)
+            return self.kernel.apply_jacobian(vector, out, single)
         self._products += 1
         field = vector[:self.count].reshape(self.shape)
         work = self.stiffen(field, self.work)
         total = self.grid.sum(work)
-        self.convolution.apply(work, work)
+        (self.quick if single else self.convolution).apply(work, work)
         mean = -self.rigid_compliance * total / self.grid.size
         scalars = self.scalars(vector)
         mean[self.forced] = scalars / self.root
@@ -205,14 +213,16 @@ class DisplacementForm:
         out[self.count:] = self.grid.held(rows)
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector at the last linearisation (trust regions ask for it)."""
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector at the last linearisation (trust regions ask for it), perhaps in single
+        precision."""
         if self.kernel:
-            return self.kernel.apply_transpose(vector, out)
+            return self.kernel.apply_transpose(vector, out, single)
         self._products += 1
         field = vector[:self.count].reshape(self.shape)
         sums = self.grid.sum(field)
-        work = self.convolution.apply(field, self.work, transposed=True)
+        convolution = self.quick if single else self.convolution
+        work = convolution.apply(field, self.work, transposed=True)
         work += (self.rigid_compliance / self.grid.size * sums * self._free)[:, None]
         for i, scalar in zip(self.forced, self.scalars(vector)):
             work[i] += self.row_scale[i] * self.root * scalar

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..grid.active import widened
 from ..grid.boxes import fitting
-from ..grid.cell import Convolution, Grid, Operator
+from ..grid.cell import Convolution, Grid
 from ..grid.even import asymmetry
+from ..grid.operator import Operator
 from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
@@ -90,9 +91,8 @@ class Contact:
 
     def __setattr__(self, name, value):
         if "_sealed" in self.__dict__:
-            raise AttributeError(f"a contact is immutable, its {name} cannot be "
-                                 "set: make another one, Contact(scene, ...), "
-                                 "which takes heights, a gap or a law in "
+            raise AttributeError(f"a contact is immutable, its {name} cannot be set: make another "
+                                 "one, Contact(scene, ...), which takes heights, a gap or a law in "
                                  "place of the scene's")
         super().__setattr__(name, value)
 
@@ -165,11 +165,9 @@ class Contact:
         if key not in self._operators:
             power = 1 if kind == "compliance" else -1
             blocks = self.grid.symbols(getattr(self.body, kind), components)
-            self._operators[key] = Operator(self.grid,
-                                            {(i,
-                                              j): symbol
-                                             * (self.ranges[i] * self.ranges[j]) ** power
-                                             for (i, j), symbol in blocks.items()})
+            scaled = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
+                      for (i, j), symbol in blocks.items()}
+            self._operators[key] = Operator(self.grid, scaled)
         return self._operators[key]
 
     def _circle(self, component, components, shape, even=False, count=1, signs=None):
@@ -291,10 +289,9 @@ def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
     where they do not fit."""
     if heights.shape != scene.shape:
-        raise InputError(f"the heights have the shape {heights.shape}, the grid "
-                         f"has {scene.shape}: give one height for each node, "
-                         "or -scene_points and -scene_dimension that fit "
-                         "the heights")
+        raise InputError(f"the heights have the shape {heights.shape}, the grid has {scene.shape}: "
+                         "give one height for each node, or -scene_points and -scene_dimension "
+                         "that fit the heights")
     if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
         raise InputError(
             "the heights have to be real and finite numbers: fill the missing ones first")

@@ -159,11 +159,16 @@ def widened(grid, mask, reach):
     return grid.without_rows(mask, reach)
 
 
+def some(hull, places):
+    """The window of some nodes of a box, by their numbers in it."""
+    return (hull.of_nodes or Nodes)(hull, places)
+
+
 def within(hull, mask):
     """The window of the nodes of a box where a mask over the cell holds; the box itself if these
     are nearly all."""
     places = np.flatnonzero(hull.take(mask))
-    return (hull.some(places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
+    return (some(hull, places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
             else hull)
 
 
@@ -176,9 +181,10 @@ class NodesConvolution(Convolution):
     operator, count, make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, make=None):
-        super().__init__(window, operator, count, make)
-        self._flat = self.transform.real.reshape(count, -1)
+    def _lay_out(self):
+        """Find the transform's circle as one row, too."""
+        super()._lay_out()
+        self._flat = self.transform.real.reshape(self.count, -1)
 
     def _put(self, values):
         """Write values to their places on the transform's circle, 0 elsewhere."""
@@ -187,4 +193,7 @@ class NodesConvolution(Convolution):
 
     def _take(self, out):
         """Read the nodes from the circle."""
-        np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        if out.dtype == self._flat.dtype:
+            np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        else:
+            out[...] = self._flat[:, self.window.on_circle]

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from .active import Nodes, NodesConvolution
-from .cell import Convolution, Transform, clear_padding
+from .cell import Convolution, clear_padding
 from .windows import Window, enclosing
 
 MOST = 24
@@ -145,14 +145,18 @@ class SpotsConvolution:
     def __init__(self, window, operator, count, make=None):
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
-        make = make or window.grid.transform
-        self.transform = plan = make(window.grid, circle, count * boxes)
-        self._real = plan.real.reshape(count, boxes, *circle)
-        self._spectrum = plan.spectrum.reshape(count, boxes, -1)
+        self.transform = (make or window.grid.transform)(window.grid, circle, count * boxes)
+        self._lay_out()
+        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+
+    def _lay_out(self):
+        """Find where the boxes are on the circles of the transform, and room to multiply blocks."""
+        plan, lead = self.transform, (self.count, len(self.window.parts))
+        self._real = plan.real.reshape(*lead, *plan.shape)
+        self._spectrum = plan.spectrum.reshape(*lead, -1)
         self._product = np.empty_like(self._spectrum[0])
         self._sums = np.empty_like(self._spectrum)
-        self._inside = (slice(None), slice(None), *(slice(0, n) for n in window.shape))
-        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+        self._inside = (slice(None), slice(None), *(slice(0, n) for n in self.window.shape))
 
     def _couplings(self, operator, key, circle):
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""

@@ -6,12 +6,14 @@ multiplies by the number of points.
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 
-from .contours import first_largest
-from .counter import Counter
+from .counter import Counter, transform_cost
+from .fields import Fields
+from .precision import first_half
 from .windows import Window
 
 
@@ -27,28 +29,35 @@ class Transform:
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
+    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, memory=None):
         axes = tuple(range(1, 1 + len(shape)))
         self.shape, self.gain = shape, math.prod(shape)
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
-                                             dtype=complex)
+        self.real, self.spectrum = memory or (
+            pyfftw.zeros_aligned((count, *shape)),
+            pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex))
         plan = {"axes": axes, "threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
-        self._counter = grid.counter
-        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
+        self._grid, self._counter = grid, grid.counter
+        self._cost = count * transform_cost(self.gain, grid.counter.size), self.real.itemsize < 8
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision, on the same memory."""
+        return Transform(self._grid, self.shape, len(self.real),
+                         (first_half(self.real), first_half(self.spectrum)))
 
     def forward(self):
         """``real`` to ``spectrum``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._forward.execute()
 
     def backward(self):
         """``spectrum`` to ``real``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._backward.execute()
 
 
@@ -58,13 +67,7 @@ def _counted(values, where):
     return values[(slice(None),) * (np.ndim(values) - np.ndim(where)) + (where,)]
 
 
-def transform_cost(points, size):
-    """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m /
-    (N log N)."""
-    return points * math.log(max(points, 2)) / (size * math.log(size))
-
-
-class Grid(Counter):
+class Grid(Fields, Counter):
     """The periodic grid of the cell: wave vectors, transforms and their count, reductions over
     nodes. ``comm`` is None, or the communicator of the processes among which nodes are shared out
     (`slabs`).
@@ -92,11 +95,6 @@ class Grid(Counter):
     def _whole(self):
         """The window of all nodes."""
         return Window(self, (0,) * len(self.shape), self.shape)
-
-    @property
-    def local_shape(self):
-        """Shape of a field over the cell, as far as it is in this process."""
-        return self.shape
 
     @property
     def transform(self):
@@ -128,10 +126,6 @@ class Grid(Counter):
         """
         shape = self.shape if shape is None else shape
         return make(self.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
-
-    def zero_wave(self, spectrum):
-        """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
-        return spectrum[(..., *[slice(0, 1)] * len(self.shape))]
 
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
@@ -192,137 +186,6 @@ class Grid(Counter):
     def count(self, mask):
         """Number of nodes where ``mask`` holds."""
         return int(np.count_nonzero(mask))
-
-    # A field over the cell, or as much of it as this process has, and rows of others beside it.
-    def with_rows(self, field, reach):
-        """A field over the cell (..., *grid) with rows around what is here: nothing is missing."""
-        return field
-
-    def without_rows(self, field, reach):
-        """The same without them."""
-        return field
-
-    def part_of(self, field):
-        """What is here of a whole field over the cell (..., *grid): all."""
-        return field
-
-    def every_other(self, field):
-        """A field over the cell (..., *grid) at every other node, a whole one."""
-        return field[(..., *[slice(None, None, 2)] * len(self.shape))]
-
-    @property
-    def first_column(self):
-        """Number of the first column of half spectra that is here."""
-        return 0
-
-    def quantiles(self, field, parts):
-        """Values below which parts of a field over the cell lie, about."""
-        return np.quantile(field, parts)
-
-    def convex(self, gap, test):
-        """Whether a gap over the cell is convex within it, by a test of arrays."""
-        return test(gap)
-
-    def edge(self, field, axis):
-        """The first nodes of a field over the cell along an axis."""
-        return np.take(field, [0], axis)
-
-    def highest(self, field):
-        """The first node of the largest value of a field over the cell, a tuple of int."""
-        return np.unravel_index(np.argmax(field), field.shape)
-
-    def place(self, node):
-        """Coordinates of a node, beta."""
-        return [(i - n // 2) * h for i, n, h in zip(node, self.shape, self.spacings)]
-
-    def joined(self, rows):
-        """What all processes have of an array, one after the other along its first axis."""
-        return rows
-
-    def rows_to_first(self, field):
-        """A field (..., *grid) of all processes in the first of them, None in the others."""
-        return field
-
-    def first_largest(self, field):
-        """The largest size of values (components, *grid), with the sign of the first about as
-        large."""
-        return np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
-
-    def to_first(self, values):
-        """Values (..., nodes) of all processes in the first of them, None in the others."""
-        return values
-
-    def together(self, parts):
-        """Sums of what the parts of the cell have, in all processes."""
-        return parts
-
-    def any(self, mask):
-        """Whether ``mask`` holds anywhere."""
-        return bool(np.any(mask))
-
-    # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
-    def scalars(self, tail, count):
-        """Scalars among unknowns, from what stands behind the nodes, so many."""
-        return tail
-
-    def held(self, scalars):
-        """Of scalars those that are kept here: all."""
-        return scalars
-
-
-class Operator:
-    """A circulant operator on the cell: blocks {(i, j): half spectrum}, those left out zero, and
-    their kernels on demand.
-
-    The blocks carry the factor 1/size that unnormalised transforms need.
-    """
-
-    def __init__(self, grid, symbols):
-        self.grid = grid
-        self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
-        self._kernels = {}
-
-    def kernel(self, key):
-        """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
-        0."""
-        if key not in self._kernels:
-            plan = Transform(self.grid, self.grid.shape, 1)
-            plan.spectrum[0] = self.blocks[key]
-            plan.backward()
-            self._kernels[key] = plan.real[0]
-        return self._kernels[key]
-
-    def on_window(self, key, window):
-        """The block on the padded circle of a window."""
-        shape = window.circle()
-        if shape == self.grid.shape:
-            return self.blocks[key]
-        symbol = self.between(key, window.shape, shape, (0,) * len(shape))
-        # An even block stays even on the circle.
-        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
-
-    def between(self, key, extents, circle, offset):
-        """The block on a circle for the response of a box of given extents to another, ``offset``
-        nodes before it.
-
-        Parameters
-        ----------
-        key : (i, j), components of the block
-        extents : nodes of either box in each direction
-        circle : points of the circle in each direction
-        offset : nodes from the second box to the first in each direction
-        """
-        lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
-                                 np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
-                for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
-        plan = Transform(self.grid, circle, 1)
-        plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
-                                                 for lag, total in zip(lags, self.grid.shape)))]
-        for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
-            if m < total:
-                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
-        plan.forward()
-        return plan.spectrum[0] / math.prod(circle)
 
 
 class Convolution:

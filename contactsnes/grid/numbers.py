@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .active import Nodes
+from .active import Nodes, some
 from .boxes import Spots
 from .windows import Window
 
@@ -28,13 +28,19 @@ def of_numbers(grid, numbers):
 
 
 def restored(grid, numbers, field):
-    """(window, values there) of numbers and a whole field (components, nodes) that an archive has,
-    as far as they are here."""
+    """(window, values there) of what an archive has, as far as they are here.
+
+    Parameters
+    ----------
+    grid : Grid
+    numbers : as of `numbers_of`
+    field : array (components, nodes), of all nodes
+    """
     window = of_numbers(grid if grid.comm is None else grid.alone(), numbers)
     if grid.comm is None:
         return window, field
     places = window.node_numbers() - grid.rows.first * grid.shape[1]
     here = np.flatnonzero((places >= 0) & (places < grid.whole.size))
     here = here[np.argsort(places[here])]
-    found = grid.whole if window.is_whole else grid.whole.some(places[here])
+    found = grid.whole if window.is_whole else some(grid.whole, places[here])
     return found, np.ascontiguousarray(field[:, here])

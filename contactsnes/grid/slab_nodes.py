@@ -58,7 +58,7 @@ class SlabNodes(Nodes):
     def filled(self, values):
         """Values (..., nodes of the box) from those at these nodes, elsewhere that of the nearest
         one."""
-        everywhere = self.hull.some(np.arange(self.hull.size))
+        everywhere = SlabNodes(self.hull, np.arange(self.hull.size))
         return nearest_known(values, self, everywhere)
 
     def rim(self):

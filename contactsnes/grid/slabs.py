@@ -1,134 +1,24 @@
-"""The cell of a plane in slabs of rows, one a process (MPI): who has which rows, rows of others, the
+"""The cell of a plane in slabs of rows, one a process (MPI): who has which rows, rows of others,
 transforms, and reductions over all processes.
 
 Every process does the same with its own nodes; what is one number for the whole contact is the same
 on all. Sums of the processes are added in their order by each of them, so that all decide alike.
 """
 
-import math
-
 import numpy as np
 
-from .cell import Grid, transform_cost
+from .cell import Grid
 from .convexity import convex_in_rows
 from .rows import Rows
-from .slab_nodes import SlabNodes
-from .windows import Window
+from .slab import Slab, SlabTransform
 
+PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
+"""Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
+plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
+begins to know of threads)."""
 
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
-
-
-class SlabTransform:
-    """A planned pair of real transforms of ``count`` arrays over the cell, with the interface of
-    `cell.Transform`; arrays are this process's rows, spectra its columns of waves.
-
-    Parameters
-    ----------
-    grid : Slabs, whose counter counts
-    shape : points in each direction: the cell's
-    count : int, number of arrays
-    """
-
-    def __init__(self, grid, shape, count):
-        if tuple(shape) != grid.shape:
-            raise ValueError("slabs have transforms of the whole cell only")
-        self.shape, self.gain = grid.shape, grid.size
-        self._plan = grid.plan(count)
-        self.real, self.spectrum = self._plan.forward.input_array, self._plan.forward.output_array
-        self.real[...], self.spectrum[...] = 0.0, 0.0
-        self._counter = grid.counter
-        self._cost = count * transform_cost(grid.size, grid.counter.size)
-
-    def forward(self):
-        """``real`` to ``spectrum``."""
-        self._counter.transforms += self._cost
-        self._plan.forward(normalize=False)
-
-    def backward(self):
-        """``spectrum`` to ``real``."""
-        self._counter.transforms += self._cost
-        self._plan.backward(normalize=False)
-
-
-class Slab(Window):
-    """This process's rows of the cell, as a window that is the whole cell.
-
-    Parameters
-    ----------
-    grid : Slabs
-    """
-
-    is_whole = True
-
-    def __init__(self, grid):
-        super().__init__(grid, (0, 0), grid.shape)
-        self.start, self.shape = (grid.rows.first, 0), grid.local_shape
-        self.size = math.prod(grid.local_shape)
-        self.indices = slice(None), slice(None)
-
-    @property
-    def total(self):
-        """Number of nodes, in all processes."""
-        return self.grid.size
-
-    def take(self, field):
-        """Values (..., nodes) of a field (..., rows, columns) of this process: a view."""
-        return np.ascontiguousarray(field).reshape(*field.shape[:-2], self.size)
-
-    def circle(self):
-        """Shape of the circle that holds a convolution: the cell."""
-        return self.grid.shape
-
-    def node_numbers(self):
-        """Numbers in the cell of the nodes that are here, array (nodes,)."""
-        return np.arange(self.size) + self.start[0] * self.grid.shape[1]
-
-    @property
-    def extents(self):
-        """Nodes in each direction, in all processes."""
-        return self.grid.shape
-
-    def occupied(self, mask, axis):
-        """Where along an axis a mask (rows, columns) holds anywhere."""
-        here = super().occupied(mask, axis)
-        if axis == 0:
-            return self.grid.rows.all(here[:, None])[:, 0]
-        return self.grid.together(here) > 0.0
-
-    def line(self, box, axis, through):
-        """Values of a box along an axis, on the line through places of the other directions.
-
-        Parameters
-        ----------
-        box : array (rows, columns)
-        axis : int
-        through : row and column, in the cell
-        """
-        if axis == 0:
-            return self.grid.rows.all(box[:, through[1]:through[1] + 1])[:, 0]
-        return self.grid.rows.at(box, [through[0]])[0]
-
-    def own(self, part):
-        """A part of the cell, slices, as far as it is here, and the same in what is here."""
-        rows, (first, count) = part[0], (self.grid.rows.first, self.grid.rows.count)
-        begin, end = max(rows.start, first), min(rows.stop, first + count)
-        end = max(begin, end)
-        return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
-
-    def cut(self, box, part):
-        """A part of the cell, slices, of a box (..., rows, columns), whoever has it."""
-        return self.grid.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]
-
-    def some(self, places):
-        """The window of some of the nodes that are here, by their numbers among them."""
-        return SlabNodes(self, places)
-
-    def ringed(self, box):
-        """A box (..., rows, columns) with the nodes around it: a row before and two after."""
-        box = np.concatenate([box[..., -1:], box, box[..., :2]], axis=-1)
-        return self.grid.rows.around(box, 1, 2)
 
 
 class Slabs(Grid):
@@ -164,12 +54,19 @@ class Slabs(Grid):
         """Rows and columns of this process."""
         return self.rows.count, self.shape[1]
 
-    def plan(self, count):
-        """Transforms of so many arrays, on memory that all such transforms use in turn."""
-        if count not in self._plans:
-            self._plans[count] = self._make(self._columns, (count, *self.shape), axes=(1, 2),
-                                            dtype=float)
-        return self._plans[count]
+    def plan(self, count, single=False):
+        """Transforms of so many arrays, on memory that all such transforms use in turn.
+
+        Parameters
+        ----------
+        count : int
+        single : bool, whether they are in single precision
+        """
+        if (count, single) not in self._plans:
+            self._plans[count, single] = self._make(
+                self._columns, (count, *self.shape), axes=(1, 2),
+                dtype=np.float32 if single else float, **PLANS)
+        return self._plans[count, single]
 
     def _whole(self):
         """The window of all nodes that are here."""
@@ -245,6 +142,11 @@ class Slabs(Grid):
         first = next(value for component in zip(*firsts) for value in component if value)
         return np.copysign(largest, first)
 
+    def noise(self, count, seed):
+        """Random numbers (count, rows, columns), each row's its own."""
+        return np.stack([np.random.default_rng((seed, row)).standard_normal(
+            (count, self.shape[1])) for row in self.rows.numbers], axis=1)
+
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""
         parts = self.comm.gather(values)
@@ -294,15 +196,15 @@ class Slabs(Grid):
 
     def parseval(self, spectrum):
         """Sum over nodes and arrays of the squares of fields with these half spectra."""
-        return float(self.together(np.sum(self._twice() * (
+        return float(self.together(np.sum(self.waves_twice() * (
             np.square(spectrum.real) + np.square(spectrum.imag))))) / self.size
 
     def spectral_inner(self, first, second):
         """Real inner product of half spectra of the cell (arrays, *half spectrum)."""
         products = first.real * second.real + first.imag * second.imag
-        return float(self.together(np.sum(self._twice() * products)))
+        return float(self.together(np.sum(self.waves_twice() * products)))
 
-    def _twice(self):
+    def waves_twice(self):
         """How many waves each column of the half spectrum stands for."""
         numbers = np.arange(self.waves[1].start, self.waves[1].stop)
         return np.where((numbers == 0) | (numbers == self.shape[1] // 2), 1.0, 2.0)

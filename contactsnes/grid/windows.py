@@ -20,6 +20,7 @@ class Window:
     """
 
     even = False  # whether a node stands for its mirror images, too
+    of_nodes = None  # class of windows of some of its nodes, where it has one of its own
 
     def __init__(self, grid, start, shape):
         self.grid = grid
@@ -42,12 +43,6 @@ class Window:
     def total(self):
         """Number of nodes, in all processes."""
         return self.size
-
-    def some(self, places):
-        """The window of some of the nodes, by their numbers in the box."""
-        from .active import Nodes  # which is a window on top of this one
-
-        return Nodes(self, places)
 
     def ringed(self, box):
         """A box (..., *box) with the nodes around it, or its outermost nodes again."""

@@ -251,7 +251,7 @@ def test_what_was_spent_is_counted_once():
     assert {name: value for name, value in made.account().items()
             if name != "wall_time"} == dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                                       "function_evaluations", "jacobian_products",
-                                                      "transforms"), 0)
+                                                      "transforms", "transforms_single"), 0)
 
 
 # The two forms
