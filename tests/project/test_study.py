@@ -71,7 +71,7 @@ def test_the_figure_of_the_study_has_a_curve_of_each_parameter(folder):
 
 @pytest.mark.skipif(not shutil.which("snakemake"), reason="needs snakemake: pip install snakemake")
 def test_snakemake_runs_the_study_and_goes_on_with_what_was_begun(folder):
-    begun = folder / "runs" / "tangential_maugis=2,residual_friction=0.5.h5"
+    begun = folder / "runs" / "tangential_maugis_2-residual_friction_0.5.h5"
     begun.parent.mkdir()
     call("run", "study.opts", "-scene_tangential_maugis", "2", "-scene_residual_friction", "0.5",
          "-load_path", "normal_force=2", "-archive_file", begun, folder=folder)
