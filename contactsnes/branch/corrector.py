@@ -22,6 +22,7 @@ from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.snes import WARM, collect, create_snes
+from ..solvers.vectors import create_vector
 
 
 def _names(cls):
@@ -35,7 +36,8 @@ SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP
 def finite(state):
     """A state from which a solve may begin; NotConverged for one that holds infinite values or
     NaN."""
-    if not (np.isfinite(state.displacement).all() and np.isfinite(state.means).all()):
+    if state.window.grid.any(~np.isfinite(state.displacement)) or not np.isfinite(
+            state.means).all():
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
 
@@ -178,9 +180,9 @@ class Corrector:
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
-        if not np.isfinite(unknown).all():
+        if form.grid.any(~np.isfinite(unknown)):
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
-        solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
+        solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
         if form.precision.turned > turned == 0:
@@ -219,7 +221,7 @@ class Corrector:
                 unknown, _ = self.run(form if system is None else system, unknown.copy(), WARM,
                                       snes)
                 if system is not None:
-                    system.set_position(unknown[-1])
+                    system.set_position(system.position(unknown))
                 state = form.state(unknown[:form.size])
                 found = self._imbalance(form, state)
             except NotConverged:

@@ -90,7 +90,7 @@ def detached(contact, guess, last, found, back, half=None):
     """
     compared = _compared(contact, guess, last, found, half)
     nodes, released = _suspects(contact, *compared)
-    window = max(guess.window, found.window, key=lambda window: window.size)
+    window = max(guess.window, found.window, key=lambda window: window.total)
     folded = half(window, len(found.displacement)) if half else None
     returned = onto(found, window) - onto(back, window)
     returned = folded.fold(returned) if folded else returned
@@ -125,7 +125,7 @@ def _suspects(contact, grid, gap, change, aside, allowed):
 def _compared(contact, guess, last, found, half=None):
     """Grid that sums over nodes, gaps before a step, their changes, how far they are from the guess
     where the law acts, and how far they may be; of even states at half of the nodes."""
-    window = max(guess.window, found.window, key=lambda window: window.size)
+    window = max(guess.window, found.window, key=lambda window: window.total)
     aside, near = way(contact, guess, found, window)
     gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
     gap[0] += window.take(contact.initial_gap)

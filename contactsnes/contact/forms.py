@@ -66,8 +66,8 @@ class DisplacementForm:
         self.shape = (self.components, self.nodes)
         self.forced = [i for i, control in enumerate(controls) if control == FORCE]
         self.count = self.components * self.nodes
-        self.size = self.count + len(self.forced)
-        self.root = np.sqrt(self.count)
+        self.size = self.count + len(self.grid.held(self.forced))
+        self.root = np.sqrt(self.components * window.total)
         self.initial_gap = window.take(contact.initial_gap)
         make = contact.kernels.even if window.even else contact.kernels.real
         self.convolution = self.convolution_class(window, contact.operator(self.components),
@@ -123,7 +123,7 @@ class DisplacementForm:
     def pack(self, displacement, scalars):
         """The unknown from displacements (components, nodes) and the means of the force-controlled
         components."""
-        return np.concatenate([displacement.reshape(-1) / self.root, scalars])
+        return np.concatenate([displacement.reshape(-1) / self.root, self.grid.held(scalars)])
 
     def displacement(self, unknown):
         """Displacements (components, nodes), ranges of the law."""
@@ -131,7 +131,7 @@ class DisplacementForm:
 
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""
-        return unknown[self.count:]
+        return self.grid.scalars(unknown[self.count:], len(self.forced))
 
     def state(self, unknown):
         """The State of an unknown: its displacements, and means by the load and the tractions."""
@@ -157,13 +157,13 @@ class DisplacementForm:
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
         mean = self.far - self.rigid_compliance * total / self.grid.size
-        mean[self.forced] = unknown[self.count:]
+        mean[self.forced] = self.scalars(unknown)
         traction -= mean[:, None]
         field = out[:self.count].reshape(self.shape)
         np.multiply(traction, 1.0 / self.root, out=field)
         field += unknown[:self.count].reshape(self.shape)
-        for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * total[i] - self.row_target[i]
+        rows = self.row_scale * total - self.row_target
+        out[self.count:] = self.grid.held(rows[self.forced])
         return out
 
     def closest_beyond(self, mean):
@@ -203,13 +203,14 @@ class DisplacementForm:
         total = self.grid.sum(work)
         (self.quick if single else self.convolution).apply(work, work)
         mean = -self.rigid_compliance * total / self.grid.size
-        mean[self.forced] = vector[self.count:] / self.root
+        scalars = self.scalars(vector)
+        mean[self.forced] = scalars / self.root
         result = out[:self.count].reshape(self.shape)
         np.subtract(work, mean[:, None], out=result)
         result += field
-        for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * (total[i] * self.root
-                                                         + self.drag[i] * vector[self.count + row])
+        rows = self.row_scale[self.forced] * (total[self.forced] * self.root
+                                              + self.drag[self.forced] * scalars)
+        out[self.count:] = self.grid.held(rows)
         return out
 
     def apply_transpose(self, vector, out, single=False):
@@ -223,12 +224,12 @@ class DisplacementForm:
         convolution = self.quick if single else self.convolution
         work = convolution.apply(field, self.work, transposed=True)
         work += (self.rigid_compliance / self.grid.size * sums * self._free)[:, None]
-        for row, i in enumerate(self.forced):
-            work[i] += self.row_scale[i] * self.root * vector[self.count + row]
+        for i, scalar in zip(self.forced, self.scalars(vector)):
+            work[i] += self.row_scale[i] * self.root * scalar
         result = out[:self.count].reshape(self.shape)
         np.einsum("jin,jn->in", self.tangent, work, out=result)
         result += field
-        out[self.count:] = -sums[self.forced] / self.root
+        out[self.count:] = self.grid.held(-sums[self.forced] / self.root)
         return out
 
     def load_derivative(self, direction, out):
@@ -240,9 +241,9 @@ class DisplacementForm:
         field = out[:self.count].reshape(self.shape)
         field[...] = -(self.contact.far_displacement(self.components, direction) / self.root)[:,
                                                                                               None]
-        for row, i in enumerate(self.forced):
-            field[i] = 0.0
-            out[self.count + row] = -direction[i] / max(1.0, abs(self.load[i]))
+        field[self.forced] = 0.0
+        rows = -np.asarray(direction) / np.maximum(1.0, np.abs(self.load))
+        out[self.count:] = self.grid.held(rows[self.forced])
         return out
 
     def forces(self, unknown):

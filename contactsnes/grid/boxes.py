@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from .active import Nodes, NodesConvolution
-from .cell import Convolution, Transform, clear_padding
+from .cell import Convolution, clear_padding
 from .windows import Window, enclosing
 
 MOST = 24
@@ -56,7 +56,7 @@ class Spots:
         self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start),
                                   key=lambda part: part.start))
         self.start = tuple(part.start for part in self.parts)
-        self.size = len(self.parts) * self.parts[0].size
+        self.size = self.total = len(self.parts) * self.parts[0].size
         self._which = self.start, self.shape, grid.shape, grid.periods
 
     __eq__, __hash__ = Window.__eq__, Window.__hash__
@@ -75,6 +75,8 @@ class Spots:
         """Write values (..., nodes) into a field (..., *grid) at these nodes."""
         for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
             field[(..., *part.indices)] = own
+
+    node_numbers = Window.node_numbers
 
     def box(self, values, beyond=0.0):
         """View values (..., nodes) as (..., boxes, *box), of which there are no others."""
@@ -140,10 +142,10 @@ class SpotsConvolution:
     make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, make=Transform):
+    def __init__(self, window, operator, count, make=None):
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
-        self.transform = make(window.grid, circle, count * boxes)
+        self.transform = (make or window.grid.transform)(window.grid, circle, count * boxes)
         self._lay_out()
         self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
 
@@ -196,7 +198,7 @@ class SpotsConvolution:
         return out
 
 
-def convolution(window, operator, count, make=Transform):
+def convolution(window, operator, count, make=None):
     """The product of an operator with fields on a window, of any kind.
 
     Parameters

@@ -37,9 +37,9 @@ class CoreBlock:
                                                          else None)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
         # stands for the rest.
-        if compliance.flat[0] == 0.0:
+        if window.grid.any(window.grid.zero_wave(compliance) == 0.0):
             compliance = compliance.copy()
-            compliance.flat[0] = 2.0 * np.max(compliance)
+            window.grid.zero_wave(compliance)[...] = 2.0 * window.grid.maximum(compliance)
         self.compliance = compliance
         self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, len(self.boxes))))
         self.symbol += 1.0
@@ -60,13 +60,15 @@ class CoreBlock:
         box = weight.reshape(self.boxes)
         parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
         parts = [slice(0, part.stop) if window.even else part for part in parts]
+        if window.grid.comm is not None:  # the circle is the cell
+            parts = [slice(0, n) for n in window.shape]
         self.core = (slice(None), *parts)
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
-        return self.root.shape[1:]
+        return self.root.shape[1:] if window.grid.comm is None else window.limits
 
     def _lay_out(self, window, extents):
         """Find the core's place on the circle."""
-        self.inside = (slice(None), *(slice(0, extent) for extent in extents))
+        self.inside = (slice(None), *(slice(0, n) for n in self.root.shape[1:]))
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
@@ -92,12 +94,15 @@ class ScatteredBlock(CoreBlock):
         self.core = np.flatnonzero(weight)
         self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]
         nodes = np.array(np.unravel_index(window.places[self.core], window.shape))
+        if window.grid.comm is not None:  # the circle is the cell
+            self._nodes = nodes
+            return window.limits
         self._nodes = nodes - nodes.min(axis=1, keepdims=True)
         return tuple(int(line) + 1 for line in self._nodes.max(axis=1))
 
     def _lay_out(self, window, extents):
         """Find the core's place on the circle."""
-        self.inside = np.ravel_multi_index(self._nodes, self.transform.shape)
+        self.inside = np.ravel_multi_index(self._nodes, self.transform.real.shape[1:])
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""

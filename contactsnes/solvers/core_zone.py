@@ -121,11 +121,11 @@ class CoreZone:
             return out
         right = -self._response(field)
         right[~self.forced[self.means]] *= self._rigid[~self.forced[self.means]]
-        right[self.forced[self.means]] += vector[form.count:] / (form.row_scale[form.forced]
+        right[self.forced[self.means]] += form.scalars(vector) / (form.row_scale[form.forced]
                                                                  * form.root)
         means = self.inverse @ right
         for i, mean, column in zip(self.means, means, self.columns):
             np.multiply(column, mean, out=form.work[0])
             field[i] += form.work[0]
-        out[form.count:] = means[self.forced[self.means]] * form.root
+        out[form.count:] = self.grid.held(means[self.forced[self.means]] * form.root)
         return out

@@ -6,7 +6,6 @@ import numpy as np
 from ..contact.bordered import ArcLength
 from ..contact.even_form import EvenForm
 from ..contact.force_form import ForceForm
-from ..grid.cell import Transform
 from ..options.database import read
 from ..options.fields import InputError
 from . import callbacks
@@ -31,20 +30,20 @@ class ZonedStiffness:
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        self.transform = Transform(form.grid, form.grid.shape, 1)
+        self.transform = form.grid.transform(form.grid, form.grid.shape, 1)
         self.rigid = [i for i in range(form.components) if i not in form.forced
                       and form.rigid_compliance[i] == 0.0]
         self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
-        self._work = np.empty(form.grid.size)
+        self._work = np.empty(form.nodes)
 
     def _zones(self, i, zone):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
         stiffness = form.contact.operator(form.components,
                                           "stiffness").blocks[i, i] * form.grid.size
-        smallest = np.min(stiffness[stiffness > 0.0])
-        stiffness.flat[0] = form.mean_stiffness[i]
-        weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
+        smallest = form.grid.minimum(stiffness, where=stiffness > 0.0)
+        form.grid.zero_wave(stiffness)[...] = form.mean_stiffness[i]
+        weight, tangent = (np.zeros(form.nodes), 1.0) if zone is None else zone
         zones = [(np.sqrt(weight), tangent), (np.sqrt(1.0 - weight), smallest)]
         return [(root, 1.0 / (stiffness + shift) / form.grid.size) for root, shift in zones]
 
@@ -93,15 +92,18 @@ class ArcElimination:
     def __init__(self, form, options=CoreOptions()):
         self.form = form
         self.inner = KINDS.get(type(form.form), CoreZone)(form.form, options, 1e-5)
-        self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
+        self.count = form.form.size
+        self.column = self.inner.apply(form.load_column, np.empty(self.count))
         self.slope = form.grid.inner(form.tangent, self.column) - form.rate
 
     def apply(self, vector, out):
         """out = M^-1 vector, arrays of the form's size."""
-        self.inner.apply(vector[:-1], out[:-1])
+        form, inner = self.form, out[:self.count]
+        self.inner.apply(vector[:self.count], inner)
         slope = self.slope if abs(self.slope) > 1e-300 else 1.0
-        out[-1] = (self.form.grid.inner(self.form.tangent, out[:-1]) - vector[-1]) / slope
-        out[:-1] -= out[-1] * self.column
+        position = (form.grid.inner(form.tangent, inner) - form.position(vector)) / slope
+        inner -= position * self.column
+        out[self.count:] = form.grid.held([position])
         return out
 
 

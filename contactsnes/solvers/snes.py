@@ -19,6 +19,7 @@ from .multigrid import create_levels
 from .operators import Jacobian
 from .precision import Precision
 from .ritz import Ritz
+from .vectors import communicator, create_operator, create_vector
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -69,7 +70,7 @@ class RegularisedStep:
         step = y.getArray()[:form.count].reshape(form.shape)[0]
         root = np.broadcast_to(form.root, step.shape)
         far = np.abs(step) * root > 0.1
-        if not far.any():
+        if not form.grid.any(far):
             return False
         gap = form.gap(x.getArray(readonly=True))[0][far]
         root = root[far]
@@ -95,11 +96,9 @@ def equip(snes, form, single=False):
     if callbacks.available(form):
         return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
-                     PETSc.Vec().createSeq(form.size))
+                     create_vector(form))
     precision = Precision(snes if single else None)
-    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form, precision),
-                                      comm=PETSc.COMM_SELF)
-    matrix.setUp()
+    matrix = create_operator(form, Jacobian(form, precision))
 
     def linearise(snes, x, operator, preconditioner):
         form.linearise(x.getArray(readonly=True))
@@ -146,7 +145,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     """
     database = PETSc.Options(prefix)
     collect()
-    snes = kept(PETSc.SNES().create(PETSc.COMM_SELF))
+    snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
     form.precision = equip(snes, form, single)
@@ -261,7 +260,7 @@ def displacement_test(snes, iteration, norms, form):
     imbalance = snes.getFunction()[0].getArray(readonly=True)
     if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
         imbalance = form.residual(unknown, np.empty(form.size))
-    norm = (np.linalg.norm(imbalance) if form.in_displacements
+    norm = (form.grid.norm(imbalance) if form.in_displacements
             else form.displacement_norm(unknown, imbalance))
     if not np.isfinite(norm):
         return NOT_A_NUMBER
