@@ -74,6 +74,7 @@ class Departure:
         """A state of the coarser grid on the finer one: what has moved since the equilibrium is
         interpolated by its waves."""
         coarse, fine = self.contact, self._fine
-        moved = coarse.extended(state) - self.origin.displacement.reshape(1, *coarse.grid.shape)
+        moved = coarse.extended(state) - self.origin.displacement.reshape(
+            1, *coarse.grid.local_shape)
         cell = self._cell + resampled(coarse.grid, fine.grid, moved)
         return State(fine.grid.whole, cell.reshape(1, -1), state.means)

@@ -34,11 +34,6 @@ COUNTS = ("transforms", "transforms_single", "function_evaluations", "jacobian_p
           "nonlinear_iterations", "linear_iterations")
 
 
-def weighed(counts):
-    """Transforms of a Result's counts, those in single precision as half of one."""
-    return counts["transforms"] + 0.5 * counts["transforms_single"]
-
-
 @dataclass
 class Result:
     """What became of one method at one point.

@@ -8,8 +8,9 @@ that both found.
 
 import numpy as np
 
+from ..grid.counter import weighed
 from ..output.tables import write_csv, write_hdf5
-from .comparison import CONVERGED, COUNTS, ELSEWHERE, FAILED, weighed
+from .comparison import CONVERGED, COUNTS, ELSEWHERE, FAILED
 from .targets import ERRORS
 
 COLUMNS = {"stage": "", "method": "", "family": "", "points": "", "found": "", "elsewhere": "",

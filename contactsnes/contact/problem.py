@@ -204,7 +204,7 @@ class Contact:
 
     def _coarser(self, scene, gap):
         """The contact of a scene on every other node, with its gap there."""
-        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law,
+        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law, grid=self.grid.half,
                        kernels=self.kernels)
 
     def couples(self):

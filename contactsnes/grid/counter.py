@@ -11,6 +11,11 @@ def transform_cost(points, size):
     return points * math.log(max(points, 2)) / (size * math.log(size))
 
 
+def weighed(counts):
+    """Transforms in a mapping of counts by name, those in single precision as half of one."""
+    return counts["transforms"] + 0.5 * counts["transforms_single"]
+
+
 class Counter:
     """Counts transforms, in units of one over ``size`` nodes, and stops who needs more than is
     allowed.

@@ -28,8 +28,11 @@ class Fields:
         """What is here of a whole field over the cell (..., *grid): all."""
         return field
 
+    half = None
+    """Grid of every other node, where that is shared out among processes, too."""
+
     def every_other(self, field):
-        """A field over the cell (..., *grid) at every other node, a whole one."""
+        """A field over the cell (..., *grid) at every other node."""
         return field[(..., *[slice(None, None, 2)] * len(self.shape))]
 
     @property
@@ -95,6 +98,10 @@ class Fields:
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
         return spectrum[(..., *[slice(0, 1)] * len(self.shape))]
+
+    def waves_at(self, spectrum, columns):
+        """Columns of half spectra (..., *half spectrum), by their numbers."""
+        return spectrum[..., columns]
 
     def waves_twice(self):
         """How many waves each column of the cell's half spectrum stands for: interior ones two."""

@@ -5,6 +5,8 @@ Every process does the same with its own nodes; what is one number for the whole
 on all. Sums of the processes are added in their order by each of them, so that all decide alike.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from .cell import Grid
@@ -17,6 +19,8 @@ PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
 plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
 begins to know of threads)."""
 
+GATHERED = 2 ** 14
+"""Nodes of a coarser grid up to which every process has all of them in any case."""
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
 
@@ -46,6 +50,8 @@ class Slabs(Grid):
         plan = self.plan(1)
         mine = plan.local_slice(False)[1]
         self.waves = plan.local_slice(True)[1:]
+        self.columns = Rows(comm, self.waves[1].start, self.waves[1].stop - self.waves[1].start,
+                            shape[1] // 2 + 1)
         self.rows = Rows(comm, mine.start, mine.stop - mine.start, self.shape[0])
         super().__init__(shape, periods, counter)
 
@@ -203,6 +209,11 @@ class Slabs(Grid):
         products = first.real * second.real + first.imag * second.imag
         return float(self.together(np.sum(self.waves_twice() * products)))
 
+    def waves_at(self, spectrum, columns):
+        """Columns of half spectra (..., *half spectrum), by their numbers, whoever has them."""
+        found = self.columns.at(np.ascontiguousarray(np.moveaxis(spectrum, -1, -2)), columns)
+        return np.moveaxis(found, -2, -1)
+
     def waves_twice(self):
         """How many waves each column of the half spectrum stands for."""
         numbers = np.arange(self.waves[1].start, self.waves[1].stop)
@@ -226,8 +237,19 @@ class Slabs(Grid):
         return field[..., self.rows.first:self.rows.first + self.rows.count, :]
 
     def every_other(self, field):
-        """A field over the cell (..., *grid) at every other node, whole, in every process."""
-        return self.rows.all(field[..., self.rows.first % 2::2, ::2])
+        """A field over the cell at every other node: this process's rows of ``half`` or, where
+        that is none, a whole one."""
+        if self.half is None:
+            return self.rows.all(field[..., self.rows.first % 2::2, ::2])
+        return self.rows.at(field[..., ::2], 2 * self.half.rows.numbers)
+
+    @cached_property
+    def half(self):
+        """Slabs of every other node; None where all of these are no more than a process has nodes
+        now, and every process may have them."""
+        if self.size // 4 * self.comm.size <= max(self.size, GATHERED * self.comm.size):
+            return None
+        return Slabs([n // 2 for n in self.shape], self.periods, self.comm, self.counter)
 
     @property
     def first_column(self):

@@ -8,7 +8,6 @@ import numpy as np
 from scipy import ndimage
 
 from .active import Nodes
-from .cell import Transform
 from .windows import Window
 
 
@@ -94,15 +93,15 @@ def resampled(grid, finer, fields):
     fields : array (components, *grid)
     """
     count, half = len(fields), grid.shape[-1] // 2
-    source, target = Transform(grid, grid.shape, count), finer.transform(finer, finer.shape, count)
+    source = grid.transform(grid, grid.shape, count)
     source.real[...] = fields
     source.forward()
+    target = finer.transform(finer, finer.shape, count)
     kept = [np.r_[0:n // 2, -n // 2 + 1:0] for n in grid.shape[:-1]]
-    columns = np.arange(half)
-    columns = columns[(columns >= finer.first_column)
-                      & (columns < finer.first_column + target.spectrum.shape[-1])]
-    target.spectrum[np.ix_(range(count), *kept, columns - finer.first_column)] = source.spectrum[
-        np.ix_(range(count), *kept, columns)] / grid.size
+    columns = finer.first_column + np.arange(target.spectrum.shape[-1])
+    columns = columns[columns < half]
+    target.spectrum[np.ix_(range(count), *kept, range(len(columns)))] = grid.waves_at(
+        source.spectrum, columns)[np.ix_(range(count), *kept, range(len(columns)))] / grid.size
     target.backward()
     return target.real if finer.comm is None else target.real.copy()
 
@@ -160,7 +159,7 @@ def _smooth_rows(window, values, width):
 
 
 def refined(grid, values):
-    """A field over the cell (*grid) from its values at every other node, a whole array: cubic
+    """A field over the cell (*grid) from its values at every other node (`every_other`): cubic
     between these, in each direction."""
     if grid.comm is None:
         return interpolated(grid.whole, values).reshape(grid.shape)
@@ -170,7 +169,9 @@ def refined(grid, values):
     # rows of a larger cell, at whose ends nothing goes on
     shape = 2 * len(rows), grid.shape[1]
     part = Window(Cell((2 * shape[0], shape[1])), (0, 0), shape)
-    wide = interpolated(part, values[rows % len(values)]).reshape(shape)
+    number = rows % (grid.shape[0] // 2)
+    values = values[number] if grid.half is None else grid.half.rows.at(values, number)
+    wide = interpolated(part, values).reshape(shape)
     return wide[grid.rows.first - begin:][:grid.rows.count]
 
 

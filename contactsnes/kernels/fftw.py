@@ -52,7 +52,8 @@ class Rows:
     def __init__(self, points, count, memory):
         sizes, way = (c_int * 1)(points), [None, 1, points]
         self.forward, self.backward = (
-            _calls().fftwf_plan_many_dft(1, sizes, count, memory, *way, memory, *way, sign, ESTIMATE)
+            _calls().fftwf_plan_many_dft(1, sizes, count, memory, *way, memory, *way, sign,
+                                         ESTIMATE)
             for sign in (-1, 1))
 
     def __del__(self):

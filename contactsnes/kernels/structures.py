@@ -52,7 +52,8 @@ class Transform(ctypes.Structure):
                 ("single", c_long), ("real", c_void_p), ("spectrum", c_void_p),
                 ("odd", c_long * 2 * MOST), ("line", Line * 2), ("forward", c_void_p),
                 ("backward", c_void_p), ("packed", c_long), ("columns", c_void_p),
-                ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double), ("counter", c_void_p)]
+                ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double),
+                ("counter", c_void_p)]
 
 
 class Response(ctypes.Structure):
@@ -150,9 +151,9 @@ class Libraries(ctypes.Structure):
     """Functions of others that the library calls."""
 
     _fields_ = [(name, c_void_p) for name in
-                ("execute", "execute_single", "execute_rows", "get_read", "put_read", "get", "put", "mat_context",
-                 "pc_context", "assembly_begin", "assembly_end", "get_ksp", "iterations",
-                 "eigenvalues", "print", "tolerances", "right_side", "norm")]
+                ("execute", "execute_single", "execute_rows", "get_read", "put_read", "get", "put",
+                 "mat_context", "pc_context", "assembly_begin", "assembly_end", "get_ksp",
+                 "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]
 
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Motion, Arc,

@@ -182,21 +182,21 @@ def _set_shell(pc, own):
 
 
 def equip(snes, form, single=False):
-    """Give a SNES a form's function, Jacobian and preconditioner in the library; parameters as of
-    `operator`.
+    """Give a SNES a form's function, Jacobian and preconditioner in the library; the precision of
+    its solves.
 
     Parameters
     ----------
-    snes, form, single : SNES, form with a kernel, bool
+    snes, form, single : SNES, form with a kernel, bool as of `operator`
     """
     matrix = operator(snes.getKSP(), form, single)
     own = of(matrix)
-    form.precision = CompiledPrecision(own.structure)
     snes.setAttr("callbacks", own)
     residual = PETSc.Vec().createSeq(form.size)
     _call("SNESSetFunction", snes.handle, residual.handle, _function("snes_function"), own.address)
     _call("SNESSetJacobian", snes.handle, matrix.handle, matrix.handle,
           _function("snes_jacobian"), own.address)
+    return CompiledPrecision(own.structure)
 
 
 def of(thing):

@@ -81,12 +81,12 @@ class RegularisedStep:
 
 def equip(snes, form, single=False):
     """Give a SNES a form's function and exact Jacobian, compiled ones where there are, and our
-    defaults for its linear systems.
+    defaults for its linear systems; the precision of its solves.
 
     Parameters
     ----------
     snes : SNES
-    form : of the equations, which gets ``precision``
+    form : of the equations
     single : bool, whether linear solves may be in single precision
     """
     ksp = snes.getKSP()
@@ -94,12 +94,11 @@ def equip(snes, form, single=False):
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=150)
     if callbacks.available(form):
-        callbacks.equip(snes, form, single)
-        return
+        return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
                      create_vector(form))
-    form.precision = Precision(snes if single else None)
-    matrix = create_operator(form, Jacobian(form, form.precision))
+    precision = Precision(snes if single else None)
+    matrix = create_operator(form, Jacobian(form, precision))
 
     def linearise(snes, x, operator, preconditioner):
         form.linearise(x.getArray(readonly=True))
@@ -111,6 +110,7 @@ def equip(snes, form, single=False):
     snes.setJacobian(linearise, matrix, matrix)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType(callbacks.OWN_ZONE)
+    return precision
 
 
 @contextmanager
@@ -138,7 +138,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
 
     Parameters
     ----------
-    form : of the equations
+    form : of the equations, which gets ``precision`` and ``ritz``
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
     single : bool, whether linear solves may be in single precision
@@ -148,7 +148,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
-    equip(snes, form, single)
+    form.precision = equip(snes, form, single)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":

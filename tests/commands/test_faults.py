@@ -396,7 +396,7 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
     assert words in str(refusal.value) and "would fit" in str(refusal.value)
 
 
-def test_what_is_said_to_fit_does(monkeypatch):
+def test_what_is_said_to_fit_does(monkeypatch, options):
     monkeypatch.setattr(too_large, "memory", lambda: 3e8)
     load, form = Load(path="normal_displacement=1"), Form()
     for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
@@ -413,6 +413,14 @@ def test_what_is_said_to_fit_does(monkeypatch):
     for refused in ((load, Form(symmetry="off")), (Load(path=both), form)):
         with pytest.raises(InputError, match="would fit"):
             too_large.refuse_too_large(sphere, *refused)
+    # what takes less is offered where that would do, and is believed
+    cell, rough = 1024 ** 2, Scene(points=1024, dimension=2, geometry="rough", rough_slope=1.0,
+                             rough_shortest=1.0)
+    monkeypatch.setattr(too_large, "memory", lambda: 8 * 80.0 * cell)
+    with pytest.raises(InputError, match="would fit; -ksp_type gmres -ksp_pc_side right takes"):
+        too_large.refuse_too_large(rough, load, Form(window="off"))
+    options(ksp_type="gmres")
+    too_large.refuse_too_large(rough, load, Form(window="off"))
     monkeypatch.setattr(too_large, "memory", lambda: 1e15)
     too_large.refuse_too_large(Scene(points=2 ** 31), load, Form())
     with pytest.raises(InputError, match="PETSc counts 2147483647"):

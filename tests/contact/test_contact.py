@@ -11,6 +11,7 @@ import gc
 import itertools
 import math
 import tracemalloc
+import weakref
 
 import numpy as np
 import pyfftw
@@ -19,6 +20,7 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes.branch import corrector
 from contactsnes.branch.accuracy import finer_contact
 from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.force_form import ForceForm
@@ -644,6 +646,24 @@ def test_forms_of_old_windows_are_released():
     windows = {point.state.window.shape for point in branch}
     assert len(windows) > 3
     assert alive() <= before + 2
+
+
+def test_a_form_is_released_before_the_next_is_made(monkeypatch):
+    """Two of them with their Krylov vectors would be twice the memory."""
+    made, most, create = weakref.WeakSet(), [], corrector.create_snes
+
+    def creating(form, *given):
+        snes = create(form, *given)
+        made.add(form)
+        gc.collect()
+        most.append(len(made))
+        return snes
+
+    monkeypatch.setattr(corrector, "create_snes", creating)
+    load = Load(start="normal_displacement=1", path="normal_displacement=20")
+    for _ in Branch(Scene(**SHARP), load, Steps(), Form(cascade=False)):
+        pass
+    assert len(most) > 3 and max(most) == 1
 
 
 @pytest.mark.parametrize("kind", ["window", "displacement", "force"])

@@ -140,6 +140,15 @@ def test_what_stays_in_double_precision(settings, steps):
     assert not any(point.spent["transforms_single"] for point in points)
 
 
+@pytest.mark.parametrize("kernels", KERNELS)
+def test_a_solve_from_afar_is_in_double_precision(kernels):
+    """... on small grids, as this one and its coarser ones are."""
+    points, _ = run(LINE, PRESSED, kernels=kernels)
+    first, second = (point.spent["transforms_single"] for point in points[:2])
+    assert points[0].spent["linear_iterations"] > 0
+    assert first == 0.0 < second
+
+
 def test_arc_length_is_in_double_precision():
     """Its SNES multiplies in double, also after solves of the same form that did not."""
     load = Load(start="normal_displacement=1", path="normal_displacement=-6")
