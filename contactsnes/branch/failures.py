@@ -12,6 +12,8 @@ from ..continuation.points import NotConverged
 from ..interface.laws.law import softening
 from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
 
+PART = 2 ** 14
+"""Nodes whose tangents are taken at a time."""
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
 has six."""
@@ -36,6 +38,8 @@ a thousandth."""
 USUAL = 1e9
 """Numbers of scene and load up to this size, or down to its inverse, are no reason why a
 computation should overflow."""
+INNER = {1: (slice(1, -1),), 2: (slice(1, -1),) * 2}
+"""An array without its outermost nodes, by its dimension."""
 NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
@@ -128,10 +132,17 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    scene, (gap, _) = contact.scene, contact.evaluated(point.state)
-    full = contact.law.tangent(gap)
+    gap, _ = contact.evaluated(point.state)
+    parts = np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)
+    return float(contact.grid.maximum(np.concatenate([_steepness(contact, part) for part in parts]),
+                                      initial=0.0))
+
+
+def _steepness(contact, gap):
+    """The same at each of some nodes, from their gaps (components, nodes)."""
+    scene, full = contact.scene, contact.law.tangent(gap)
     if len(gap) == 1:
-        return max(-float(contact.grid.minimum(full)) * scene.normal_maugis ** 2, 0.0)
+        return -full[0, 0] * scene.normal_maugis ** 2
     tangent = full  # where slip is to one side or the other its direction changes nothing
     if len(gap) > 2:
         tangent = np.empty((2, 2, gap.shape[1]))
@@ -143,23 +154,22 @@ def steepest(contact, point):
         tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
         tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
     scale = np.array([scene.normal_maugis, sharpness(scene)])
-    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale,
-                                                                            scale)[..., None]),
-                                      initial=0.0))
+    return softening(tangent * np.multiply.outer(scale, scale)[..., None])
 
 
 def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
-    window = point.state.window
-    found = 0.0
+    window, grid = point.state.window, contact.grid
+    found, reach = 0.0, len(ALTERNATING) // 2
     for component in contact.evaluated(point.state)[1]:
         boxes = window.box(component).reshape(-1, *window.parts[0].shape)
-        largest = np.abs(component).max()
-        for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
+        wide, largest = grid.with_rows(boxes, reach), grid.maximum(np.abs(component), initial=0.0)
+        for axis, (extent, total) in enumerate(zip(window.parts[0].extents, grid.shape), start=1):
             # A window that fills a direction closes on itself; beyond others the law does not act.
             mode = "wrap" if extent == total else "constant"
-            aside = np.abs(ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode)).max()
+            aside = grid.maximum(np.abs(grid.without_rows(
+                ndimage.convolve1d(wide, ALTERNATING, axis, mode=mode), reach)))
             found = max(found, aside / max(largest, TRACTIONLESS))
     return found
 
@@ -183,14 +193,17 @@ def narrow(contact, before, after):
     contact : Contact
     before, after : State
     """
-    window = max(before.window, after.window, key=lambda window: window.size)
+    window = max(before.window, after.window, key=lambda window: window.total)
     first, last = states.onto(before, window), states.onto(after, window)
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
-    boxes = window.box(changed).reshape(len(window.parts), *window.parts[0].shape)
-    return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max()
-                                      for box in boxes) < NARROW)
+    grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
+                                                            *window.parts[0].shape)
+    depths = [grid.maximum(grid.without_rows(
+        ndimage.distance_transform_edt(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]],
+        NARROW)) for box in boxes]
+    return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 
 def explained(error, contact, sheared, modes):

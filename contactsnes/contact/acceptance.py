@@ -29,6 +29,8 @@ OPEN = 3.0
 WHOLE = 0.9
 """Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the
 held nodes that is nearly all."""
+PART = 2 ** 14
+"""Nodes that are asked for their works at a time."""
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
 LEFT = 0.5
@@ -88,7 +90,7 @@ def detached(contact, guess, last, found, back, half=None):
     """
     compared = _compared(contact, guess, last, found, half)
     nodes, released = _suspects(contact, *compared)
-    window = max(guess.window, found.window, key=lambda window: window.size)
+    window = max(guess.window, found.window, key=lambda window: window.total)
     folded = half(window, len(found.displacement)) if half else None
     returned = onto(found, window) - onto(back, window)
     returned = folded.fold(returned) if folded else returned
@@ -110,10 +112,11 @@ def _suspects(contact, grid, gap, change, aside, allowed):
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
     most = moved > 0.5 * grid.maximum(moved, initial=0.0)
     sets = np.array([np.any(aside > DOUBTFUL * allowed, axis=0), near, most])
-    kept = np.flatnonzero(near | sets[0])
-    works = np.zeros((2, 1, len(near)))
-    works[:, 0, kept] = _works(contact, gap[:, kept], change[:, kept])
-    for nodes, released, springs in zip(sets, *grid.sum(works * sets)):
+    kept, works = np.flatnonzero(near | sets[0]), np.zeros((2, len(near)))
+    for part in np.array_split(kept, 1 + kept.size // PART):
+        works[:, part] = _works(contact, gap[:, part], change[:, part])
+    for nodes in sets:
+        released, springs = (grid.sum(work * nodes) for work in works)
         if released > RELEASED * springs and _soften(contact, grid, gap, change, nodes):
             return nodes, released / springs
     return None
@@ -122,7 +125,7 @@ def _suspects(contact, grid, gap, change, aside, allowed):
 def _compared(contact, guess, last, found, half=None):
     """Grid that sums over nodes, gaps before a step, their changes, how far they are from the guess
     where the law acts, and how far they may be; of even states at half of the nodes."""
-    window = max(guess.window, found.window, key=lambda window: window.size)
+    window = max(guess.window, found.window, key=lambda window: window.total)
     aside, near = way(contact, guess, found, window)
     gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
     gap[0] += window.take(contact.initial_gap)

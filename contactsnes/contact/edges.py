@@ -9,6 +9,7 @@ from scipy import ndimage
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.contours import crossings
+from ..grid.splines import spline
 from ..grid.transfer import extent
 from ..grid.windows import Window
 from .states import NEAR, State, combined, normal_gap, onto, wider
@@ -34,17 +35,17 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
+    window = state.window.parts[0]
     box = state.window.box(normal_gap(contact, state))
     level = contact.scene.contact_threshold
     ends = []
     touching = box < level
-    lines = [extent(touching, axis) for axis in range(box.ndim)]
-    if not touching.any() or any(line.start == 0 for line in lines):
+    lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
         return None
+    through = [(line.start + line.stop) // 2 for line in lines]
     for axis, line in enumerate(lines):
-        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2
-                        for i, other in enumerate(lines))
-        places, _ = crossings(box[through], level)
+        places, _ = crossings(window.line(box, axis, through), level)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
             return None
@@ -116,7 +117,7 @@ def follow_edge(contact, states, weights, half=False):
         return _follow_on_nodes(contact, states, weights)
     ahead = _follow_spot(contact, states, weights, half)
     # Spots of a rough plane merge and appear, and few are round.
-    if ahead is not None or half or contact.scattered:
+    if ahead is not None or half or contact.scattered or contact.grid.comm is not None:
         return ahead
     return _follow_spots(contact, states, weights)
 
@@ -150,13 +151,13 @@ def _follow_spot(contact, states, weights, half=False):
         places, target = places[..., [0, -1]], target[:, [0, -1]]
     if np.any(np.diff(target) < 4.0):
         return None
-    near = window.box(normal_gap(contact, states[-1])) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    part, here = _near_part(contact, states[-1])
     if half:
-        part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
+        part = here = tuple(slice(count // 2, line.stop)
+                            for line, count in zip(part, window.shape))
     far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
     far[0] += window.take(contact.initial_gap)
-    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place,
+    window.box(far)[(slice(None), *here)] = sum(weight * _stretched(contact, state, window, place,
                                                                     target, part)
                                                 for state, weight, place in zip(states, weights,
                                                                                 places))
@@ -164,6 +165,15 @@ def _follow_spot(contact, states, weights, half=False):
     np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
     far[0] -= window.take(contact.initial_gap)
     return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
+
+
+def _near_part(contact, state):
+    """The part of a state's box where the law acts, two nodes wider: slices of what is here of it,
+    and the same in what is here."""
+    window = state.window.parts[0]
+    near = state.window.box(normal_gap(contact, state)) < NEAR
+    return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
+                            for axis in range(near.ndim)))
 
 
 def _follow_spots(contact, states, weights):
@@ -200,11 +210,11 @@ def carried(contact, change, origin, state):
     """
     fixed = State(state.window, onto(change, state.window), change.means)
     window = state.window
-    known = None if isinstance(window, Nodes) else followed_places(contact, [origin, state])
+    known = (None if isinstance(window, Nodes) or contact.grid.comm is not None
+             else followed_places(contact, [origin, state]))
     if known is None:
         return fixed
-    near = window.box(normal_gap(contact, state)) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    part, _ = _near_part(contact, state)
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= change.window.take(contact.initial_gap)
@@ -234,53 +244,28 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     known, sources = [], []
     for here, there, wanted, begin, count in zip(places, target, part,
                                                  _nodes_between(window, state.window),
-                                                 state.window.shape):
+                                                 state.window.extents):
         node = np.arange(wanted.start, wanted.stop)
+        if not len(node):  # others have all of these rows
+            known.append(slice(0, 0))
+            sources.append(node)
+            continue
         scale = (here[-1] - here[0]) / (there[-1] - there[0])
         source = np.interp(node, there, here) - begin
         source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
         low, high = int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2
-        if not widened and (low < 0 or high > count):
+        whole = state.window.extents == contact.grid.shape
+        if not (widened or whole) and (low < 0 or high > count):
             return _stretched(contact, wider(state, window), window, places, target, part, True)
         low, high = (min(max(place, 0), count) for place in (low, high))
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
-    field = state.window.box(state.displacement)[(slice(None), *known)].copy()
-    field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
+    kept = state.window
+    field = kept.cut(kept.box(state.displacement), known)
+    field[0] += kept.cut(kept.box(kept.take(contact.initial_gap)), known)
     for axis, places in enumerate(sources, start=1):
         field = spline(field, places, axis)
     return field
-
-
-def spline(values, places, axis):
-    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
-    array with these along the axis.
-
-    Parameters
-    ----------
-    values : array, nodes along the axis
-    places : array, in nodes
-    axis : int
-    """
-    count = values.shape[axis]
-    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
-    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
-    first = np.minimum(places.astype(int), count - 2)
-    t = places - first
-    along = [1] * values.ndim
-    along[axis] = len(places)
-    mirrored = first.min() < 1 or first.max() > count - 3
-    total = 0.0
-    square, left = t * t, 1.0 - t
-    # (NumPy's third powers take longer than all the rest)
-    for shift, weight in zip(range(-1, 3), (left * left * left, 4.0 + square * (3.0 * t - 6.0),
-                                            1.0 + 3.0 * t * (1.0 + t - square), square * t)):
-        node = first + shift
-        if mirrored:  # beyond the ends, as the coefficients are
-            node = np.abs(node)
-            node = np.where(node > count - 1, 2 * (count - 1) - node, node)
-        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
-    return total
 
 
 def _nodes_between(window, other):

@@ -140,7 +140,7 @@ class EvenWindow:
             weights = np.multiply.outer(weights, line)
         self.grid = EvenGrid(cell, weights.reshape(-1))
 
-    box, parts = Window.box, Window.parts
+    box, parts, total = Window.box, Window.parts, Window.total
 
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""

@@ -433,10 +433,10 @@ def test_database_is_switched_without_a_trace():
 def test_meter_and_history():
     meter = Counter(64)
     history = History(meter)
-    meter.transforms += 3.5
+    meter.add(3.5)
     meter.limit = 4.0
     with pytest.raises(RuntimeError):
-        meter.transforms += 1.0
+        meter.add(1.0)
     assert meter.transforms == 4.5 and history.rows().shape == (0, 3)
 
 
