@@ -28,7 +28,8 @@ class PlotOptions(Options):
                         "NAME_error", default_text="none")
     size: float | tuple = option(None, "width of figures, or width and height with a comma", "cm",
                                  kind="number", minimum=2, maximum=100, many="directions",
-                                 default_text="8.5: a column of a journal")
+                                 default_text="8.5, a column of a journal; maps of several points "
+                                 "17")
     style: str = option("", STYLES, default_text="a journal's column")
 
     def __post_init__(self):

@@ -24,6 +24,11 @@ class Row(NamedTuple):
     norm: Normalize
 
 
+BESIDE, BETWEEN, ABOVE = 1.5, 0.12, 0.9
+"""Inches that ticks, labels and bars of colours take beside panels, rows between them, and titles
+with what stands below."""
+
+
 def draw_maps(record, chosen):
     """Figure of the gap, the pressure and the tangential traction over a two-dimensional
     interface."""
@@ -36,8 +41,10 @@ def draw_maps(record, chosen):
     window, ceiling = contact_region(record.coordinates, gaps, [each[0] for each in tractions])
     shown = rows(record, gaps, tractions, ceiling)
     width, height = np.ptp(window, axis=1)
-    panel = (WIDTH - 1.4) / max(len(chosen), 2) * height / width
-    figure = Figure((WIDTH, len(shown) * (panel + 0.1) + 0.9), layout="compressed")
+    # maps of two and three points take the width of two columns
+    across = WIDTH * min(len(chosen), 2)
+    panel = (across - BESIDE) / len(chosen) * height / width
+    figure = Figure((across, len(shown) * (panel + BETWEEN) + ABOVE), layout="compressed")
     figure.get_layout_engine().set(w_pad=0.06, h_pad=0.04)
     grid = figure.subplots(len(shown), len(chosen), sharex=True, sharey=True, squeeze=False)
     for line, row in zip(grid, shown):
@@ -98,7 +105,8 @@ def draw_row(figure, line, record, row, gaps):
     if isinstance(row.norm, TwoSlopeNorm):
         norm = row.norm
         ticks = (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax)
-        bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+        digits = 2 if max(-norm.vmin, norm.vmax) < 99.5 else 3
+        bar.set_ticks(ticks, labels=[number(tick, digits) for tick in ticks])
 
 
 def draw_map(axes, record, values, colormap, norm):

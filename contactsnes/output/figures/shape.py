@@ -22,17 +22,22 @@ AREAS = {"contact_area": ("in contact", GREY, "-"), "stick_area": ("sticks", GRE
 
 
 def draw_shape(record):
-    """Figure of half axes (on a line edges and fronts of slip), and of what sticks and slips,
-    against the load that moves."""
+    """Figure of half axes (on a line edges and fronts of slip), where the contact does not go
+    around the cell, and of what sticks and slips, against the load that moves."""
     if "half_axis_x" not in record:
         raise NothingToShow("the archive has no columns of the contact's shape")
     load, part = _load(record)
+    if not np.any(record["contact_area"][part] > 0.0):
+        raise NothingToShow("nothing is in contact")
     plane = "half_axis_y" in record
-    figure = Figure((WIDTH, 1.25 * WIDTH), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
+    places = PLACES[1 + plane]
+    bounded = any(np.isfinite(record[name][part]).any() for name in places)
+    figure = Figure((WIDTH, (1.25 if bounded else 0.75) * WIDTH), layout="constrained")
+    *above, below = figure.subplots(1 + bounded, 1, sharex=True, squeeze=False)[:, 0]
     what, symbol = ("half axes", "a") if plane else ("edges and fronts", "x")
-    _draw(above, record, load, part, PLACES[1 + plane])
-    above.set_ylabel(label(what, symbol, record.units["half_axis_x"]))
+    for axes in above:
+        _draw(axes, record, load, part, places)
+        axes.set_ylabel(label(what, symbol, record.units["half_axis_x"]))
     _draw(below, record, load, part, AREAS)
     below.set(xlabel=column_label(record, load), ylabel=column_label(record, "contact_area"))
     figure.align_ylabels()
@@ -65,8 +70,6 @@ def _draw(axes, record, load, part, columns):
                           color=colour)
         if text and np.isfinite(vertical).any():
             handles.append(Line2D([], [], color=colour, linestyle=line, label=text))
-    if not handles:
-        raise NothingToShow("nothing is in contact")
     axes.margins(0.06)
     place_legend(axes, handles)
 

@@ -8,8 +8,8 @@ from cycler import cycler
 from ...options.fields import InputError, nearest
 
 WIDTH = 8.5 / 2.54  # inches
-STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 7,
-         "xtick.labelsize": 7, "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.2,
+STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 8,
+         "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2,
          "lines.markersize": 5, "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True,
          "ytick.right": True, "legend.frameon": False, "savefig.dpi": 300,
          "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,
