@@ -5,6 +5,8 @@ import os
 import resource
 from pathlib import Path
 
+from ..system.processes import world
+
 USABLE = 0.8
 """Part of the machine's memory that a run may take."""
 
@@ -38,7 +40,7 @@ def memory_of_solve(unknowns, whole, kind=None):
 
 def memory():
     """Bytes that a run may take on this machine: what is free now, within the limits of the process
-    and its control group."""
+    and its control group; of several processes as often as the one with least."""
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     limits = [total, *_group_limits(), *([] if limit == resource.RLIM_INFINITY else [limit])]
@@ -48,7 +50,7 @@ def memory():
         limits.append(1024 * int(fields["MemAvailable"].split()[0]))
     except (OSError, ValueError, KeyError):
         pass  # no Linux
-    return USABLE * min(limits)
+    return world.size * min(world.everywhere(USABLE * min(limits) / world.neighbours))
 
 
 def _group_limits():

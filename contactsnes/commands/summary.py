@@ -23,6 +23,7 @@ from ..scene.load import names, quantities
 from ..scene.measured import INSTEAD
 from ..scene.parts import about_law, peaks
 from ..scene.units import DERIVED, Units, prefixed
+from ..system.processes import world
 
 
 def resolution_warnings(settings):
@@ -62,8 +63,7 @@ def start_window(settings, branch):
 
 def skipped(settings, branch):
     """Sentences on what is left out of the solves, and why."""
-    scene = settings.scene
-    load = settings.load
+    scene, load = settings.scene, settings.load
     sheared = scenes.tangential_legs(scene, load)
     sentences = []
     if scene.tangential == "off":
@@ -238,8 +238,7 @@ def about_unknowns(settings, branch):
     scene, window = settings.scene, start_window(settings, branch)
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
     controls = settings.load.initial(scene.dimension, scene.isolated)
-    lines = []
-    largest = 0
+    lines, largest = [], 0
     sheared_legs = scenes.tangential_legs(scene, settings.load)
     for number, (sheared, uneven) in enumerate(zip(sheared_legs,
                                                    _asymmetries(settings, branch,
@@ -265,8 +264,9 @@ def about_unknowns(settings, branch):
 
 
 def _megabytes(unknowns, whole):
-    """Memory of a solve in words."""
-    return f"{math.ceil(1e-6 * memory_of_solve(unknowns, whole))} MB"
+    """Memory of a solve in words, of each process where there are several."""
+    bytes_of_each = memory_of_solve(unknowns, whole) / world.size
+    return f"{math.ceil(1e-6 * bytes_of_each)} MB{' a process' if world.size > 1 else ''}"
 
 
 def about_method(settings):

@@ -28,19 +28,35 @@ def of_numbers(grid, numbers):
 
 
 def restored(grid, numbers, field):
-    """(window, values there) of what an archive has, as far as they are here.
+    """(window, values there) of what an archive has, as far as they are here: of several processes
+    the first one sends the others theirs.
 
     Parameters
     ----------
     grid : Grid
-    numbers : as of `numbers_of`
-    field : array (components, nodes), of all nodes
+    numbers : as of `numbers_of`; of several processes in the first one
+    field : array (components, nodes), of all nodes; of several processes in the first one
     """
-    window = of_numbers(grid if grid.comm is None else grid.alone(), numbers)
     if grid.comm is None:
-        return window, field
-    places = window.node_numbers() - grid.rows.first * grid.shape[1]
-    here = np.flatnonzero((places >= 0) & (places < grid.whole.size))
-    here = here[np.argsort(places[here])]
-    found = grid.whole if window.is_whole else some(grid.whole, places[here])
-    return found, np.ascontiguousarray(field[:, here])
+        return of_numbers(grid, numbers), field
+    comm, mine = grid.comm, None
+    for rank, part in enumerate(() if comm.rank else _parts(grid, of_numbers(grid.alone(), numbers),
+                                                            field)):
+        if rank:
+            comm.send(part, dest=rank)
+        else:
+            mine = part
+    is_whole, places, values = comm.recv(source=0) if comm.rank else mine
+    return grid.whole if is_whole else some(grid.whole, places), values
+
+
+def _parts(grid, window, field):
+    """What each process has of a window of the whole cell: whether that is the cell, the nodes'
+    numbers among those of the process, ascending, and the values of a field there."""
+    nodes = window.node_numbers()
+    order = np.argsort(nodes, kind="stable")
+    nodes = nodes[order]
+    for first, count in grid.rows.parts:
+        begin, end = np.array([first, first + count]) * grid.shape[1]
+        mine = slice(*np.searchsorted(nodes, (begin, end)))
+        yield window.is_whole, nodes[mine] - begin, field[:, order[mine]]

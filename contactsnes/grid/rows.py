@@ -12,12 +12,16 @@ class Rows:
     comm : communicator (mpi4py)
     first, count : int, the rows of this process
     total : int, rows of the cell
+
+    Attributes
+    ----------
+    parts : list of (first row, number of rows) of each process
     """
 
     def __init__(self, comm, first, count, total):
         self.comm, self.first, self.count, self.total = comm, first, count, total
-        self._parts = comm.allgather((first, count))
-        self.fewest = min(count for _, count in self._parts)
+        self.parts = comm.allgather((first, count))
+        self.fewest = min(count for _, count in self.parts)
 
     @property
     def numbers(self):
@@ -38,7 +42,7 @@ class Rows:
         got = self.comm.alltoall(sent)
         mine = asked[self.comm.rank]
         found = np.empty((*field.shape[:-2], len(mine), field.shape[-1]), dtype=field.dtype)
-        for (first, count), part in zip(self._parts, got):
+        for (first, count), part in zip(self.parts, got):
             found[..., (mine >= first) & (mine < first + count), :] = part
         return found
 
@@ -78,5 +82,34 @@ class Rows:
         ----------
         field : array (..., rows of this process, columns)
         """
-        parts = self.comm.gather(np.ascontiguousarray(field))
-        return None if parts is None else np.concatenate(parts, axis=-2)
+        return to_first(self.comm, field, -2)
+
+
+def to_first(comm, array, axis):
+    """Arrays of all processes on the first one, joined along an axis; None on the others.
+
+    They come one by one, so that the first process never has more than all and one of them, and no
+    message is beyond what MPI can count.
+
+    Parameters
+    ----------
+    comm : communicator (mpi4py)
+    array : array, of one shape in all processes but for that axis
+    axis : int
+    """
+    lengths = comm.gather(array.shape[axis])
+    if lengths is None:
+        comm.Send(np.ascontiguousarray(array), dest=0)
+        return None
+    shape = list(array.shape)
+    shape[axis] = sum(lengths)
+    found = np.empty(shape, dtype=array.dtype)
+    parts = np.split(np.moveaxis(found, axis, 0), np.cumsum(lengths)[:-1])
+    parts[0][...] = np.moveaxis(array, axis, 0)
+    for rank, (length, part) in enumerate(zip(lengths, parts)):
+        if rank:
+            shape[axis] = length
+            got = np.empty(shape, dtype=array.dtype)
+            comm.Recv(got, source=rank)
+            part[...] = np.moveaxis(got, axis, 0)
+    return found

@@ -11,7 +11,7 @@ import numpy as np
 
 from .cell import Grid
 from .convexity import convex_in_rows
-from .rows import Rows
+from .rows import Rows, to_first
 from .slab import Slab, SlabTransform
 
 PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
@@ -155,8 +155,7 @@ class Slabs(Grid):
 
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""
-        parts = self.comm.gather(values)
-        return None if parts is None else np.concatenate(parts, axis=-1)
+        return to_first(self.comm, values, -1)
 
     def largest(self, number):
         """The largest of a number a process."""

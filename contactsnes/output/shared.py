@@ -2,6 +2,9 @@
 
 from ..system.processes import world
 
+NODAL = ("displacement", "window_nodes")
+"""Of a state what has an entry a node: large."""
+
 
 class SharedArchive:
     """An archive that the first process keeps, with what a run asks of an `archive.Archive`; what
@@ -41,8 +44,17 @@ class SharedArchive:
         self._in_first(lambda: self._kept.remove())
 
     def states(self):
-        """States of the last points, in all processes: `Archive.states`."""
-        return world.first(lambda: self._kept.states())
+        """States of the last points, `Archive.states`: what is of each node in the first process,
+        None in the others."""
+        kept = []
+
+        def told():
+            kept.extend(self._kept.states())
+            return [{name: None if name in NODAL else value for name, value in state.items()}
+                    for state in kept]
+
+        states = world.first(told)
+        return kept or states
 
     def _in_first(self, act):
         """Act in the first process; what has come of the archive is known to all."""

@@ -83,10 +83,11 @@ class World:
     ----------
     size : int, how many
     rank : int, which one this is; 0 is the first
+    neighbours : int, how many of them are on this machine
     """
 
     def __init__(self):
-        self.size, self.rank = 1, 0
+        self.size, self.rank, self.neighbours = 1, 0, 1
         self._world = self._talk = self._ends = self._said = None
 
     def join(self):
@@ -98,6 +99,9 @@ class World:
 
         self._world = MPI.COMM_WORLD
         self.size, self.rank = self._world.size, self._world.rank
+        machine = self._world.Split_type(MPI.COMM_TYPE_SHARED)
+        self.neighbours = machine.size
+        machine.Free()
         # Their own: what somebody has left unfinished in another one is not in the way.
         self._talk, self._ends = self._world.Dup(), self._world.Dup()
         self._said = sys.stderr = Noted(sys.stderr, not self.rank)

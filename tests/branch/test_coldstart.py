@@ -41,6 +41,11 @@ def first(scene, control, value, **form):
     return system, point, system.account()
 
 
+def _both(spent):
+    """Transforms in either precision."""
+    return spent["transforms"] + spent["transforms_single"]
+
+
 @pytest.mark.parametrize("scene, control, value", [
     (PAPER, DISPLACEMENT, 40.0), (PAPER, DISPLACEMENT, 7.3), (PAPER, FORCE, 11.0),
     ({"normal_maugis": 5.0, "points": 2048, "poisson": 0.3, "height": 20.0}, DISPLACEMENT, 9.0),
@@ -52,14 +57,14 @@ def first(scene, control, value, **form):
     ({**SPHERE, "points": (256, 320), "period": (12.0, 14.0), "poisson": 0.2}, DISPLACEMENT, 2.5),
     ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
 def test_the_same_state_as_on_the_grid_itself(scene, control, value):
-    form = {"symmetry": "off", "linear_precision": "double"}
-    system, through, cost = first(scene, control, value, **form)
+    system, through, cost = first(scene, control, value, symmetry="off")
     assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,),
                                                                   np.array([value])))) > 1
-    _, direct, own = first(scene, control, value, cascade=False, **form)
+    _, direct, own = first(scene, control, value, cascade=False, symmetry="off")
     assert states.missed(system.contact, through.state, direct.state, largest=True) < 1e-6
     np.testing.assert_allclose(through.forces, direct.forces, rtol=1e-7, atol=1e-7)
-    assert cost["transforms"] < own["transforms"]
+    # in transforms of either precision: coarse grids are too small for single precision
+    assert _both(cost) < _both(own)
 
 
 @pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40),

@@ -1,5 +1,7 @@
 """Several processes of the command: what they say, and what they cannot do together."""
 
+import re
+
 import pytest
 from ranks import SIZES, command, program, together
 
@@ -31,6 +33,32 @@ def test_what_one_process_does_is_refused(size, tmp_path):
 def test_bad_input_is_told_once(tmp_path):
     refused(command(2, "run", *PLANE, "-scene_pionts", "32", folder=tmp_path), "scene_points")
     refused(command(2, "run", "absent.opts", folder=tmp_path), "absent.opts")
+
+
+@together
+def test_info_tells_the_memory_of_each_process(tmp_path):
+    """Of each of two it is half of what one takes, up to rounding."""
+    told = {}
+    for size in (1, 2):
+        done = command(size, "info", *PLANE, "-scene_points", "512", folder=tmp_path)
+        assert done.returncode == 0 and done.stdout.count("Unknowns\n") == 1, done.stderr
+        told[size] = re.search(r"(\d+) MB( a process)? on the whole", done.stdout)
+    assert told[1][2] is None and told[2][2] == " a process"
+    assert abs(2 * int(told[2][1]) - int(told[1][1])) <= 2
+
+
+@together
+def test_memory_is_that_of_all_machines(tmp_path):
+    """Two processes on one machine share its memory: together they have no more than one has."""
+    text = """
+from contactsnes.system.processes import world
+from contactsnes.branch.memory import memory
+alone = memory()
+world.join()
+assert world.neighbours == world.size == 2
+assert 0.8 * alone < memory() < 1.2 * alone
+"""
+    assert program(2, text, tmp_path).returncode == 0
 
 
 @together
