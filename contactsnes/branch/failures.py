@@ -128,7 +128,7 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    scene, (gap, _) = contact.scene, contact.evaluated(point.state)
+    scene, (_, gap, _) = contact.scene, states.at_nodes(contact, point.state)
     full = contact.law.tangent(gap)
     if len(gap) == 1:
         return max(-float(contact.grid.minimum(full)) * scene.normal_maugis ** 2, 0.0)
@@ -151,15 +151,24 @@ def steepest(contact, point):
 def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
-    window = point.state.window
-    found = 0.0
-    for component in contact.evaluated(point.state)[1]:
-        boxes = window.box(component).reshape(-1, *window.parts[0].shape)
+    window, half = point.state.window, point.state.half
+    found, reach = 0.0, len(ALTERNATING) // 2
+    halved = half is not None and not any(half.closed) and min(half.shape) > reach
+    for i, component in enumerate(contact.evaluated(point.state, half if halved else None)[1]):
+        boxes = (half.box(component)[None] if halved
+                 else window.box(component).reshape(-1, *window.parts[0].shape))
         largest = np.abs(component).max()
         for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
             # A window that fills a direction closes on itself; beyond others the law does not act.
             mode = "wrap" if extent == total else "constant"
-            aside = np.abs(ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode)).max()
+            lines = boxes
+            if halved:
+                sign = half.parities[i][axis - 1] if half.parities else 1
+                across = (slice(None),) * axis
+                images = boxes[(*across, slice(reach, 0, -1))]
+                lines = np.concatenate([sign * images, boxes], axis)
+            waves = ndimage.convolve1d(lines, ALTERNATING, axis, mode=mode)
+            aside = max(waves.max(), -waves.min())
             found = max(found, aside / max(largest, TRACTIONLESS))
     return found
 
@@ -169,8 +178,9 @@ def slips(contact, point):
     resolved, too."""
     if len(point.state.displacement) == 1:
         return False
-    touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
-    slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+    _, gap, _ = states.at_nodes(contact, point.state)
+    touching = gap[0] < contact.scene.contact_threshold
+    slip = np.linalg.norm(gap[1:], axis=0)
     return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > contact.law.slip_peak)
 
 

@@ -66,8 +66,7 @@ class Neighbours:
         ----------
         guess, last, state : as of `strayed`
         """
-        return acceptance.doubtful(self.contact, *self._alike(guess, last, state),
-                                   self.symmetry.half_of)
+        return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
 
     def detached(self, guess, last, state, back):
         """Whether the tangent at a state hardly leads back to the last one
@@ -78,8 +77,7 @@ class Neighbours:
         guess, last, state : as of `strayed`
         back : State, foretold from ``state`` for where ``last`` is
         """
-        return acceptance.detached(self.contact, *self._alike(guess, last, state), back,
-                                   self.symmetry.half_of)
+        return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
 
     def _alike(self, *found):
         """States with the components of the last of them."""

@@ -152,11 +152,15 @@ class Tracer(Corrector, Neighbours, Ends):
         change = self._linear(self.snes, form,
                               form.load_derivative(-direction, np.empty(form.size)), 1e-3)
         moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
-        field = form.displacement(moved)
+        field, half, law = form.displacement(moved), state.half, self.contact.law
+        away = field[0] - state.displacement[0]
         # In the regularised gap a long step into overlap stays bounded.
-        law = self.contact.law
-        ahead = law.regularised_step(gap, field[0] - state.displacement[0], law.moving_stiffness)
-        field[0] = state.displacement[0] + ahead
+        if half is None:
+            away = law.regularised_step(gap, away, law.moving_stiffness)
+        else:
+            away = half.unfold(law.regularised_step(half.fold(gap), half.fold(away),
+                                                    law.moving_stiffness))
+        field[0] = state.displacement[0] + away
         moved = form.pack(field, form.scalars(moved))
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
@@ -167,7 +171,7 @@ class Tracer(Corrector, Neighbours, Ends):
                 self.contact.grid.count(near), 1)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
-        return states.State(form.window, form.displacement(moved), means)
+        return states.State(form.window, form.displacement(moved), means, state.half)
 
     def stiffness(self, point):
         """dW/dD at a point, w_n,r/u_n,r or R phi_n/u_n,r, other loads held as they are controlled

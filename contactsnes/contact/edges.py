@@ -11,7 +11,7 @@ from ..grid.boxes import MOST
 from ..grid.contours import crossings
 from ..grid.transfer import extent
 from ..grid.windows import Window
-from .states import NEAR, State, combined, normal_gap, onto, wider
+from .states import NEAR, State, alike, combined, normal_gap, onto, spread, weighted, wider
 
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
@@ -137,7 +137,8 @@ def _follow_spot(contact, states, weights, half=False):
     known = followed_places(contact, states)
     if known is None:
         return None
-    window = states[-1].window
+    last = states[-1]
+    window = last.window
     # Places of all states in nodes from the first one of the last window; a wider window begins
     # before it.
     places = np.array([one + _nodes_between(window, state.window)[:, None]
@@ -150,20 +151,35 @@ def _follow_spot(contact, states, weights, half=False):
         places, target = places[..., [0, -1]], target[:, [0, -1]]
     if np.any(np.diff(target) < 4.0):
         return None
-    near = window.box(normal_gap(contact, states[-1])) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
-    if half:
-        part = tuple(slice(count // 2, line.stop) for line, count in zip(part, near.shape))
-    far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
-    far[0] += window.take(contact.initial_gap)
-    window.box(far)[(slice(None), *part)] = sum(weight * _stretched(contact, state, window, place,
-                                                                    target, part)
-                                                for state, weight, place in zip(states, weights,
-                                                                                places))
+    _, nodes, known = alike(contact, [last], states[:-1])
+    initial, far = nodes.take(contact.initial_gap), weighted([*known[1:], known[0]], weights)
+    gap = known[0][0] + initial
+    inside = part = _extents(nodes.box(gap) < NEAR, nodes.even)
+    if nodes.even:
+        # the box of these nodes begins in the middle of the window
+        part = tuple(slice(count // 2, count // 2 + line.stop)
+                     for line, count in zip(part, window.shape))
+    elif half:
+        inside = part = tuple(slice(count // 2, line.stop)
+                              for line, count in zip(part, window.shape))
+    far[0] += initial
+    nodes.box(far)[(slice(None), *inside)] = weighted(
+        [_stretched(contact, state, window, place, target, part)
+         for state, place in zip(states, places)], weights)
     # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
-    far[0] -= window.take(contact.initial_gap)
-    return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
+    np.maximum(far[0], contact.grid.minimum(gap) - 1.0, out=far[0])
+    far[0] -= initial
+    return spread(nodes, far, weighted([state.means for state in states], weights))
+
+
+def _extents(near, from_middle=False):
+    """Slices of the box around the nodes of a mask, two nodes wider; of the half of it that begins
+    in the middle, those from there on."""
+    if not from_middle:
+        return tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    stops = [extent(near, axis).stop + 2 for axis in range(near.ndim)]
+    return tuple(slice(0, stop if stop <= count else count)
+                 for stop, count in zip(stops, near.shape))
 
 
 def _follow_spots(contact, states, weights):
@@ -203,8 +219,7 @@ def carried(contact, change, origin, state):
     known = None if isinstance(window, Nodes) else followed_places(contact, [origin, state])
     if known is None:
         return fixed
-    near = window.box(normal_gap(contact, state)) < NEAR
-    part = tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
+    part = _extents(window.box(normal_gap(contact, state)) < NEAR)
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= change.window.take(contact.initial_gap)

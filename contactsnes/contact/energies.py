@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .states import onto
+from .states import at_nodes, onto
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -79,12 +79,10 @@ def stored(contact, point):
     rigid compliance included. The second is zero where the surfaces are apart, nan where the law
     has no potential (`laws.Law.potential`).
     """
-    gap, tractions = contact.evaluated(point.state)
-    parts, grid = weights(contact, len(gap)), contact.grid
-    work = [grid.inner(traction, field) for traction, field in zip(tractions,
-                                                                   point.state.displacement)]
+    grid, gap, tractions = at_nodes(contact, point.state)
+    parts, work = weights(contact, len(gap)), grid.sum(tractions * point.state.once)
     elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point)
-                             - grid.node_area * np.array(work))
+                             - grid.node_area * work)
     if len(gap) > 1:
         acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
         gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])

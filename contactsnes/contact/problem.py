@@ -83,7 +83,7 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.evaluated = lru_cache(maxsize=2)(self._evaluated)
+        self.evaluated = lru_cache(maxsize=4)(self._evaluated)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
@@ -219,11 +219,11 @@ class Contact:
         U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def _evaluated(self, state):
-        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
-        changed: the last states are asked for by whatever tells of a point."""
-        gap = state.displacement.copy()
-        gap[0] += state.window.take(self.initial_gap)
+    def _evaluated(self, state, half=None):
+        """(gap, traction) of a state on its window, or its half, arrays (components, nodes) that are
+        not to be changed: the last states are asked for by whatever tells of a point."""
+        gap = (state.displacement if half is None else state.once).copy()
+        gap[0] += (state.window if half is None else half).take(self.initial_gap)
         traction = self.law.traction(gap)
         for array in (gap, traction):
             array.flags.writeable = False
