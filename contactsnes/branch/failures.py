@@ -161,16 +161,23 @@ def short_waves(contact, point):
         for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
             # A window that fills a direction closes on itself; beyond others the law does not act.
             mode = "wrap" if extent == total else "constant"
-            lines = boxes
             if halved:
-                sign = half.parities[i][axis - 1] if half.parities else 1
-                across = (slice(None),) * axis
-                images = boxes[(*across, slice(reach, 0, -1))]
-                lines = np.concatenate([sign * images, boxes], axis)
-            waves = ndimage.convolve1d(lines, ALTERNATING, axis, mode=mode)
+                waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1)
+            else:
+                waves = ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode)
             aside = max(waves.max(), -waves.min())
             found = max(found, aside / max(largest, TRACTIONLESS))
     return found
+
+
+def _of_half(boxes, axis, sign):
+    """The eighth difference along an axis of boxes that begin in the middle of even fields (sign 1)
+    or odd ones (-1)."""
+    reach, across = len(ALTERNATING) // 2, (slice(None),) * axis
+    images = sign * boxes[(*across, slice(reach, 0, -1))]
+    waves = ndimage.convolve1d(np.concatenate([images, boxes], axis), ALTERNATING, axis,
+                               mode="constant")
+    return waves[(*across, slice(reach, None))]
 
 
 def slips(contact, point):

@@ -34,8 +34,7 @@ class Neighbours:
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
         known = [point.state for point in points]
-        half = self.symmetry.halves(known[-1])
-        return self.symmetry.mirrored(follow_edge(self.contact, known, weights, half))
+        return self.symmetry.mirrored(follow_edge(self.contact, known, weights))
 
     def missed(self, guess, state, largest=False):
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean

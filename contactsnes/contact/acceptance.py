@@ -4,7 +4,8 @@ beyond a jump."""
 import numpy as np
 
 from .energies import weights
-from .states import alike, near_either
+from .state import alike
+from .states import near_either
 
 STRAYS = 0.35
 SHARE = 0.15

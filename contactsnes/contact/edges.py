@@ -11,7 +11,8 @@ from ..grid.boxes import MOST
 from ..grid.contours import crossings
 from ..grid.transfer import extent
 from ..grid.windows import Window
-from .states import NEAR, State, alike, combined, normal_gap, onto, spread, weighted, wider
+from .state import State, alike, onto, spread, weighted
+from .states import NEAR, combined, normal_gap, wider
 
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
@@ -93,12 +94,11 @@ def followed_places(contact, states):
             for end, front in zip(ends, fronts)]
 
 
-def follow_edge(contact, states, weights, half=False):
+def follow_edge(contact, states, weights):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place;
     None without such a spot.
 
-    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at
-    fixed places. Of several spots each is followed in a box of its own.
+    Of even states their half is extrapolated, of several spots each in a box of its own.
 
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places
     change abruptly where gaps at a fixed distance from the edge hardly do. So do the fronts of slip
@@ -109,14 +109,13 @@ def follow_edge(contact, states, weights, half=False):
     contact : Contact
     states : list of State, oldest first
     weights : numbers, one a state
-    half : bool
     """
     window = states[-1].window
     if isinstance(window, Nodes):
         return _follow_on_nodes(contact, states, weights)
-    ahead = _follow_spot(contact, states, weights, half)
+    ahead = _follow_spot(contact, states, weights)
     # Spots of a rough plane merge and appear, and few are round.
-    if ahead is not None or half or contact.scattered:
+    if ahead is not None or states[-1].half is not None or contact.scattered:
         return ahead
     return _follow_spots(contact, states, weights)
 
@@ -132,7 +131,7 @@ def _follow_on_nodes(contact, states, weights):
     return ahead and State(window, ahead.displacement[:, window.places], ahead.means)
 
 
-def _follow_spot(contact, states, weights, half=False):
+def _follow_spot(contact, states, weights):
     """The same for the one spot of a window of one box."""
     known = followed_places(contact, states)
     if known is None:
@@ -155,13 +154,9 @@ def _follow_spot(contact, states, weights, half=False):
     initial, far = nodes.take(contact.initial_gap), weighted([*known[1:], known[0]], weights)
     gap = known[0][0] + initial
     inside = part = _extents(nodes.box(gap) < NEAR, nodes.even)
-    if nodes.even:
-        # the box of these nodes begins in the middle of the window
+    if nodes.even:  # their box begins in the middle of the window
         part = tuple(slice(count // 2, count // 2 + line.stop)
                      for line, count in zip(part, window.shape))
-    elif half:
-        inside = part = tuple(slice(count // 2, line.stop)
-                              for line, count in zip(part, window.shape))
     far[0] += initial
     nodes.box(far)[(slice(None), *inside)] = weighted(
         [_stretched(contact, state, window, place, target, part)

@@ -18,7 +18,7 @@ import numpy as np
 from ..grid.boxes import convolution
 from ..kernels.forms import twin
 from .problem import APPROACH, FORCE
-from .states import spread
+from .state import spread
 
 
 class DisplacementForm:

@@ -220,8 +220,8 @@ class Contact:
         return self.signs(components) * self.ranges[:components] * values
 
     def _evaluated(self, state, half=None):
-        """(gap, traction) of a state on its window, or its half, arrays (components, nodes) that are
-        not to be changed: the last states are asked for by whatever tells of a point."""
+        """(gap, traction) of a state on its window, or on its half, arrays (components, nodes) that
+        are not to be changed: the last states are asked for by whatever tells of a point."""
         gap = (state.displacement if half is None else state.once).copy()
         gap[0] += (state.window if half is None else half).take(self.initial_gap)
         traction = self.law.traction(gap)

@@ -14,7 +14,8 @@ from ..options.fields import InputError
 from .even_form import EvenForm
 from .force_form import FORMS
 from .forms import DisplacementForm
-from .states import State, normal_gap, onto, spread
+from .state import State, onto, spread
+from .states import normal_gap
 
 EVEN = 1e-6
 """Largest difference of mirror images in a state that counts as even or odd, ranges of the law."""
@@ -111,10 +112,6 @@ class Symmetry:
             return state
         return State(window, onto(state, window), state.means,
                      self.half_of(window, len(state.displacement)))
-
-    def halves(self, state):
-        """Whether a state is taken for even, on a window about the apex."""
-        return self.holds(len(state.displacement)) and centred(state.window) == state.window
 
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node
