@@ -153,7 +153,7 @@ def short_waves(contact, point):
     component, in any direction."""
     window, half = point.state.window, point.state.half
     found, reach = 0.0, len(ALTERNATING) // 2
-    halved = half is not None and not any(half.closed) and min(half.shape) > reach
+    halved = half is not None and min(half.shape) > reach + 1
     for i, component in enumerate(contact.evaluated(point.state, half if halved else None)[1]):
         boxes = (half.box(component)[None] if halved
                  else window.box(component).reshape(-1, *window.parts[0].shape))
@@ -162,7 +162,8 @@ def short_waves(contact, point):
             # A window that fills a direction closes on itself; beyond others the law does not act.
             mode = "wrap" if extent == total else "constant"
             if halved:
-                waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1)
+                waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1,
+                                 half.closed[axis - 1])
             else:
                 waves = ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode)
             aside = max(waves.max(), -waves.min())
@@ -170,14 +171,23 @@ def short_waves(contact, point):
     return found
 
 
-def _of_half(boxes, axis, sign):
-    """The eighth difference along an axis of boxes that begin in the middle of even fields (sign 1)
-    or odd ones (-1)."""
+def _of_half(boxes, axis, sign, closed):
+    """The eighth difference along an axis of boxes that begin in the middle of even fields or odd
+    ones.
+
+    Parameters
+    ----------
+    boxes : array (1, *box)
+    axis : int
+    sign : 1 (even) or -1 (odd)
+    closed : whether the boxes end where the cell closes on itself, with images there, too
+    """
     reach, across = len(ALTERNATING) // 2, (slice(None),) * axis
-    images = sign * boxes[(*across, slice(reach, 0, -1))]
-    waves = ndimage.convolve1d(np.concatenate([images, boxes], axis), ALTERNATING, axis,
-                               mode="constant")
-    return waves[(*across, slice(reach, None))]
+    lines = [sign * boxes[(*across, slice(reach, 0, -1))], boxes]
+    if closed:
+        lines.append(sign * boxes[(*across, slice(-2, -2 - reach, -1))])
+    waves = ndimage.convolve1d(np.concatenate(lines, axis), ALTERNATING, axis, mode="constant")
+    return waves[(*across, slice(reach, reach + boxes.shape[axis]))]
 
 
 def slips(contact, point):

@@ -120,7 +120,7 @@ def _compared(contact, guess, last, found, *others):
     aside, change, gap = ended - foretold, ended - began, began.copy()
     np.abs(aside, out=aside)
     aside *= near_either(contact, nodes, foretold, ended)
-    gap[0] += nodes.take(contact.initial_gap)
+    gap[0] += contact.gap_on(nodes)
     allowed = np.abs(change)
     np.minimum(allowed, LONG, out=allowed)
     allowed *= SHARE

@@ -127,7 +127,7 @@ class Balance:
                 or self._proved != (state.window, solver.components)):
             return False
         if self._mirrored[0] != state.window:
-            gap = state.window.take(self.contact.initial_gap)
+            gap = self.contact.gap_on(state.window)
             self._mirrored = state.window, asymmetry(state.window, gap[None]) <= ROUNDING
         return self._mirrored[1]
 

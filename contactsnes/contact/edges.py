@@ -151,7 +151,7 @@ def _follow_spot(contact, states, weights):
     if np.any(np.diff(target) < 4.0):
         return None
     _, nodes, known = alike(contact, [last], states[:-1])
-    initial, far = nodes.take(contact.initial_gap), weighted([*known[1:], known[0]], weights)
+    initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
     gap = known[0][0] + initial
     inside = part = _extents(nodes.box(gap) < NEAR, nodes.even)
     if nodes.even:  # their box begins in the middle of the window
@@ -217,7 +217,7 @@ def carried(contact, change, origin, state):
     part = _extents(window.box(normal_gap(contact, state)) < NEAR)
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
-    change.displacement[0] -= change.window.take(contact.initial_gap)
+    change.displacement[0] -= contact.gap_on(change.window)
     change = wider(change, window)
     window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, change, window,
                                                                       places, known[1], part,
@@ -256,7 +256,7 @@ def _stretched(contact, state, window, places, target, part, widened=False):
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
     field = state.window.box(state.displacement)[(slice(None), *known)].copy()
-    field[0] += state.window.box(state.window.take(contact.initial_gap))[tuple(known)]
+    field[0] += state.window.box(contact.gap_on(state.window))[tuple(known)]
     for axis, places in enumerate(sources, start=1):
         field = spline(field, places, axis)
     return field

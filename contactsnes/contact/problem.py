@@ -84,6 +84,7 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.evaluated = lru_cache(maxsize=4)(self._evaluated)
+        self.gap_on = lru_cache(maxsize=4)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
@@ -223,11 +224,17 @@ class Contact:
         """(gap, traction) of a state on its window, or on its half, arrays (components, nodes) that
         are not to be changed: the last states are asked for by whatever tells of a point."""
         gap = (state.displacement if half is None else state.once).copy()
-        gap[0] += (state.window if half is None else half).take(self.initial_gap)
+        gap[0] += self.gap_on(state.window if half is None else half)
         traction = self.law.traction(gap)
         for array in (gap, traction):
             array.flags.writeable = False
         return gap, traction
+
+    def _gap_on(self, nodes):
+        """The initial gap at nodes of the cell, delta_n, not to be changed."""
+        gap = nodes.take(self.initial_gap)
+        gap.flags.writeable = False
+        return gap
 
     def extended(self, state):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one
@@ -239,7 +246,7 @@ class Contact:
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.shape).copy()
         gap = state.displacement.copy()
-        gap[0] += window.take(self.initial_gap)
+        gap[0] += self.gap_on(window)
         cell = np.zeros((components, *self.grid.shape))
         window.put(self.law.traction(gap), cell)
         flat = cell.reshape(components, -1)
@@ -253,7 +260,7 @@ class Contact:
         `extended`, but one transform back only."""
         window, blocks = state.window, self.operator(len(state.displacement)).blocks
         gap = state.displacement.copy()
-        gap[0] += window.take(self.initial_gap)
+        gap[0] += self.gap_on(window)
         sources = [i for i in range(len(gap)) if (0, i) in blocks]
         there, back = (Transform(self.grid, self.grid.shape, count) for count in (len(sources), 1))
         window.put(self.law.traction(gap)[sources], there.real)

@@ -97,14 +97,14 @@ def within_range(contact, state):
 
 def normal_gap(contact, state):
     """Normal gap on the state's window (nodes), delta_n."""
-    return state.displacement[0] + state.window.take(contact.initial_gap)
+    return state.displacement[0] + contact.gap_on(state.window)
 
 
 def _at_rim(contact, state):
     """Smallest normal gap on the border of a state's window, delta_n."""
     nodes = state.nodes
     rim = nodes.rim()
-    return contact.grid.minimum(state.once[0, rim] + nodes.take(contact.initial_gap)[rim])
+    return contact.grid.minimum(state.once[0, rim] + contact.gap_on(nodes)[rim])
 
 
 def at_nodes(contact, state):
@@ -190,7 +190,7 @@ def combined(contact, states, weights):
     """
     _, nodes, known = alike(contact, states[-1:], states[:-1])
     displacement = weighted([*known[1:], known[0]], weights)
-    gap = nodes.take(contact.initial_gap)
+    gap = contact.gap_on(nodes)
     floor = contact.grid.minimum(known[0][0] + gap) - 1.0
     np.maximum(displacement[0], floor - gap, out=displacement[0])
     return spread(nodes, displacement, weighted([state.means for state in states], weights))
@@ -245,7 +245,7 @@ def way(contact, first, last, window):
 
 def near_either(contact, nodes, begin, end):
     """Nodes where the law acts on either of two displacements (gap below 10)."""
-    return np.minimum(begin[0], end[0]) + nodes.take(contact.initial_gap) < 10.0
+    return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < 10.0
 
 
 def chord(contact, first, last, window):
