@@ -3,6 +3,7 @@ beyond a jump."""
 
 import numpy as np
 
+from ..kernels.laws import kernel_of
 from .energies import weights
 from .state import alike
 from .states import near_either
@@ -164,6 +165,9 @@ def _works(contact, gap, change):
     beyond that is of third order in the step on a smooth branch, but the energy that a jump
     dissipates where its barrier, a softening law, is crossed.
     """
+    kernel = kernel_of(contact.law)
+    if kernel is not None:
+        return kernel.works(gap, change, weights(contact, len(change)), (PLACES, SHARES, TRIFLE))
     way = gap[:, None] + PLACES[:, None] * change[:, None]
     tractions = contact.law.traction(way.reshape(len(gap), -1)).reshape(way.shape)
     weighted = weights(contact, len(change))[:, None] * change

@@ -258,39 +258,8 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     field = state.window.box(state.displacement)[(slice(None), *known)].copy()
     field[0] += state.window.box(contact.gap_on(state.window))[tuple(known)]
     for axis, places in enumerate(sources, start=1):
-        field = spline(field, places, axis)
+        field = contact.kernels.spline(field, places, axis)
     return field
-
-
-def spline(values, places, axis):
-    """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
-    array with these along the axis.
-
-    Parameters
-    ----------
-    values : array, nodes along the axis
-    places : array, in nodes
-    axis : int
-    """
-    count = values.shape[axis]
-    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
-    places = np.minimum(np.maximum(places, 0.0), count - 1.0)
-    first = np.minimum(places.astype(int), count - 2)
-    t = places - first
-    along = [1] * values.ndim
-    along[axis] = len(places)
-    mirrored = first.min() < 1 or first.max() > count - 3
-    total = 0.0
-    square, left = t * t, 1.0 - t
-    # (NumPy's third powers take longer than all the rest)
-    for shift, weight in zip(range(-1, 3), (left * left * left, 4.0 + square * (3.0 * t - 6.0),
-                                            1.0 + 3.0 * t * (1.0 + t - square), square * t)):
-        node = first + shift
-        if mirrored:  # beyond the ends, as the coefficients are
-            node = np.abs(node)
-            node = np.where(node > count - 1, 2 * (count - 1) - node, node)
-        total = total + (weight / 6.0).reshape(along) * coefficients.take(node, axis=axis)
-    return total
 
 
 def _nodes_between(window, other):

@@ -18,7 +18,6 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
-import math
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -133,18 +132,19 @@ def line_rule(places, first):
     """
     points, shares = gauss(len(places))
     half = 0.5 * (places[-1] - places[first])
-    # numbers so few that arrays of them would take longer
-    points, places = (places[first] + half * (1.0 + points)).tolist(), list(map(float, places))
-    basis, slopes = [], []
-    for i, own in enumerate(places):
-        others = places[:i] + places[i + 1:]
-        apart = [own - other for other in others]
-        factors = [[(point - other) / below for other, below in zip(others, apart)]
-                   for point in points]
-        basis.append([math.prod(row) for row in factors])
-        slopes.append([sum(math.prod(row[:j] + row[j + 1:]) / below
-                           for j, below in enumerate(apart)) for row in factors])
-    return np.array(basis), half * shares * np.array(slopes)
+    points = places[first] + half * (1.0 + points)
+    own = np.arange(len(places))
+    apart = np.subtract.outer(places, places)
+    apart[own, own] = 1.0
+    factors = np.subtract.outer(points, places) / apart[:, None]  # by polynomial, point, place
+    factors[own, :, own] = 1.0
+    slopes = np.zeros(factors.shape[:2])
+    for j in own:
+        without = factors.copy()
+        without[:, :, j] = 1.0 / apart[:, j, None]
+        without[j] = 0.0
+        slopes += without.prod(axis=2)
+    return factors.prod(axis=2), half * shares * slopes
 
 
 class PathEnergies:

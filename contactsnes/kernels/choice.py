@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ..grid.cell import Transform
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
+from ..grid.splines import spline
 from . import library
 
 
@@ -28,6 +29,7 @@ class Interpreted:
 
     compiled = False
     real, even, law_reason = Transform, Cosines, None
+    spline = staticmethod(spline)
 
     def __init__(self, reason):
         self.reason = reason
@@ -55,9 +57,10 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache):
-        from . import fftw, transforms
+        from . import fftw, splines, transforms
 
         self._cache, self.law_reason = cache, None
+        self.spline = splines.spline
         fftw.remember(cache)
         self._kinds = transforms.Real, transforms.Cosines
         self._kept = lru_cache(maxsize=24)(self._make)
