@@ -27,7 +27,6 @@ APPROACH = "approach"
 """Control of the mean surface itself, without the rigid compliance of the body: what a cold start
 holds."""
 
-
 SUPPORT = 2
 """Nodes about one in contact that an interpolation of the edge of contact there may ask for."""
 ROOM = 3.0
@@ -283,7 +282,6 @@ class Contact:
         that an interpolation of the edge of contact asks for, with room for it to move."""
         touching = normal_gap < self.scene.contact_threshold + ROOM
         return (normal_gap < self.law.range) | widened(touching, SUPPORT)
-
 
 def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
