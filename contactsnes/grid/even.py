@@ -135,7 +135,6 @@ class EvenWindow:
         self.limits = tuple(n // 2 + 1 for n in cell.shape)
         folded = [(n // 2 + np.arange(count)) % n for n, count in zip(full.shape, self.shape)]
         self._folded = _flat(folded, full.shape)
-        self._unfolded = _flat([np.abs(np.arange(n) - n // 2) for n in full.shape], self.shape)
         weights = np.ones(())
         for n, closed in zip(self.shape, self.closed):
             line = np.full(n, 2.0)
@@ -186,7 +185,13 @@ class EvenWindow:
     def unfold(self, values):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for
         arrays (components, nodes) alone."""
-        found = values.take(self._unfolded, axis=-1)
+        found = self.box(values)
+        for axis, n in enumerate(self.full.shape, start=-len(self.shape)):
+            # from the apex outwards and back
+            inwards = (..., slice(None, 0, -1), *[slice(None)] * (-1 - axis))
+            outwards = (..., slice(0, n - n // 2), *[slice(None)] * (-1 - axis))
+            found = np.concatenate([found[inwards], found[outwards]], axis)
+        found = found.reshape(*values.shape[:-1], self.full.size)
         for field, signs in zip(found, self.parities or () if found.ndim > 1 else ()):
             for axis, (n, odd) in enumerate(zip(self.full.shape, signs)):
                 if odd < 0:

@@ -9,7 +9,7 @@ import numpy as np
 from ..grid.active import Nodes
 from . import structures
 from .laws import kernel_of
-from .structures import MOST, TOO_MANY, address
+from .structures import MOST, TOO_MANY, WAVES, address
 from .transforms import Compiled
 
 KEPT = 2 ** 14
@@ -57,13 +57,9 @@ def _response(convolution, count):
     symbols = {key: np.ascontiguousarray(block) for key, block in blocks.items()}
     for (i, j), symbol in symbols.items():
         own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
-    # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
-    # even fields
-    if window.even:
-        product = None if all(i == j for i, j in symbols) else np.empty(transform.spectrum.size)
-    elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
-        product = np.empty(2 * transform.spectrum.size)
-    if product is not None:
+    # one real block of one box is multiplied where it stands, and so are those of even fields
+    if not window.even and (count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0])):
+        product = np.empty(2 * WAVES * count * boxes)
         own.product = address(product)
     if isinstance(window, Nodes):
         own.picked, own.on_circle = window.size, address(window.on_circle)

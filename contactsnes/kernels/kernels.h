@@ -15,7 +15,8 @@
 #define CLONES
 #endif
 
-enum { MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
+/* components, at most; status of a count of transforms beyond its limit; waves coupled at a time */
+enum { MOST = 3, TOO_MANY = 83, WAVES = 256 };
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
                         double *, double *, double *, double *);
@@ -49,7 +50,7 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     long components, boxes, shape[2];
     const double *symbol[MOST][MOST]; /* null where a block is zero */
     long is_complex[MOST][MOST];
-    double *product; /* count x waves, complex unless even; null where blocks are multiplied in place */
+    double *product; /* fields x WAVES, complex; null where real blocks are multiplied in place */
     long picked;     /* some nodes of one box, if not 0: their number */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;

@@ -8,6 +8,9 @@ import numpy as np
 MOST = 3
 """Components, at most."""
 
+WAVES = 256
+"""Waves that blocks are multiplied with at a time."""
+
 TOO_MANY = 83
 """Status of a count of transforms beyond its limit."""
 

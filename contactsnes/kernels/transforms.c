@@ -191,11 +191,6 @@ void load_box(const Transform *t, long field, const long *shape, const double *v
         memcpy(row_of(t, field, j), values + j * shape[1], shape[1] * sizeof(double));
 }
 
-CLONES static void times(double *restrict x, const double *restrict s, long n)
-{
-    for (long k = 0; k < n; k++) x[k] *= s[k];
-}
-
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
 CLONES void add_times(double *restrict x, const double *restrict s, const double *restrict y, long n,
                       int is_complex, double sign)
@@ -213,42 +208,56 @@ CLONES void add_times(double *restrict x, const double *restrict s, const double
         }
 }
 
+/* The blocks, or their transpose, times spectra, so many waves at a time that these stay in the
+   processor's nearest memory: `product` has room for them. */
 static void couple(Response *r, int transposed)
 {
     Transform *t = r->transform;
-    const long n = t->waves, m = r->boxes;
-    memcpy(r->product, t->spectrum, 2 * t->count * n * sizeof(double));
-    memset(t->spectrum, 0, 2 * t->count * n * sizeof(double));
-    for (long i = 0; i < r->components; i++)
-        for (long j = 0; j < r->components; j++) {
-            const double *s = r->symbol[i][j];
-            const long wide = r->is_complex[i][j] ? 2 * n : n;
-            if (!s) continue;
-            for (long a = 0; a < m; a++)
-                for (long b = 0; b < m; b++)
-                    if (transposed)
-                        add_times(t->spectrum + 2 * (j * m + b) * n, s + (a * m + b) * wide,
-                                  r->product + 2 * (i * m + a) * n, n, r->is_complex[i][j], -1.0);
-                    else
-                        add_times(t->spectrum + 2 * (i * m + a) * n, s + (a * m + b) * wide,
-                                  r->product + 2 * (j * m + b) * n, n, r->is_complex[i][j], 1.0);
+    const long n = t->waves, m = r->boxes, rows = t->count;
+    for (long at = 0; at < n; at += WAVES) {
+        const long part = n - at < WAVES ? n - at : WAVES;
+        for (long row = 0; row < rows; row++) {
+            double *x = t->spectrum + 2 * (row * n + at);
+            memcpy(r->product + 2 * row * WAVES, x, 2 * part * sizeof *x);
+            memset(x, 0, 2 * part * sizeof *x);
         }
+        for (long i = 0; i < r->components; i++)
+            for (long j = 0; j < r->components; j++) {
+                const int is_complex = (int)r->is_complex[i][j];
+                const long wide = is_complex ? 2 : 1;
+                const double *s = r->symbol[i][j];
+                for (long a = 0; s && a < m; a++)
+                    for (long b = 0; b < m; b++) {
+                        const long to = transposed ? j * m + b : i * m + a;
+                        const long from = transposed ? i * m + a : j * m + b;
+                        add_times(t->spectrum + 2 * (to * n + at), s + wide * ((a * m + b) * n + at),
+                                  r->product + 2 * from * WAVES, part, is_complex,
+                                  transposed ? -1.0 : 1.0);
+                    }
+            }
+    }
 }
 
-/* The blocks, or their transpose, times spectra of even and odd fields, whose numbers are real. */
+/* The same of even and odd fields, whose spectra are real. */
 CLONES static void couple_real(Response *r, int transposed)
 {
     Transform *t = r->transform;
-    const long n = t->waves;
-    memcpy(r->product, t->spectrum, t->count * n * sizeof(double));
-    memset(t->spectrum, 0, t->count * n * sizeof(double));
-    for (long i = 0; i < r->components; i++)
-        for (long j = 0; j < r->components; j++) {
-            const double *restrict s = r->symbol[i][j];
-            const double *restrict y = r->product + (transposed ? i : j) * n;
-            double *restrict x = t->spectrum + (transposed ? j : i) * n;
-            for (long k = 0; k < n && s; k++) x[k] += s[k] * y[k];
+    const long n = t->waves, m = r->components;
+    double given[MOST][WAVES];
+    for (long at = 0; at < n; at += WAVES) {
+        const long part = n - at < WAVES ? n - at : WAVES;
+        for (long i = 0; i < m; i++)
+            memcpy(given[i], t->spectrum + i * n + at, part * sizeof(double));
+        for (long i = 0; i < m; i++) {
+            double *restrict x = t->spectrum + i * n + at;
+            memset(x, 0, part * sizeof *x);
+            for (long j = 0; j < m; j++) {
+                const double *restrict s = transposed ? r->symbol[j][i] : r->symbol[i][j];
+                const double *restrict y = given[j];
+                for (long k = 0; k < part && s; k++) x[k] += s[at + k] * y[k];
+            }
         }
+    }
 }
 
 /* The operator, or its transpose, times what stands in the transform's boxes, in place. */
@@ -258,10 +267,7 @@ int convolve(Response *r, int transposed)
     int status;
     clear_beyond(t, r->shape);
     if ((status = forward(t, r->shape[0]))) return status;
-    if (t->even && r->product) couple_real(r, transposed);
-    else if (t->even)
-        for (long i = 0; i < r->components; i++)
-            times(t->spectrum + i * t->waves, r->symbol[i][i], t->waves);
+    if (t->even) couple_real(r, transposed);
     else if (r->product) couple(r, transposed);
     else {
         const double *restrict s = r->symbol[0][0];
