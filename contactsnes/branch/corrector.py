@@ -1,7 +1,6 @@
 """The corrector: from a guess, controls and loads to a converged point, whatever the method."""
 
 import time
-from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -109,8 +108,8 @@ class Corrector:
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
             if imbalance is not None:
-                return replace(self._point(form, state, imbalance, iterations),
-                               softest=form.ritz.smallest)
+                return self._point(form, state, imbalance,
+                                   iterations).changed(softest=form.ritz.smallest)
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 

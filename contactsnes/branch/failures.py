@@ -1,7 +1,6 @@
 """Which points the grid resolves, and what stops a branch, in words."""
 
 import re
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -78,7 +77,7 @@ class Resolution:
         self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
                    alternating)
         self.last = point
-        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
+        return point.changed(resolved=int(point.resolved and not (jumped or pinned or coarse)))
 
     def _tell(self, point, jumped, sharpened, crowded, pinned, sheared, alternating):
         """Say why a point is not resolved.

@@ -18,7 +18,6 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
-from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -165,15 +164,15 @@ class PathEnergies:
     def completed(self, point):
         """The point with its energies, and its works since the path began."""
         elastic, interfacial = stored(self.contact, point)
-        point = replace(point, elastic_energy=elastic, interfacial_energy=interfacial)
+        point = point.changed(elastic_energy=elastic, interfacial_energy=interfacial)
         entry = self._entry(point)
         if not self.trail:
-            point = replace(point, **dict.fromkeys(WORKS, 0.0))
+            point = point.changed(**dict.fromkeys(WORKS, 0.0))
         else:
             last = self.trail[-1]
             if self._same(entry, last):
-                return replace(point, smooth_steps=last.point.smooth_steps,
-                               **{name: getattr(last.point, name) for name in WORKS})
+                return point.changed(smooth_steps=last.point.smooth_steps,
+                                     **{name: getattr(last.point, name) for name in WORKS})
             out_of_range = point.event == "fold" and not (point.in_contact or point.tangents)
             point = self._after_jump(entry, last) if point.event == "jump" else \
                 self._after_release(entry, last) if out_of_range else self._after_step(entry, last)
@@ -214,7 +213,7 @@ class PathEnergies:
             if abs(left - interface - point.viscous_work) > point.viscous_work:
                 interface = left - point.viscous_work
         lost = left - interface
-        point = replace(point, jump_balance=balance)
+        point = point.changed(jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
 
     def _after_release(self, entry, last):
@@ -241,7 +240,7 @@ class PathEnergies:
         forces = np.array([other.forces for other in entries]).T @ basis
         displacements = np.array([other.displacements for other in entries]).T @ slopes
         external = weights(self.contact, len(forces)) @ np.sum(forces * displacements, axis=1)
-        point, before = replace(entry.point, smooth_steps=steps), entries[first].point
+        point, before = entry.point.changed(smooth_steps=steps), entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)
@@ -260,6 +259,6 @@ class PathEnergies:
     def _summed(self, point, before, external, interface, lost):
         """The point with the works of an earlier one and those done since."""
         imbalance = external - (point.elastic_energy - before.elastic_energy) - interface - lost
-        return replace(point, **{name: float(getattr(before, name) + part)
-                                 for name, part in zip(WORKS, (external, interface, lost,
-                                                               imbalance))})
+        return point.changed(**{name: float(getattr(before, name) + part)
+                                for name, part in zip(WORKS, (external, interface, lost,
+                                                              imbalance))})
