@@ -7,8 +7,8 @@ from pathlib import Path
 from setuptools import Extension, find_packages, setup
 
 KERNELS = Path(__file__).parent / "contactsnes" / "kernels"
-SOURCES = ("kernels.h", "transforms.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c",
-           "laws.c", "library.c")
+SOURCES = ("kernels.h", "precision.h", "transforms.c", "packed.c", "forms.c", "motion.c",
+           "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
 """As kernels/library.py has them."""
 
 # No fast-math: it would change how the whole process treats small numbers. What the loops need of
@@ -24,7 +24,8 @@ def kernels():
         found.update((KERNELS / name).read_bytes())
     return Extension("contactsnes.kernels._compiled",
                      [f"contactsnes/kernels/{name}" for name in SOURCES if name.endswith(".c")],
-                     depends=["contactsnes/kernels/kernels.h"], extra_compile_args=FLAGS,
+                     depends=[f"contactsnes/kernels/{name}" for name in SOURCES],
+                     extra_compile_args=FLAGS,
                      define_macros=[("KERNELS_CHECKSUM", f'"{found.hexdigest()[:32]}"')],
                      libraries=["m"], optional=True)
 

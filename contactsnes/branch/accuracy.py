@@ -72,7 +72,7 @@ class Reference(Corrector):
 
     def __init__(self, contact, window):
         wanted = PETSc.Options().getReal("snes_atol", 1e-8)
-        super().__init__(contact, Form(window=window),
+        super().__init__(contact, Form(window=window, linear_precision="double"),
                          tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
 
 
@@ -97,7 +97,7 @@ class Estimator:
     def transforms(self):
         """Transforms of estimates so far, in units of one of the contact's whole cell."""
         weights = {ratio: ratio ** len(self.contact.grid.shape) for ratio in self._finer}
-        return sum(weights[ratio] * system.contact.grid.counter.transforms
+        return sum(weights[ratio] * system.contact.grid.counter.weighed
                    for ratio, (system, _) in self._finer.items())
 
     def __call__(self, point):

@@ -15,7 +15,7 @@ from ..continuation.points import Leg, NotConverged, Point
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
-from ..grid.numbers import numbers_of, of_numbers
+from ..grid import numbers
 from ..interface import shapes
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
@@ -183,10 +183,9 @@ class Branch:
         """Name -> value of everything that a point can tell (``observables.table``), or of some
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
         names = list(observables.table(self.scene) if names is None else names)
-        found = observables.observe(self.contact, point, set(names) - {STIFFNESS})
-        if STIFFNESS in names:
-            found[STIFFNESS] = self.stiffness(point)
-        return {name: found[name] for name in names}
+        others = [name for name in names if name != STIFFNESS]
+        found = observables.observe(self.contact, point, others)
+        return {name: found[name] if name in found else self.stiffness(point) for name in names}
 
     def stiffness(self, point):
         """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
@@ -197,8 +196,9 @@ class Branch:
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
-                "event": point.event or "none", "displacement": state.displacement,
-                "means": state.means, **numbers_of(state.window),
+                "event": point.event or "none",
+                "displacement": self.contact.grid.to_first(state.displacement),
+                "means": state.means, **numbers.numbers_of(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}
 
@@ -210,8 +210,8 @@ class Branch:
             raise InputError("a point to go on from says nothing of "
                              f"{', '.join(lost)}: it was kept by another version "
                              "of this program; begin anew")
-        state = State(of_numbers(self.contact.grid, packed), np.array(packed["displacement"]),
-                      np.array(packed["means"]))
+        window, field = numbers.restored(self.contact.grid, packed, packed["displacement"])
+        state = State(window, np.array(field), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
         return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
                      units=units(self.scene),

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..contact import states
 from ..contact.force_form import FORMS
-from ..grid.transfer import interpolated, resampled
+from ..grid.transfer import refined, resampled
 from ..scene.resolution import LARGEST_RESOLUTION, resolution
 from ..solvers.capabilities import asked
 from .corrector import Corrector
@@ -58,8 +58,7 @@ def _missed(contact):
     """Largest difference between the gap and its cubic interpolation from every other node,
     ranges."""
     gap = contact.initial_gap
-    kept = gap[(slice(None, None, 2),) * gap.ndim].reshape(-1)
-    return contact.grid.maximum(np.abs(interpolated(contact.grid.whole, kept) - gap.reshape(-1)))
+    return contact.grid.maximum(np.abs(refined(contact.grid, contact.grid.every_other(gap)) - gap))
 
 
 def finer_state(contact, finer, state):

@@ -1,12 +1,26 @@
 """The contact that a branch is of: in a cell or alone, computed by the kernels that its options
 ask for."""
 
+from petsc4py import PETSc
+
 from ..contact.isolated import IsolatedContact, lay_out
 from ..contact.problem import Contact
 from ..interface import shapes
 from ..interface.gap import refuse_contact_at_edge
 from ..kernels.choice import chosen
 from ..scene.isolation import check_form, largest_force
+
+
+def shared_grid(scene):
+    """The grid of a plane whose nodes are shared out among the processes that PETSc runs in; None
+    where that is one."""
+    if PETSc.COMM_WORLD.size == 1 or scene.dimension == 1:
+        return None
+    from mpi4py import MPI
+
+    from ..grid.slabs import Slabs
+
+    return Slabs(scene.shape, scene.periods, MPI.COMM_WORLD)
 
 
 def contact_of(scene, load, form, heights, log):
@@ -28,7 +42,7 @@ def contact_of(scene, load, form, heights, log):
         check_form(form)
         contact = IsolatedContact(lay_out(scene, largest_force(scene, load)), kernels=kernels)
     else:
-        contact = Contact(scene, heights, kernels=kernels)
+        contact = Contact(scene, heights, kernels=kernels, grid=shared_grid(scene))
         refuse_contact_at_edge(shapes.of(scene), contact)
     if kernels.law_reason:
         log(f"the law is evaluated by NumPy: {kernels.law_reason}")

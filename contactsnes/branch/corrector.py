@@ -19,7 +19,9 @@ from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
-from ..solvers.snes import WARM, create_snes
+from ..solvers.precision import PATIENCE, pays, trusted
+from ..solvers.snes import WARM, collect, create_snes
+from ..solvers.vectors import create_vector
 
 
 def _names(cls):
@@ -33,9 +35,14 @@ SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP
 def finite(state):
     """A state from which a solve may begin; NotConverged for one that holds infinite values or
     NaN."""
-    if not (np.isfinite(state.displacement).all() and np.isfinite(state.means).all()):
+    if state.window.grid.any(~np.isfinite(state.displacement)) or not np.isfinite(
+            state.means).all():
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
+
+
+TURNED = (f"a linear solve is slow: it went on in double precision after {PATIENCE} iterations "
+          "(-contact_linear_precision)")
 
 
 class Corrector:
@@ -71,8 +78,9 @@ class Corrector:
 
     def _spent_so_far(self):
         """Everything spent since the beginning."""
-        return {**self.totals, "transforms": self.contact.grid.counter.transforms,
-                "wall_time": time.perf_counter()}
+        counter = self.contact.grid.counter
+        return {**self.totals, "transforms": counter.transforms,
+                "transforms_single": counter.transforms_single, "wall_time": time.perf_counter()}
 
     def account(self):
         """What was spent since the last call, by name."""
@@ -139,13 +147,15 @@ class Corrector:
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
+            self.form = self.snes = self.arc = kept = None
+            collect()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
-            self.snes = create_snes(self.form, self.prefix, self.tolerance)
+            self.snes = create_snes(self.form, self.prefix, self.tolerance,
+                                    pays(self.form, self.settings.linear_precision))
             if (of_snes(self.snes).has_tangent and not self.contact.convex
                 and len(self.contact.grid.shape) == 2):
                 self.snes.setConvergenceTest(self.patience.test)
-            self.arc = None
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
@@ -164,15 +174,18 @@ class Corrector:
         """
         snes = self.snes if snes is None else snes
         newton = of_snes(snes).has_tangent
-        self.patience.short = most_iterations == WARM
+        self.patience.short = warm = most_iterations == WARM
+        turned, form.precision.allowed = form.precision.turned, trusted(form, warm)
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):
             snes.setTolerances(max_it=most_iterations)
-        if not np.isfinite(unknown).all():
+        if form.grid.any(~np.isfinite(unknown)):
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
-        solution = PETSc.Vec().createWithArray(unknown, comm=PETSc.COMM_SELF)
+        solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
+        if form.precision.turned > turned == 0:
+            self.log(TURNED)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None
@@ -207,7 +220,7 @@ class Corrector:
                 unknown, _ = self.run(form if system is None else system, unknown.copy(), WARM,
                                       snes)
                 if system is not None:
-                    system.set_position(unknown[-1])
+                    system.set_position(system.position(unknown))
                 state = form.state(unknown[:form.size])
                 found = self._imbalance(form, state)
             except NotConverged:

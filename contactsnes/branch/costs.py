@@ -16,8 +16,11 @@ SECONDS, EACH = 1.5e-9, 0.015
 besides; measured on one core."""
 STEPS = 25
 """Points of a leg with default steps, about."""
-PACKED = 0.45
-"""Bytes of active fields in the file over those before they are compressed; measured."""
+PACKED = {1: 0.45, 2: 0.3, 4: 0.13}
+"""Bytes of active fields in the file over those before they are compressed, by the number of mirror
+images that are alike; measured."""
+STATES = 4
+"""States that an archive keeps for going on."""
 SINGLE = 0.57
 """Part of the law's range beyond which tractions are nothing in single precision."""
 NUMBERS = 50
@@ -56,8 +59,10 @@ def cost(scene, load, shape, output=None, steps=None):
     points = sum(per_leg)
     kept = {"none": 0, "last": 1, "all": points}[output.fields if output and output.file
                                                  else "none"]
-    disk = (8.0 * NUMBERS * points + kept * _bytes_of_fields(scene, load, nodes, output)
-            if output and output.file else 0.0)
+    disk = 0.0
+    if output and output.file:
+        disk = (8.0 * NUMBERS * points + kept * _bytes_of_fields(scene, load, nodes, output)
+                + _bytes_besides(scene, load, nodes, kept and output.on_active(scene)))
     return Cost(points, needed, disk, seconds)
 
 
@@ -75,13 +80,42 @@ def _bytes_of_fields(scene, load, nodes, output):
     each = 2 * scene.components * (4 if single else 8)
     if not output.on_active(scene):
         return nodes * each
-    return nodes * PACKED * (8 + each) * _part(scene, load, active_part, SINGLE if single else 1.0)
+    packed = PACKED[_images(scene, load)] * (8 + each)
+    return nodes * packed * _part(scene, load, active_part, SINGLE if single else 1.0)
+
+
+def _bytes_besides(scene, load, nodes, rebuilt):
+    """Bytes of the gap and of the states that a run goes on from; and of the compliance, packed,
+    where fields are rebuilt by it.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    nodes : int, of the grid
+    rebuilt : bool
+    """
+    states = STATES * scene.components * _part(scene, load)
+    return 8.0 * nodes * (1.0 + states + (0.5 * PACKED[1] * scene.components ** 2
+                                          if rebuilt else 0.0))
+
+
+def _images(scene, load):
+    """Mirror images of a contact that are alike, in most of its points."""
+    if _is_given(scene):
+        return 1
+    return 2 ** scene.dimension // (2 if scene.coupled and any(tangential_legs(scene, load)) else 1)
+
+
+def _is_given(scene):
+    """Whether the gap is known on nodes only."""
+    return shapes.of(scene).gridded or bool(shapes.of(scene).memory(scene))
 
 
 def _part(scene, load, part=window_part, *more):
     """The part of the cell that the window, or another ``part``, takes, 1 where that is not
     known."""
-    if shapes.of(scene).gridded or shapes.of(scene).memory(scene):
+    if _is_given(scene):
         return 1.0
     try:
         return part(cell_of(scene, load), load, *more)

@@ -33,7 +33,7 @@ class Departure:
     def __init__(self, contact, coarse, origin):
         self._fine, self._begin = contact, origin
         self._cell = contact.extended(origin)
-        gap = (self._cell[0] + contact.initial_gap)[self._kept]
+        gap = contact.grid.every_other(self._cell[0] + contact.initial_gap)
         traction = contact.law.traction(gap.reshape(1, -1))
         displacement = Convolution(coarse.grid.whole, coarse.operator(1), 1).apply(
             traction, np.empty_like(traction))
@@ -41,11 +41,6 @@ class Departure:
         self.contact = Contact(coarse.scene, gap=gap - displacement.reshape(gap.shape),
                                law=coarse.law, grid=coarse.grid, kernels=coarse.kernels)
         self.origin = State(coarse.grid.whole, displacement, origin.means)
-
-    @property
-    def _kept(self):
-        """Every other node of the finer grid."""
-        return (slice(None, None, 2),) * len(self._fine.grid.shape)
 
     @cached_property
     def _loads(self):
@@ -71,7 +66,7 @@ class Departure:
         """A state of the finer grid, near the equilibrium, on the coarser one."""
         if state is self._begin:
             return self.origin
-        moved = (self._fine.extended(state) - self._cell)[(slice(None), *self._kept)]
+        moved = self._fine.grid.every_other(self._fine.extended(state) - self._cell)
         return State(self.origin.window, self.origin.displacement + moved.reshape(1, -1),
                      state.means)
 
@@ -79,6 +74,7 @@ class Departure:
         """A state of the coarser grid on the finer one: what has moved since the equilibrium is
         interpolated by its waves."""
         coarse, fine = self.contact, self._fine
-        moved = coarse.extended(state) - self.origin.displacement.reshape(1, *coarse.grid.shape)
+        moved = coarse.extended(state) - self.origin.displacement.reshape(
+            1, *coarse.grid.local_shape)
         cell = self._cell + resampled(coarse.grid, fine.grid, moved)
         return State(fine.grid.whole, cell.reshape(1, -1), state.means)

@@ -11,6 +11,8 @@ from ..continuation.points import NotConverged
 from ..interface.laws.law import softening
 from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
 
+PART = 2 ** 14
+"""Nodes whose tangents are taken at a time."""
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
 has six."""
@@ -35,6 +37,8 @@ a thousandth."""
 USUAL = 1e9
 """Numbers of scene and load up to this size, or down to its inverse, are no reason why a
 computation should overflow."""
+INNER = {1: (slice(1, -1),), 2: (slice(1, -1),) * 2}
+"""An array without its outermost nodes, by its dimension."""
 NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
@@ -127,10 +131,17 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    scene, (_, gap, _) = contact.scene, states.at_nodes(contact, point.state)
-    full = contact.law.tangent(gap)
+    _, gap, _ = states.at_nodes(contact, point.state)
+    parts = np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)
+    return float(contact.grid.maximum(np.concatenate([_steepness(contact, part) for part in parts]),
+                                      initial=0.0))
+
+
+def _steepness(contact, gap):
+    """The same at each of some nodes, from their gaps (components, nodes)."""
+    scene, full = contact.scene, contact.law.tangent(gap)
     if len(gap) == 1:
-        return max(-float(contact.grid.minimum(full)) * scene.normal_maugis ** 2, 0.0)
+        return -full[0, 0] * scene.normal_maugis ** 2
     tangent = full  # where slip is to one side or the other its direction changes nothing
     if len(gap) > 2:
         tangent = np.empty((2, 2, gap.shape[1]))
@@ -142,30 +153,30 @@ def steepest(contact, point):
         tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
         tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
     scale = np.array([scene.normal_maugis, sharpness(scene)])
-    return float(contact.grid.maximum(softening(tangent * np.multiply.outer(scale,
-                                                                            scale)[..., None]),
-                                      initial=0.0))
+    return softening(tangent * np.multiply.outer(scale, scale)[..., None])
 
 
 def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
-    window, half = point.state.window, point.state.half
+    window, half, grid = point.state.window, point.state.half, contact.grid
     found, reach = 0.0, len(ALTERNATING) // 2
     halved = half is not None and min(half.shape) > reach + 1
     for i, component in enumerate(contact.evaluated(point.state, half if halved else None)[1]):
-        boxes = (half.box(component)[None] if halved
-                 else window.box(component).reshape(-1, *window.parts[0].shape))
-        largest = np.abs(component).max()
-        for axis, (extent, total) in enumerate(zip(boxes.shape[1:], contact.grid.shape), start=1):
-            # A window that fills a direction closes on itself; beyond others the law does not act.
-            mode = "wrap" if extent == total else "constant"
+        boxes = (half.box(component)[None] if halved else grid.with_rows(
+            window.box(component).reshape(-1, *window.parts[0].shape), reach))
+        largest = grid.maximum(np.abs(component), initial=0.0)
+        for axis, (extent, total) in enumerate(zip(window.parts[0].extents, grid.shape), start=1):
             if halved:
                 waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1,
                                  half.closed[axis - 1])
             else:
-                waves = ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode)
-            aside = max(waves.max(), -waves.min())
+                # A window that fills a direction closes on itself; beyond others the law does not
+                # act.
+                mode = "wrap" if extent == total else "constant"
+                waves = grid.without_rows(ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode),
+                                          reach)
+            aside = grid.maximum(np.abs(waves), initial=0.0)
             found = max(found, aside / max(largest, TRACTIONLESS))
     return found
 
@@ -209,14 +220,17 @@ def narrow(contact, before, after):
     contact : Contact
     before, after : State
     """
-    window = max(before.window, after.window, key=lambda window: window.size)
+    window = max(before.window, after.window, key=lambda window: window.total)
     first, last = states.onto(before, window), states.onto(after, window)
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
-    boxes = window.box(changed).reshape(len(window.parts), *window.parts[0].shape)
-    return bool(changed.any() and max(2.0 * ndimage.distance_transform_edt(np.pad(box, 1)).max()
-                                      for box in boxes) < NARROW)
+    grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
+                                                            *window.parts[0].shape)
+    depths = [grid.maximum(grid.without_rows(
+        ndimage.distance_transform_edt(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]],
+        NARROW)) for box in boxes]
+    return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 
 def explained(error, contact, sheared, modes):

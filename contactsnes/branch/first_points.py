@@ -14,7 +14,9 @@ from ..contact import states
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
+from ..grid.active import some
 from ..grid.transfer import extent, interpolated
+from ..grid.transfer import refined as refined_field
 from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.capabilities import asked
@@ -225,6 +227,8 @@ def refined(contact, finer, state):
         return finer_state(contact, finer, state)
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
     stiffness = finer.law.moving_stiffness
+    if finer.grid.comm is not None:
+        return _in_rows(contact, finer, state, ratio, stiffness)
     window = Window(finer.grid, [2 * first for first in coarse.start],
                     [2 * n if n == total else 2 * n - 1
                      for n, total in zip(coarse.shape, coarse.grid.shape)])
@@ -243,3 +247,22 @@ def refined(contact, finer, state):
     # Beyond half of the cell its own circle is shorter than a padded one.
     beyond = any(n < total < 2 * n for n, total in zip(window.shape, finer.grid.shape))
     return states.fitted(finer, found, afresh=True) if beyond else found
+
+
+def _in_rows(contact, finer, state, ratio, stiffness):
+    """`refined` to a grid of which some rows are here; the ratio is that of the ranges of the laws.
+
+    Parameters
+    ----------
+    contact, finer, state : as of `refined`
+    ratio, stiffness : float
+    """
+    gap = contact.extended(state)[0] + contact.initial_gap
+    smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
+    smooth = refined_field(finer.grid, smooth.reshape(gap.shape))
+    gap = finer.law.gap_of_regularised(smooth.reshape(-1), stiffness)
+    whole = finer.grid.whole
+    window = some(whole, np.flatnonzero(gap < finer.law.range))
+    found = states.State(window, (gap - whole.take(finer.initial_gap))[None, window.places],
+                         state.means / ratio)
+    return states.State(whole, finer.extended(found).reshape(1, -1), found.means)

@@ -15,11 +15,14 @@ from ..dynamics import jumps
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.snes import WARM, create_snes, kept
+from ..solvers.vectors import create_vector
 from . import coarse_motion
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
 
+PART = 2 ** 14
+"""Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
 TIGHT = 1e-11
@@ -81,18 +84,18 @@ class Tracer(Corrector, Neighbours, Ends):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
             with tightened(snes, form) if tight else nullcontext():
                 unknown, iterations = self.run(arc, start, WARM, snes)
-            arc.set_position(unknown[-1])
-            state = form.state(unknown[:-1])
+            arc.set_position(arc.position(unknown))
+            state = form.state(arc.inner(unknown))
             if not self.covers(form, state):
-                guess, position = self.fitted(state, afresh=True), unknown[-1]
+                guess, position = self.fitted(state, afresh=True), arc.position(unknown)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:
-                arc.set_position(unknown[-1])
+                arc.set_position(arc.position(unknown))
                 point = self._point(form, state, imbalance, iterations)
-                return replace(point, leg=leg.number, position=float(unknown[-1]),
+                return replace(point, leg=leg.number, position=float(arc.position(unknown)),
                                softest=arc.ritz.smallest)
-            guess, position = state, unknown[-1]
+            guess, position = state, arc.position(unknown)
         raise NotConverged("the window kept growing: try -contact_window off")
 
     def direction(self, point, chord, leg):
@@ -107,20 +110,18 @@ class Tracer(Corrector, Neighbours, Ends):
         """
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
-        right = np.zeros(arc.size)
-        right[-1] = 1.0
-        change = self._linear(snes, arc, right, EXACT)
-        field = form.displacement(change[:-1])
-        rate = float(change[-1])
+        change = self._linear(snes, arc, arc.joined(np.zeros(form.size), 1.0), EXACT)
+        own, rate = arc.inner(change), float(arc.position(change))
+        field = form.displacement(own)
         grid = self.contact.grid
         if form.whole_cell:
             return Direction(states.State(form.window, field, grid.mean(field)), rate)
-        gap = form.displacement(unknown[:-1])
+        gap = form.displacement(arc.inner(unknown))
         gap[0] += form.window.take(self.contact.initial_gap)
         response = np.einsum("ijn,jn->in", self.contact.law.tangent(gap), field)
         means = (rate * self.contact.far_displacement(form.components, leg.direction)
                  - form.rigid_compliance * grid.mean(response))
-        means[form.forced] = form.scalars(change[:-1])
+        means[form.forced] = form.scalars(own)
         return Direction(states.State(form.window, field, means), rate)
 
     def unit(self, point, direction):
@@ -155,20 +156,19 @@ class Tracer(Corrector, Neighbours, Ends):
         field, half, law = form.displacement(moved), state.half, self.contact.law
         away = field[0] - state.displacement[0]
         # In the regularised gap a long step into overlap stays bounded.
-        if half is None:
-            away = law.regularised_step(gap, away, law.moving_stiffness)
-        else:
-            away = half.unfold(law.regularised_step(half.fold(gap), half.fold(away),
-                                                    law.moving_stiffness))
-        field[0] = state.displacement[0] + away
+        given = (gap, away) if half is None else (half.fold(gap), half.fold(away))
+        for values in zip(*(np.array_split(each, 1 + len(given[0]) // PART) for each in given)):
+            values[1][...] = law.regularised_step(*values, law.moving_stiffness)
+        field[0] = state.displacement[0] + (away if half is None else half.unfold(given[1]))
         moved = form.pack(field, form.scalars(moved))
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
             # the law acts.
             aside = form.displacement(form.residual(moved, np.empty(form.size)))
             near = gap < states.NEAR
-            moved[form.count:] += self.contact.grid.sum(aside[form.forced][:, near]) / max(
-                self.contact.grid.count(near), 1)
+            moved[form.count:] += form.grid.held(
+                self.contact.grid.sum(aside[form.forced][:, near])
+                / max(self.contact.grid.count(near), 1))
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         return states.State(form.window, form.displacement(moved), means, state.half)
@@ -216,8 +216,8 @@ class Tracer(Corrector, Neighbours, Ends):
             self.arc = arc, create_snes(arc, "" if own else "arc_")
         arc, snes = self.arc
         arc.aim(*aim)
-        unknown = np.append(form.pack(states.onto(state, form.window), state.means[form.forced]),
-                            position)
+        unknown = arc.joined(form.pack(states.onto(state, form.window), state.means[form.forced]),
+                             position)
         return form, arc, snes, unknown
 
     def _linear(self, snes, form, right, tolerance):
@@ -236,8 +236,7 @@ class Tracer(Corrector, Neighbours, Ends):
         ksp.setTolerances(rtol=tolerance, atol=1e-50)
         if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
             ksp.setType("fgmres")
-        source = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
-        change = PETSc.Vec().createSeq(form.size)
+        source, change = create_vector(form, right), create_vector(form)
         callbacks.solve(ksp, (source, change))
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
@@ -247,6 +246,6 @@ class Tracer(Corrector, Neighbours, Ends):
             raise NotConverged(
                 f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
         change = change.getArray().copy()
-        if not np.isfinite(change).all():
+        if form.grid.any(~np.isfinite(change)):
             raise NotConverged("no direction of the branch: it is infinite")
         return change

@@ -29,11 +29,11 @@ from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.units import UNITS
+from ..system.processes import world
 from ..system.streams import Interrupts, standard_streams
 from . import summary
 from .run import Run
 from .session import (
-    begin_petsc,
     create_branch,
     settled,
     solver_options,
@@ -42,6 +42,7 @@ from .session import (
     versions,
 )
 from .speech import complain, told
+from .starting import assemble, begin_petsc
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -68,7 +69,7 @@ def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
     with standard_streams(), Interrupts() as interrupts:
-        status = _ended(words, interrupts)
+        status = world.over(_ended(words, interrupts))
         sys.stdout.flush()
         if sys.stdout.left:
             return 128 + signal.SIGPIPE
@@ -117,6 +118,7 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
+    assemble(command)
     if command == "run":
         return run(arguments, interrupts)
     settled()

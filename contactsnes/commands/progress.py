@@ -51,7 +51,8 @@ class Progress:
                         "nonlinear_iterations": "nonlinear", "linear_iterations": "linear",
                         "transforms": "transforms", "event": "event"}
         self.counts = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
-                                     "function_evaluations", "transforms"), 0)
+                                     "function_evaluations", "transforms",
+                                     "transforms_single"), 0)
         self.points = 0
         self.events = []
         self.lost = 0.0
@@ -178,7 +179,9 @@ class Progress:
                          "know it better")
         for name, unit in (("nonlinear_iterations", "nonlinear"), ("linear_iterations", "linear")):
             lines.append(f"  {unit:13} {self.counts[name]} iterations")
-        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}")
+        single = self.counts["transforms_single"]
+        lines.append(f"  transforms    {self.counts['transforms']:.1f} of the {self.unit}"
+                     + (f", {single:.1f} in single precision" if single else ""))
         lines.append(f"  time          {time.monotonic() - self.began:.1f} s")
         return "\n".join(["", *lines])
 

@@ -20,6 +20,7 @@ from ..options.database import database, database_text, unused_options
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
+from ..system.processes import PATIENCE, SHORT, world
 from . import summary
 from .progress import Progress
 from .session import (
@@ -71,6 +72,7 @@ class Run:
         from."""
         from ..output.archive import Archive  # runs without one need not import it
         from ..output.layout import Column
+        from ..output.shared import SharedArchive
 
         scene, output = self.settings.scene, self.settings.output
         content = {"scene": self.branch.attributes(), "options": database_text(),
@@ -84,10 +86,10 @@ class Run:
                         | {"modes": self.branch.steps.keeps_modes})
             if output.on_active(scene):
                 content["compliance"] = observables.compliance(self.branch.contact)
-        if not output.resume:
-            return Archive.create(output.file, overwrite=output.overwrite, **content)
-        archive = Archive.resume(output.file, **content)
-        if archive.complete:
+        make = partial(Archive.resume, output.file, **content) if output.resume else partial(
+            Archive.create, output.file, overwrite=output.overwrite, **content)
+        archive = SharedArchive(make) if world.size > 1 else make()
+        if archive.complete or not output.resume:
             return archive
         history = [self.branch.restored(state) for state in archive.states()]
         self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
@@ -105,23 +107,34 @@ class Run:
             self.progress.log(f"going on after point {self.known} of {self.archive.path}")
             for change in resuming.changes(self.archive.runs[-1].options, database_text()):
                 self.progress.log(f"from point {self.known + 1} on {change}")
-        status, reason = self._settled(*self._points())
+        status, reason = self._points()
+        if status:
+            self._end_others(status, reason)
+        status, reason = self._settled(status, reason)
         for name in unused_options(solver_options()):
             if name in self.unread:
                 continue  # this was told before
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
         if status == 2 and self.archive and not self.archive.points:
-            # an empty one would only be in the way of the next try
-            self.archive.path.unlink(missing_ok=True)
+            self.archive.remove()
         if self.progress.points:
             print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()),
                   sep="\n", flush=True)
         if self.archive and self.archive.points:
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
-            complain("error", reason.rstrip(".") + self._way_on())
+            self._complain(reason)
         return status
+
+    def _complain(self, reason):
+        """Say why the path ended early, and what became of its points."""
+        complain("error", reason.rstrip(".") + self._way_on())
+
+    def _end_others(self, status, reason):
+        """Where only this process has come to an early end, say why and end all."""
+        world.meet(1, status, SHORT if self.interrupts.number else PATIENCE,
+                   lambda: self._complain(reason))
 
     def _settled(self, status, reason):
         """Exit status and reason after what waits for the archive is in its file."""
@@ -137,12 +150,12 @@ class Run:
         try:
             for point in new_points(self.branch, self.waiting):
                 self._accept(point)
-                if sys.stdout.left:
+                if world.first(lambda: sys.stdout.left):
                     return (128 + signal.SIGPIPE, "nobody reads standard output any more"
                             if self.archive else "")
                 # PETSc may swallow what is raised in some of its callbacks
-                if self.interrupts.number:
-                    raise KeyboardInterrupt(self.interrupts.number)
+                if any(world.everywhere(self.interrupts.number)):
+                    raise KeyboardInterrupt
             if self.archive:
                 self.archive.finish()
         except TooCoarse as found:
@@ -198,7 +211,8 @@ class Run:
         row = self.watch.row(point) if self.watch else {}
         if observables.STIFFNESS in self.table:
             row[observables.STIFFNESS] = self.branch.stiffness(point)
-        wanted = self.table if self.archive else self.table.keys() & self.progress.taken
+        # in one order: where nodes are in several processes, what they find together
+        wanted = [name for name in self.table if self.archive or name in self.progress.taken]
         row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
             fields, active = (), {}

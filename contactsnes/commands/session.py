@@ -5,7 +5,6 @@ import gc
 import importlib
 import os
 import platform
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +20,7 @@ from ..options.files import refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
+from .starting import begin_petsc, refuse_differences, refuse_lines
 
 
 class Settings(NamedTuple):
@@ -63,53 +63,6 @@ def unread_options(branch, classes):
     return unread(branch, classes)
 
 
-LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
-            ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
-                                                       "MV2_COMM_WORLD_RANK"),
-            ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
-"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are,
-and which it is."""
-
-
-def begin_petsc(words):
-    """Initialise PETSc in the only process, with an argument list; InputError for more processes,
-    or options that it refuses."""
-    import petsc4py
-
-    for size, rank in LAUNCHED:
-        _refuse_several(_count(size), _count(rank))
-    # One process needs no daemon of Open MPI, which takes a good part of a second to start, nor to
-    # look for networks, which takes a fifth.
-    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
-    os.environ.setdefault("OMPI_MCA_pml", "ob1")
-    try:
-        # Unused options are our own business: PETSc would list those that a sentence on bad input
-        # leaves unread. Signals are, too: PETSc's handlers would abort.
-        petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
-    except RuntimeError as error:
-        raise InputError(
-            f"PETSc does not start with these options ({error}); it says why above") from None
-    world = sys.modules["petsc4py.PETSc"].COMM_WORLD
-    _refuse_several(world.getSize(), world.getRank())
-
-
-def _count(name):
-    """The number in a variable of the environment, 0 where there is none."""
-    text = os.environ.get(name, "")
-    return int(text) if text.isascii() and text.isdigit() else 0
-
-
-def _refuse_several(size, rank):
-    """InputError in the first of several processes; the others end without a word."""
-    if size > 1 and rank:
-        # a launcher that sees another status would end the first one before it has spoken
-        sys.exit(0)
-    if size > 1:
-        raise InputError(f"started as {size} processes, but a scene is solved "
-                         "by one: start contactsnes without mpirun or srun, "
-                         "or with -n 1")
-
-
 def settled():
     """Collect garbage from now on, where that has been left out since the program began, without a
     look at what is there."""
@@ -131,10 +84,12 @@ def start_petsc(arguments, refused=lambda settings: None):
     words = petsc_arguments(arguments)[1:]
     refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
     begin_petsc(words)
+    refuse_differences()
     check_names(solver_options())
     check_values(solver_options())
     check_classes()
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
+    refuse_lines(scene)
     scenes.check(scene, load, steps)
     settings = Settings(scene, form, load, steps, output)
     try:

@@ -109,7 +109,10 @@ def table(arguments):
     for note in found.notes:
         complain("warning", note)
     written = writing(", ".join(paths), lambda: tabular.write_table(paths, found, asked))
-    return told(written or tabular.as_csv(found, asked.units).rstrip("\n"))
+    status = told(written or tabular.as_csv(found, asked.units).rstrip("\n"))
+    for reason in found.unread:
+        complain("error", reason)
+    return 2 if found.unread else status
 
 
 def export(arguments):

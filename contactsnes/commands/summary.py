@@ -23,6 +23,7 @@ from ..scene.load import names, quantities
 from ..scene.measured import INSTEAD
 from ..scene.parts import about_law, peaks
 from ..scene.units import DERIVED, Units, prefixed
+from ..system.processes import world
 
 
 def resolution_warnings(settings):
@@ -57,13 +58,12 @@ def start_window(settings, branch):
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
     if contact.scattered:
         return on_nodes(contact, state, afresh=True).window
-    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.shape))
+    return contact.window(states.normal_gap(contact, state).reshape(contact.grid.local_shape))
 
 
 def skipped(settings, branch):
     """Sentences on what is left out of the solves, and why."""
-    scene = settings.scene
-    load = settings.load
+    scene, load = settings.scene, settings.load
     sheared = scenes.tangential_legs(scene, load)
     sentences = []
     if scene.tangential == "off":
@@ -91,21 +91,21 @@ def _nodes(settings, branch):
     """Sentence on the nodes that are left out, or why none are."""
     window, cell = start_window(settings, branch), branch.contact.grid.shape
     if settings.scene.isolated:
-        return ("nodes beyond the law's range: the window has "
-                f"{_by(window.shape)} nodes at the start; there is "
-                f"room for {_by(n // 2 for n in cell)}")
+        return (f"nodes beyond the law's range: the window has {_by(window.shape)} nodes at the "
+                f"start; there is room for {_by(n // 2 for n in cell)}")
     if settings.form.form == "force":
         return f"no window: the force form is solved on the whole cell of {_by(cell)} nodes"
     if window.is_whole:
         return f"the window is the whole cell of {_by(cell)} nodes"
-    nodes = (f"{len(window.parts)} boxes with {window.size}" if len(window.parts) > 1
+    nodes = (f"{len(window.parts)} boxes with {window.total}" if len(window.parts) > 1
              else _by(_extents(window)))
     return f"nodes beyond the law's range: the window has {nodes} of {_by(cell)} nodes at the start"
 
 
 def _extents(window):
     """Nodes of a box in each direction; of another window their number."""
-    return window.shape if math.prod(window.shape) == window.size else [window.size]
+    box, count = window.parts[0].extents, window.total
+    return box if math.prod(box) == count else [count]
 
 
 def _mirror_images(settings, branch, sheared):
@@ -238,8 +238,7 @@ def about_unknowns(settings, branch):
     scene, window = settings.scene, start_window(settings, branch)
     legs = settings.load.legs(scene.dimension) if settings.load.path else ()
     controls = settings.load.initial(scene.dimension, scene.isolated)
-    lines = []
-    largest = 0
+    lines, largest = [], 0
     sheared_legs = scenes.tangential_legs(scene, settings.load)
     for number, (sheared, uneven) in enumerate(zip(sheared_legs,
                                                    _asymmetries(settings, branch,
@@ -255,7 +254,7 @@ def about_unknowns(settings, branch):
         lines.append(
             f"{f'leg {number}' if number else 'start'}: {components} x {_by(nodes)} displacements"
             + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
-    if window.size < branch.contact.grid.size:
+    if window.total < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = scene.components * branch.contact.grid.size
     estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
@@ -265,8 +264,9 @@ def about_unknowns(settings, branch):
 
 
 def _megabytes(unknowns, whole):
-    """Memory of a solve in words."""
-    return f"{math.ceil(1e-6 * memory_of_solve(unknowns, whole))} MB"
+    """Memory of a solve in words, of each process where there are several."""
+    bytes_of_each = memory_of_solve(unknowns, whole) / world.size
+    return f"{math.ceil(1e-6 * bytes_of_each)} MB{' a process' if world.size > 1 else ''}"
 
 
 def about_method(settings):

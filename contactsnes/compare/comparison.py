@@ -30,8 +30,8 @@ ELSEWHERE = "another branch"
 FAILED = "failed"
 NOT_TRIED = "not tried"
 
-COUNTS = ("transforms", "function_evaluations", "jacobian_products", "nonlinear_iterations",
-          "linear_iterations")
+COUNTS = ("transforms", "transforms_single", "function_evaluations", "jacobian_products",
+          "nonlinear_iterations", "linear_iterations")
 
 
 @dataclass
@@ -41,8 +41,8 @@ class Result:
     counts, first : name -> count, and seconds, in the first pass; times : seconds in each pass that
         is timed
     errors : see ``Target.errors``
-    histories : for each pass an array (iterations, 3) of transforms, seconds and residual norm, at
-        the points that are watched
+    histories : for each pass an array (iterations, 3) of transforms (`weighed`), seconds and
+        residual norm, at the points that are watched
     """
 
     outcome: str = NOT_TRIED
@@ -170,7 +170,7 @@ class Comparison:
         point = None
         reason = ""
         wanted = target.point
-        self.meter.limit = self.meter.transforms + self.settings.transforms
+        self.meter.limit = self.meter.weighed + self.settings.transforms
         corrector.account()
         corrector.history.restart()
         try:
@@ -188,7 +188,7 @@ class Comparison:
             error = error.__cause__  # newer petsc4py wraps what our callbacks raise
         if not isinstance(error, Exception):
             raise error
-        if self.meter.transforms > self.meter.limit:
+        if self.meter.weighed > self.meter.limit:
             return f"more than {self.settings.transforms:.0f} transforms"
         if isinstance(error, PETSc.Error):
             return (f"PETSc: {str(error).splitlines()[-1].removeprefix('[0] ').strip()} (error "

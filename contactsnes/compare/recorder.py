@@ -22,7 +22,7 @@ class History:
     def restart(self):
         """Forget everything: time and transforms begin at zero."""
         self._rows, self._tested = [], set()
-        self._before, self._began = self.counter.transforms, time.perf_counter()
+        self._before, self._began = self.counter.weighed, time.perf_counter()
 
     def rows(self):
         """Array (iterations, 3), oldest first."""
@@ -46,7 +46,7 @@ class History:
         snes.setConvergenceTest(recording, test[1])
 
     def _add(self, snes, norm, tested=False):
-        row = (self.counter.transforms - self._before, time.perf_counter() - self._began, norm)
+        row = (self.counter.weighed - self._before, time.perf_counter() - self._began, norm)
         self._rows.append((row, snes.handle, tested))
 
 

@@ -8,20 +8,23 @@ that both found.
 
 import numpy as np
 
+from ..grid.counter import weighed
 from ..output.tables import write_csv, write_hdf5
 from .comparison import CONVERGED, COUNTS, ELSEWHERE, FAILED
 from .targets import ERRORS
 
 COLUMNS = {"stage": "", "method": "", "family": "", "points": "", "found": "", "elsewhere": "",
            "failed": "", "failed_at": "", "reason": "", "transforms": "real FFTs of the cell",
-           "function_evaluations": "", "jacobian_products": "", "nonlinear_iterations": "",
-           "linear_iterations": "", "time": "s", "time_low": "s", "time_high": "s",
+           "transforms_single": "real FFTs of the cell", "function_evaluations": "",
+           "jacobian_products": "", "nonlinear_iterations": "", "linear_iterations": "",
+           "time": "s", "time_low": "s", "time_high": "s",
            "transforms_ratio": "", "time_ratio": "", "time_ratio_low": "", "time_ratio_high": "",
            "displacement_error": "ranges of the law", "force_error": "", "area_error": "",
            "residual_norm": "ranges of the law"}
 """Columns with their units. Counts and times are means over points, times medians over passes with
-the extremes; errors and residuals are the largest of a stage; points that a method failed at, or
-found another branch at, first of all ``failed_at``."""
+the extremes; in ratios of transforms two in single precision are one; errors and residuals are the
+largest of a stage; points that a method failed at, or found another branch at, first of all
+``failed_at``."""
 
 TEXTS = ("stage", "method", "family", "failed_at", "reason")
 
@@ -70,7 +73,7 @@ def _row(comparison, stage, places, method):
     row.update(_spread("time", _times(results, found) / len(found)))
     common = [place for place in found if base[place].outcome == CONVERGED]
     if common:
-        row["transforms_ratio"] = float(np.divide(*(sum(of[place].counts["transforms"]
+        row["transforms_ratio"] = float(np.divide(*(sum(weighed(of[place].counts)
                                                         for place in common)
                                                     for of in (results, base))))
         ours, theirs = _times(results, common), _times(base, common)
@@ -101,7 +104,8 @@ def lines(comparison):
     table = rows(comparison)
     width = max(len(method.name) for method in comparison.methods)
     base = comparison.base
-    heading = (f"  {'':{width}} {'found':>7} {'transforms':>10} {'ratio':>7} {'evaluations':>11} "
+    heading = (f"  {'':{width}} {'found':>7} {'transforms':>10} {'single':>7} {'ratio':>7} "
+               f"{'evaluations':>11} "
                f"{'products':>8} {'time/ms':>8} {'(least-most)':>15} {'ratio':>6} "
                f"{'(least-most)':>13} {'error: u':>8} {'force':>7} {'area':>7}")
     text = [f"Means for a point; ratios to {base}; times are medians of "
@@ -129,7 +133,8 @@ def _line(row, width):
     between = f"({1e3 * row['time_low']:.3g}-{1e3 * row['time_high']:.3g})"
     ratios = f"({row['time_ratio_low']:.3g}-{row['time_ratio_high']:.3g})"
     return (f"  {row['method']:{width}} {found:>7} {row['transforms']:10.1f} "
-            f"{row['transforms_ratio']:7.2f} {row['function_evaluations']:11.1f} "
+            f"{row['transforms_single']:7.1f} {row['transforms_ratio']:7.2f} "
+            f"{row['function_evaluations']:11.1f} "
             f"{row['jacobian_products']:8.1f} {1e3 * row['time']:8.2f} {between:>15} "
             f"{row['time_ratio']:6.2f} {ratios:>13} {row['displacement_error']:8.0e} "
             f"{row['force_error']:7.0e} {row['area_error']:7.0e}")

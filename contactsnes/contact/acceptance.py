@@ -31,6 +31,8 @@ OPEN = 3.0
 WHOLE = 0.9
 """Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the
 held nodes that is nearly all."""
+PART = 2 ** 14
+"""Nodes that are asked for their works at a time."""
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
 LEFT = 0.5
@@ -104,10 +106,11 @@ def _suspects(contact, grid, gap, change, aside, allowed):
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
     most = moved > 0.5 * grid.maximum(moved, initial=0.0)
     sets = np.array([np.any(aside > DOUBTFUL * allowed, axis=0), near, most])
-    kept = np.flatnonzero(near | sets[0])
-    works = np.zeros((2, 1, len(near)))
-    works[:, 0, kept] = _works(contact, gap[:, kept], change[:, kept])
-    for nodes, released, springs in zip(sets, *grid.sum(works * sets)):
+    kept, works = np.flatnonzero(near | sets[0]), np.zeros((2, len(near)))
+    for part in np.array_split(kept, 1 + kept.size // PART):
+        works[:, part] = _works(contact, gap[:, part], change[:, part])
+    for nodes in sets:
+        released, springs = (grid.sum(work * nodes) for work in works)
         if released > RELEASED * springs and _soften(contact, grid, gap, change, nodes):
             return nodes, released / springs
     return None

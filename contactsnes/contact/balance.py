@@ -7,7 +7,6 @@ import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.boxes import convolution
-from ..grid.cell import Transform
 from ..grid.even import asymmetry
 from .even_form import EvenForm
 from .forms import DisplacementForm
@@ -52,7 +51,7 @@ class Response:
     make : what makes a transform, as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, half, make=Transform):
+    def __init__(self, window, operator, count, half, make=None):
         self._given, self._whole = (window, operator, count, make), None
         self._half = half
 

@@ -14,6 +14,8 @@ class ArcLength:
     F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
                                                     unknown is [x, s].
 
+    Its products are in double precision: what it finds is a fold, or is to be exact.
+
     Parameters
     ----------
     form : DisplacementForm
@@ -23,6 +25,8 @@ class ArcLength:
     length : how far to go
     rate : how much of that a unit of s is
     """
+
+    has_single = False
 
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form
@@ -36,7 +40,7 @@ class ArcLength:
         self.shape = form.shape
         self.count = form.count
         self.root = form.root
-        self.size = form.size + 1
+        self.size = form.size + len(form.grid.held([0.0]))
         self.linear_tolerance = form.linear_tolerance
         self.load_column = np.empty(form.size)
 
@@ -73,7 +77,19 @@ class ArcLength:
 
     def gap(self, unknown):
         """Gap of the form's part of the unknown."""
-        return self.form.gap(unknown[:-1])
+        return self.form.gap(self.inner(unknown))
+
+    def inner(self, unknown):
+        """The form's part of an unknown, or of a vector like it, as a view."""
+        return unknown[:self.form.size]
+
+    def position(self, unknown):
+        """The load's part s of an unknown, or of a vector like it."""
+        return self.grid.scalars(unknown[self.form.size:], 1)[0]
+
+    def joined(self, inner, position):
+        """The unknown of the form's part and a place s."""
+        return np.append(inner, self.grid.held([position]))
 
     def set_position(self, position):
         """Set the load of the form to that of a place s."""
@@ -83,37 +99,43 @@ class ArcLength:
         """F of the form and of the arc length."""
         if self.kernel:
             return self.kernel.residual(unknown, out)
-        self.set_position(unknown[-1])
-        self.form.residual(unknown[:-1], out[:-1])
-        out[-1] = (self.grid.inner(self.tangent, unknown[:-1] - self.anchor)
-                   + self.rate * unknown[-1] - self.length)
+        own, position = self.inner(unknown), self.position(unknown)
+        self.set_position(position)
+        self.form.residual(own, self.inner(out))
+        out[self.form.size:] = self.grid.held([
+            self.grid.inner(self.tangent, own - self.anchor) + self.rate * position - self.length])
         return out
 
     def displacement_norm(self, unknown, imbalance):
         """That of the force form, with the row of the arc length."""
-        return float(np.hypot(self.form.displacement_norm(unknown[:-1], imbalance[:-1]),
-                              imbalance[-1]))
+        return float(np.hypot(self.form.displacement_norm(self.inner(unknown),
+                                                          self.inner(imbalance)),
+                              self.position(imbalance)))
 
     def linearise(self, unknown):
         """Take the law's tangent and dF/ds at the unknown."""
-        self.set_position(unknown[-1])
-        self.form.linearise(unknown[:-1])
+        self.set_position(self.position(unknown))
+        self.form.linearise(self.inner(unknown))
         self.form.load_derivative(self.direction, self.load_column)
 
     def apply_jacobian(self, vector, out):
         """out = J vector."""
         if self.kernel:
             return self.kernel.apply_jacobian(vector, out)
-        self.form.apply_jacobian(vector[:-1], out[:-1])
-        out[:-1] += vector[-1] * self.load_column
-        out[-1] = self.grid.inner(self.tangent, vector[:-1]) + self.rate * vector[-1]
-        return out
+        self.form.apply_jacobian(self.inner(vector), self.inner(out))
+        return self._bordered(vector, self.load_column, self.tangent, out)
 
     def apply_transpose(self, vector, out):
         """out = J^T vector."""
         if self.kernel:
             return self.kernel.apply_transpose(vector, out)
-        self.form.apply_transpose(vector[:-1], out[:-1])
-        out[:-1] += vector[-1] * self.tangent
-        out[-1] = self.grid.inner(self.load_column, vector[:-1]) + self.rate * vector[-1]
+        self.form.apply_transpose(self.inner(vector), self.inner(out))
+        return self._bordered(vector, self.tangent, self.load_column, out)
+
+    def _bordered(self, vector, column, row, out):
+        """Add a column times the last number of a vector to out, and make its last number."""
+        own, position = self.inner(out), self.position(vector)
+        own += position * column
+        out[self.form.size:] = self.grid.held([self.grid.inner(row, self.inner(vector))
+                                               + self.rate * position])
         return out

@@ -8,7 +8,7 @@ import numpy as np
 
 def half_axis(m, axis):
     """Half of the contact's extent in a direction; 0 without contact, nan around the cell."""
-    if not m.in_contact.any():
+    if not m.grid.any(m.in_contact):
         return 0.0
     first, last = m.outline.extent(axis)
     return 0.5 * (last - first)

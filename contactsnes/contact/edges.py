@@ -35,17 +35,17 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
+    window = state.window.parts[0]
     box = state.window.box(normal_gap(contact, state))
     level = contact.scene.contact_threshold
     ends = []
     touching = box < level
-    lines = [extent(touching, axis) for axis in range(box.ndim)]
-    if not touching.any() or any(line.start == 0 for line in lines):
+    lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
         return None
+    through = [(line.start + line.stop) // 2 for line in lines]
     for axis, line in enumerate(lines):
-        through = tuple(slice(None) if i == axis else (other.start + other.stop) // 2
-                        for i, other in enumerate(lines))
-        places, _ = crossings(box[through], level)
+        places, _ = crossings(window.line(box, axis, through), level)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
             return None
@@ -115,7 +115,8 @@ def follow_edge(contact, states, weights):
         return _follow_on_nodes(contact, states, weights)
     ahead = _follow_spot(contact, states, weights)
     # Spots of a rough plane merge and appear, and few are round.
-    if ahead is not None or states[-1].half is not None or contact.scattered:
+    if (ahead is not None or states[-1].half is not None or contact.scattered
+            or contact.grid.comm is not None):
         return ahead
     return _follow_spots(contact, states, weights)
 
@@ -152,29 +153,36 @@ def _follow_spot(contact, states, weights):
         return None
     _, nodes, known = alike(contact, [last], states[:-1])
     initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
-    gap = known[0][0] + initial
-    inside = part = _extents(nodes.box(gap) < NEAR, nodes.even)
-    if nodes.even:  # their box begins in the middle of the window
-        part = tuple(slice(count // 2, count // 2 + line.stop)
-                     for line, count in zip(part, window.shape))
+    part, inside = _near_part(contact, nodes, known[0][0] + initial)
     far[0] += initial
     nodes.box(far)[(slice(None), *inside)] = weighted(
         [_stretched(contact, state, window, place, target, part)
          for state, place in zip(states, places)], weights)
     # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(gap) - 1.0, out=far[0])
+    np.maximum(far[0], contact.grid.minimum(known[0][0] + initial) - 1.0, out=far[0])
     far[0] -= initial
     return spread(nodes, far, weighted([state.means for state in states], weights))
 
 
-def _extents(near, from_middle=False):
-    """Slices of the box around the nodes of a mask, two nodes wider; of the half of it that begins
-    in the middle, those from there on."""
-    if not from_middle:
-        return tuple(extent(near, axis, margin=2) for axis in range(near.ndim))
-    stops = [extent(near, axis).stop + 2 for axis in range(near.ndim)]
-    return tuple(slice(0, stop if stop <= count else count)
-                 for stop, count in zip(stops, near.shape))
+def _near_part(contact, nodes, gap):
+    """The part of a window's box where the law acts on a normal gap at some of its nodes, two nodes
+    wider: slices of the box, and the same in the box of the nodes.
+
+    Parameters
+    ----------
+    contact : Contact
+    nodes : Window, or EvenWindow, whose box begins in the middle of the window's
+    gap : array (nodes), delta_n
+    """
+    near = nodes.box(gap) < NEAR
+    if not nodes.even:
+        window = nodes.parts[0]
+        return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
+                                for axis in range(near.ndim)))
+    stops = [min(extent(near, axis).stop + 2, count) for axis, count in enumerate(near.shape)]
+    return (tuple(slice(count // 2, count // 2 + stop)
+                  for stop, count in zip(stops, nodes.full.shape)),
+            tuple(slice(0, stop) for stop in stops))
 
 
 def _follow_spots(contact, states, weights):
@@ -211,10 +219,11 @@ def carried(contact, change, origin, state):
     """
     fixed = State(state.window, onto(change, state.window), change.means)
     window = state.window
-    known = None if isinstance(window, Nodes) else followed_places(contact, [origin, state])
+    known = (None if isinstance(window, Nodes) or contact.grid.comm is not None
+             else followed_places(contact, [origin, state]))
     if known is None:
         return fixed
-    part = _extents(window.box(normal_gap(contact, state)) < NEAR)
+    part, _ = _near_part(contact, window, normal_gap(contact, state))
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= contact.gap_on(change.window)
@@ -244,19 +253,25 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     known, sources = [], []
     for here, there, wanted, begin, count in zip(places, target, part,
                                                  _nodes_between(window, state.window),
-                                                 state.window.shape):
+                                                 state.window.extents):
         node = np.arange(wanted.start, wanted.stop)
+        if not len(node):  # others have all of these rows
+            known.append(slice(0, 0))
+            sources.append(node)
+            continue
         scale = (here[-1] - here[0]) / (there[-1] - there[0])
         source = np.interp(node, there, here) - begin
         source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
         low, high = int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2
-        if not widened and (low < 0 or high > count):
+        whole = state.window.extents == contact.grid.shape
+        if not (widened or whole) and (low < 0 or high > count):
             return _stretched(contact, wider(state, window), window, places, target, part, True)
         low, high = (min(max(place, 0), count) for place in (low, high))
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
-    field = state.window.box(state.displacement)[(slice(None), *known)].copy()
-    field[0] += state.window.box(contact.gap_on(state.window))[tuple(known)]
+    kept = state.window
+    field = kept.cut(kept.box(state.displacement), known)
+    field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)
     return field

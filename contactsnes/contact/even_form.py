@@ -57,7 +57,7 @@ class EvenForm:
     """
 
     name = "displacement"
-    in_displacements, whole_cell, even = True, False, True
+    in_displacements, whole_cell, even, has_single = True, False, True, True
     linear_tolerance = DisplacementForm.linear_tolerance
 
     def __init__(self, contact, window, controls, parities=None):
@@ -85,6 +85,11 @@ class EvenForm:
     def kernel(self):
         """The same equations on the same memory in the library, or None."""
         return twin(self, self.half, self.node_scale)
+
+    @property
+    def convolution(self):
+        """The half form's."""
+        return self.half.convolution
 
     @property
     def load(self):
@@ -152,18 +157,30 @@ class EvenForm:
             return
         self.half.linearise(self.plain(unknown))
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector at the last linearisation."""
-        if self.kernel:
-            return self.kernel.apply_jacobian(vector, out)
-        return self.scaled(self.half.apply_jacobian(self.plain(vector), out))
+    def apply_jacobian(self, vector, out, single=False):
+        """out = J vector at the last linearisation.
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner
-        product with weights."""
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
-            return self.kernel.apply_transpose(vector, out)
-        return self.scaled(self.half.apply_transpose(self.plain(vector), out))
+            return self.kernel.apply_jacobian(vector, out, single)
+        return self.scaled(self.half.apply_jacobian(self.plain(vector), out, single))
+
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner
+        product with weights.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
+        if self.kernel:
+            return self.kernel.apply_transpose(vector, out, single)
+        return self.scaled(self.half.apply_transpose(self.plain(vector), out, single))
 
     def load_derivative(self, direction, out):
         """out = dF/ds for controlled values that move by ``direction`` per unit of s."""

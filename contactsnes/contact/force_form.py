@@ -33,6 +33,7 @@ class ForceForm:
 
     name, kernel = "force", None
     in_displacements, whole_cell, even, parities = False, True, False, None
+    has_single = False
     linear_tolerance = 0.0
 
     def __init__(self, contact, controls):
@@ -40,10 +41,10 @@ class ForceForm:
         self.grid = contact.grid
         self.window = self.grid.whole
         self.components = len(controls)
-        self.shape = (self.components, self.grid.size)
-        self.count = self.size = self.components * self.grid.size
-        self.nodes = self.grid.size
-        self.root = np.sqrt(self.count)
+        self.nodes = self.window.size
+        self.shape = (self.components, self.nodes)
+        self.count = self.size = self.components * self.nodes
+        self.root = np.sqrt(self.components * self.grid.size)
         self.forced = [i for i, control in enumerate(controls) if control == FORCE]
         self.initial_gap = contact.initial_gap.reshape(-1)
         self.rigid_compliance = contact.rigid_compliance(self.components)
@@ -157,7 +158,8 @@ class ForceForm:
     def spectral_norm(self, spectrum, within):
         """The same from the transform of F (components, *half spectrum), which is overwritten;
         ``within``: nodes in range."""
-        zero = self.root * spectrum[(slice(None), *[0] * len(self.grid.shape))].real
+        zero = self.grid.zero_wave(spectrum).real.reshape(self.components, -1).sum(axis=1)
+        zero = self.root * self.grid.together(zero)
         self.compliance.multiply(spectrum)
         squares = self.root ** 2 * self.grid.size * self.grid.parseval(spectrum)
         return self.norm_function()(squares, zero, within)
@@ -167,7 +169,7 @@ class ForceForm:
         squares of C F / N (ranges squared), of the zero mode of F (components; N times the mean
         traction), and of the number of nodes in range; N nodes, F in tractions."""
         size, forced = self.grid.size, np.isin(np.arange(self.components), self.forced)
-        field = size / self.count ** 0.5
+        field = size / self.root
         rigid = np.where(self._kept > 0.0, self.rigid_compliance, 1.0) * ~forced / size
         rigid /= np.sqrt(self.components)
         rows = self.factor * forced / np.maximum(1.0, np.abs(self.load))

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from ..grid.boxes import convolution
+from ..grid.precision import in_single
 from ..kernels.forms import twin
 from .problem import APPROACH, FORCE
 from .state import spread
@@ -42,6 +43,7 @@ class DisplacementForm:
         ``residual_norm``; else one of tractions
     whole_cell : whether it is solved on the whole cell, mean displacements among its unknowns
     even : whether states are taken for even about the apex, and half of them is solved for
+    has_single : whether products may be in single precision
     tangent : array (components, components, nodes), the law's at the last ``linearise``
     work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
@@ -50,6 +52,7 @@ class DisplacementForm:
 
     name = "displacement"
     in_displacements, whole_cell, even, parities = True, False, False, None
+    has_single = True
     linear_tolerance = 0.5
     convolution_class = staticmethod(convolution)
 
@@ -63,8 +66,8 @@ class DisplacementForm:
         self.shape = (self.components, self.nodes)
         self.forced = [i for i, control in enumerate(controls) if control == FORCE]
         self.count = self.components * self.nodes
-        self.size = self.count + len(self.forced)
-        self.root = np.sqrt(self.count)
+        self.size = self.count + len(self.grid.held(self.forced))
+        self.root = np.sqrt(self.components * window.total)
         self.initial_gap = window.take(contact.initial_gap)
         make = contact.kernels.even if window.even else contact.kernels.real
         self.convolution = self.convolution_class(window, contact.operator(self.components),
@@ -79,6 +82,11 @@ class DisplacementForm:
         self.work = np.empty(self.shape)
         self.drag = np.zeros(self.components)
         self._evaluations = self._products = 0
+
+    @cached_property
+    def quick(self):
+        """The convolution in single precision, on the memory of that in double."""
+        return in_single(self.convolution)
 
     @cached_property
     def kernel(self):
@@ -115,7 +123,7 @@ class DisplacementForm:
     def pack(self, displacement, scalars):
         """The unknown from displacements (components, nodes) and the means of the force-controlled
         components."""
-        return np.concatenate([displacement.reshape(-1) / self.root, scalars])
+        return np.concatenate([displacement.reshape(-1) / self.root, self.grid.held(scalars)])
 
     def displacement(self, unknown):
         """Displacements (components, nodes), ranges of the law."""
@@ -123,7 +131,7 @@ class DisplacementForm:
 
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""
-        return unknown[self.count:]
+        return self.grid.scalars(unknown[self.count:], len(self.forced))
 
     def state(self, unknown):
         """The State of an unknown: its displacements, and means by the load and the tractions."""
@@ -148,13 +156,13 @@ class DisplacementForm:
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
         mean = self.far - self.rigid_compliance * total / self.grid.size
-        mean[self.forced] = unknown[self.count:]
+        mean[self.forced] = self.scalars(unknown)
         traction -= mean[:, None]
         field = out[:self.count].reshape(self.shape)
         np.multiply(traction, 1.0 / self.root, out=field)
         field += unknown[:self.count].reshape(self.shape)
-        for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * total[i] - self.row_target[i]
+        rows = self.row_scale * total - self.row_target
+        out[self.count:] = self.grid.held(rows[self.forced])
         return out
 
     def closest_beyond(self, mean):
@@ -183,41 +191,55 @@ class DisplacementForm:
             return np.multiply(self.tangent[0], field, out=out)
         return np.einsum("ijn,jn->in", self.tangent, field, out=out)
 
-    def apply_jacobian(self, vector, out):
+    def apply_jacobian(self, vector, out, single=False):
         """out = J vector at the last linearisation: two transforms of the padded window a
-        component."""
+        component.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
-            return self.kernel.apply_jacobian(vector, out)
+            return self.kernel.apply_jacobian(vector, out, single)
         self._products += 1
         field = vector[:self.count].reshape(self.shape)
         work = self.stiffen(field, self.work)
         total = self.grid.sum(work)
-        self.convolution.apply(work, work)
+        (self.quick if single else self.convolution).apply(work, work)
         mean = -self.rigid_compliance * total / self.grid.size
-        mean[self.forced] = vector[self.count:] / self.root
+        scalars = self.scalars(vector)
+        mean[self.forced] = scalars / self.root
         result = out[:self.count].reshape(self.shape)
         np.subtract(work, mean[:, None], out=result)
         result += field
-        for row, i in enumerate(self.forced):
-            out[self.count + row] = self.row_scale[i] * (total[i] * self.root
-                                                         + self.drag[i] * vector[self.count + row])
+        rows = self.row_scale[self.forced] * (total[self.forced] * self.root
+                                              + self.drag[self.forced] * scalars)
+        out[self.count:] = self.grid.held(rows)
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector at the last linearisation (trust regions ask for it)."""
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector at the last linearisation (trust regions ask for it).
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
-            return self.kernel.apply_transpose(vector, out)
+            return self.kernel.apply_transpose(vector, out, single)
         self._products += 1
         field = vector[:self.count].reshape(self.shape)
         sums = self.grid.sum(field)
-        work = self.convolution.apply(field, self.work, transposed=True)
+        convolution = self.quick if single else self.convolution
+        work = convolution.apply(field, self.work, transposed=True)
         work += (self.rigid_compliance / self.grid.size * sums * self._free)[:, None]
-        for row, i in enumerate(self.forced):
-            work[i] += self.row_scale[i] * self.root * vector[self.count + row]
+        for i, scalar in zip(self.forced, self.scalars(vector)):
+            work[i] += self.row_scale[i] * self.root * scalar
         result = out[:self.count].reshape(self.shape)
         np.einsum("jin,jn->in", self.tangent, work, out=result)
         result += field
-        out[self.count:] = -sums[self.forced] / self.root
+        out[self.count:] = self.grid.held(-sums[self.forced] / self.root)
         return out
 
     def load_derivative(self, direction, out):
@@ -229,9 +251,9 @@ class DisplacementForm:
         field = out[:self.count].reshape(self.shape)
         field[...] = -(self.contact.far_displacement(self.components, direction) / self.root)[:,
                                                                                               None]
-        for row, i in enumerate(self.forced):
-            field[i] = 0.0
-            out[self.count + row] = -direction[i] / max(1.0, abs(self.load[i]))
+        field[self.forced] = 0.0
+        rows = -np.asarray(direction) / np.maximum(1.0, np.abs(self.load))
+        out[self.count:] = self.grid.held(rows[self.forced])
         return out
 
     def forces(self, unknown):

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from ..continuation.points import NotConverged
-from ..grid.cell import Operator
 from ..grid.counter import Counter
+from ..grid.operator import Operator
 from ..grid.roots import bracketed_root
 from ..grid.windows import Window
 from ..interface import laws, shapes

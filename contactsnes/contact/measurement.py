@@ -5,7 +5,6 @@ from functools import cached_property
 import numpy as np
 
 from ..grid.cell import Convolution
-from ..grid.contours import first_largest
 from ..grid.outlines import outline
 from ..grid.spots import labelled, sizes
 from . import states
@@ -37,6 +36,11 @@ class Measurement:
         self.components = len(point.controls)
         self.gap, self.traction = contact.evaluated(point.state)
 
+    @property
+    def shared_grid(self):
+        """The grid, where some of its nodes are in other processes, else None."""
+        return None if self.grid.comm is None else self.grid
+
     @cached_property
     def in_contact(self):
         """Mask of the nodes in contact."""
@@ -46,14 +50,14 @@ class Measurement:
     def spot_map(self):
         """Number of the spot of contact (1, 2, ...) that each node of the cell belongs to, 0 where
         there is none (`spots.labelled`)."""
-        touching = np.zeros(self.grid.shape, dtype=bool)
+        touching = np.zeros(self.grid.local_shape, dtype=bool)
         self.window.put(self.in_contact, touching)
-        return labelled(touching)
+        return labelled(touching, self.shared_grid)
 
     @cached_property
     def spot_areas(self):
         """Length or area of each spot: that of its nodes."""
-        return sizes(self.spot_map) * self.grid.node_area
+        return sizes(self.spot_map, self.shared_grid) * self.grid.node_area
 
     @cached_property
     def outline(self):
@@ -68,7 +72,7 @@ class Measurement:
         slip = np.einsum("in,in->n", self.gap[1:], self.gap[1:]) / peak ** 2 - 1.0
         inside = slip[self.in_contact]
         return (np.maximum(self.gap[0] / scene.contact_threshold - 1.0, slip),
-                bool((inside >= 0.0).any()), bool((inside < 0.0).any()))
+                self.grid.any(inside >= 0.0), self.grid.any(inside < 0.0))
 
     @cached_property
     def stuck(self):
@@ -140,19 +144,18 @@ class Measurement:
 
     def active_fields(self):
         """Fields on the nodes where the law acts, name -> array: ``nodes``, their numbers in the
-        fields over the widest window; ``displacement`` and ``traction`` (components of the scene,
-        nodes) and ``mean`` displacement, in their units; ``mode`` where there is one, over the
-        widest window."""
+        fields over the widest window, mirror images near each other; ``displacement`` and
+        ``traction`` (components of the scene, nodes) and ``mean`` displacement, in their units;
+        ``mode`` where there is one, over the widest window."""
         scene, widest = self.contact.scene, self.contact.widest
         size = np.max(np.abs(self.traction), axis=0)
-        acting = size > NOTHING * np.max(size, initial=0.0)
-        every = np.arange(self.grid.size).reshape(self.grid.shape)
-        numbers = self.window.take(every)[acting]
+        acting = size > NOTHING * self.grid.maximum(size, initial=0.0)
+        numbers = self.window.node_numbers()[acting]
         if not widest.is_whole:
-            inside = widest.take(every)
+            inside = widest.node_numbers()
             order = np.argsort(inside)
             numbers = order[np.searchsorted(inside, numbers, sorter=order)]
-        order = np.argsort(numbers)
+        order = _images_beside(numbers, widest.shape)
         displacement, traction = np.zeros((2, scene.components, len(numbers)))
         lengths = _sizes(scene, "u") / self.contact.ranges
         displacement[:self.components] = self.state.displacement[:, acting][:, order]
@@ -160,23 +163,26 @@ class Measurement:
         mean = np.zeros(scene.components)
         mean[:self.components] = self.state.means
         found = {"nodes": numbers[order], "displacement": displacement * lengths[:, None],
-                 "traction": traction * _sizes(scene, "p")[:, None], "mean": mean * lengths}
+                 "traction": traction * _sizes(scene, "p")[:, None]}
+        found = {name: self.grid.to_first(values) for name, values in found.items()}
+        found["mean"] = mean * lengths
         if self._null_or_leading() is not None:
-            found["mode"] = widest.box(widest.take(self._mode()))
+            found["mode"] = self.grid.rows_to_first(widest.box(widest.take(self._mode())))
         return found
 
     def fields(self):
         """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest
         window, (components of the scene, *box)."""
         scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
-        displacement, traction = np.zeros((2, scene.components, *self.grid.shape))
+        displacement, traction = np.zeros((2, scene.components, *self.grid.local_shape))
         displacement[:self.components] = self.contact.extended(self.state)
         displacement *= np.reshape(_sizes(scene, "u") / self.contact.ranges, each)
         self.window.put(self.traction, traction[:self.components])
         traction *= np.reshape(_sizes(scene, "p"), each)
         fields = ((displacement, traction) if self._null_or_leading() is None
                   else (displacement, traction, self._mode()))
-        return tuple(self.contact.widest.box(self.contact.widest.take(field)) for field in fields)
+        widest = self.contact.widest
+        return tuple(self.grid.rows_to_first(widest.box(widest.take(field))) for field in fields)
 
     def _null_or_leading(self):
         """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode
@@ -196,7 +202,7 @@ class Measurement:
         grid = self.grid
         (mode, eigenvalue) = self._null_or_leading()
         rate = eigenvalue - 1.0
-        field = np.zeros((contact.scene.components, *grid.shape))
+        field = np.zeros((contact.scene.components, *grid.local_shape))
         window, inside = mode.window, field[:self.components]
         gap = states.onto(self.state, window).copy()
         tangent = np.zeros((self.components, self.components, window.size))
@@ -209,11 +215,27 @@ class Measurement:
                         self.components).apply(flat, flat)
             inside /= rate.real
             rim = window.rim()
-            inside += np.mean((mode.displacement - window.take(inside))[:, rim],
-                              axis=1).reshape(-1, *[1] * len(grid.shape))
+            beyond = grid.sum((mode.displacement - window.take(inside))[:, rim]) / grid.count(rim)
+            inside += beyond.reshape(-1, *[1] * len(grid.shape))
         window.put(mode.displacement, inside)
-        return field / np.copysign(np.max(np.abs(field)),
-                                   field.flat[first_largest(field.reshape(-1))])
+        return field / grid.first_largest(field)
+
+
+def _images_beside(numbers, shape):
+    """Order of nodes in which mirror images about the middle of a box stand row behind row: fields
+    that are symmetric repeat themselves there, and take a fraction of the bytes when they are
+    compressed.
+
+    Parameters
+    ----------
+    numbers : array (nodes,) of their numbers in the box
+    shape : tuple of int
+    """
+    side, apart = 0, []
+    for place, count in zip(np.unravel_index(numbers, shape), shape):
+        side = 2 * side + (place < count // 2)
+        apart.append(np.abs(place - count // 2))
+    return np.lexsort((apart[-1], side, *apart[-2::-1]))
 
 
 def _sizes(scene, symbol):

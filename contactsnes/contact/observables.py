@@ -27,27 +27,31 @@ class Observable(NamedTuple):
 
 
 def frame(contact):
-    """Coordinates, initial gap and units of the fields of a contact, as arguments of an archive."""
-    scene, nodes = contact.scene, contact.widest
+    """Coordinates, initial gap and units of the fields of a contact, as arguments of an archive: of
+    several processes the first one has them."""
+    scene, nodes, grid = contact.scene, contact.widest, contact.grid
+    first, *second = nodes.coordinates()
+    axes = (grid.joined(first), *second)
     length, gap = scene.scale("beta")[0], scene.scale("u_n,r")[0] / contact.ranges[0]
     both = {name: "; ".join(scene.scale(f"{symbol}_{end},r")[1] for end in "nt")
             for name, symbol in (("displacement", "u"), ("traction", "p"))}
-    return {"coordinates": tuple(length * axis.ravel() for axis in nodes.coordinates()),
-            "initial_gap": gap * nodes.box(nodes.take(contact.initial_gap)),
+    heights = grid.rows_to_first(gap * nodes.box(nodes.take(contact.initial_gap)))
+    return {"coordinates": tuple(length * axis.ravel() for axis in axes), "initial_gap": heights,
             "units": {"coordinates": scene.scale("beta")[1], "initial_gap": scene.scale("u_n,r")[1],
                       **both}}
 
 
 def compliance(contact):
     """(circle, blocks) of the body's compliance in the units of the fields: points of the circle of
-    the widest window, and (i, j) -> half spectrum."""
+    the widest window, and (i, j) -> half spectrum; of several processes the first one has them."""
     scene, window = contact.scene, contact.widest
     ends = "n" + "t" * scene.dimension
     factor = {(i, j): scene.scale(f"u_{one},r")[0] / contact.ranges[i]
               / scene.scale(f"p_{other},r")[0]
               for i, one in enumerate(ends) for j, other in enumerate(ends)}
     operator = contact.operator(scene.components)
-    return window.circle(), {key: operator.on_window(key, window) * factor[key]
+    return window.circle(), {key: contact.grid.to_first(operator.on_window(key, window)
+                                                         * factor[key])
                              for key in operator.blocks}
 
 
@@ -143,9 +147,9 @@ def _told(name, label, unit="", kind="i8", names=()):
 
 def _costs(scene):
     """Rows of what was spent since the last point."""
+    transforms = f"real FFTs of the {'window' if scene.isolated else 'cell'}"
     units = {"nonlinear_iterations": "", "linear_iterations": "", "function_evaluations": "",
-             "transforms": f"real FFTs of the {'window' if scene.isolated else 'cell'}",
-             "wall_time": "s"}
+             "transforms": transforms, "transforms_single": transforms, "wall_time": "s"}
     return {name: Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
                              unit, "f8" if unit else "i8") for name, unit in units.items()}
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..interface.gap import where
+from ..interface.gap import at
 from .states import way
 
 MOVED = 0.3
@@ -18,10 +18,10 @@ def largest(contact, window, field):
     window : Window
     field : array (nodes of the window)
     """
-    cell = np.full(contact.grid.shape, -np.inf)
+    grid = contact.grid
+    cell = np.full(grid.local_shape, -np.inf)
     window.put(field, cell)
-    node = np.unravel_index(np.argmax(cell), cell.shape)
-    return f"at {where(node, contact.grid.coordinates(), contact.scene)}"
+    return f"at {at(grid.place(grid.highest(cell)), contact.scene)}"
 
 
 def moved(contact, first, last):
@@ -32,7 +32,7 @@ def moved(contact, first, last):
     contact : Contact
     first, last : State
     """
-    window = max(first.window, last.window, key=lambda window: window.size)
+    window = max(first.window, last.window, key=lambda window: window.total)
     change, near = way(contact, first, last, window)
     far = np.linalg.norm(change, axis=0) * near
     return (f"{contact.grid.count(far > MOVED)} nodes move by more than {MOVED:g} ranges of the "

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..grid.active import widened
 from ..grid.boxes import fitting
-from ..grid.cell import Convolution, Grid, Operator, Transform
+from ..grid.cell import Convolution, Grid
 from ..grid.even import asymmetry
+from ..grid.operator import Operator
 from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
@@ -82,17 +83,16 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.evaluated = lru_cache(maxsize=4)(self._evaluated)
-        self.gap_on = lru_cache(maxsize=4)(self._gap_on)
+        self.evaluated = lru_cache(maxsize=2)(self._evaluated)
+        self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
 
     def __setattr__(self, name, value):
         if "_sealed" in self.__dict__:
-            raise AttributeError(f"a contact is immutable, its {name} cannot be "
-                                 "set: make another one, Contact(scene, ...), "
-                                 "which takes heights, a gap or a law in "
+            raise AttributeError(f"a contact is immutable, its {name} cannot be set: make another "
+                                 "one, Contact(scene, ...), which takes heights, a gap or a law in "
                                  "place of the scene's")
         super().__setattr__(name, value)
 
@@ -102,11 +102,13 @@ class Contact:
     def _initial_gap(self, heights):
         """The initial gap over the cell, u_n,r."""
         if heights is not None:
-            return gap_of_heights(np.asarray(heights)) + self.scene.gap_offset
+            return self.grid.part_of(gap_of_heights(np.asarray(heights)) + self.scene.gap_offset)
         shape, nodes = shapes.of(self.scene), self.grid.coordinates()
+        if not shape.by_nodes:
+            nodes = Grid(self.grid.shape, self.grid.periods).coordinates()
         gap = initial_gap(shape, nodes, self.scene)
         check_own(shape, gap, nodes, self.scene)
-        return gap
+        return gap if shape.by_nodes else self.grid.part_of(gap)
 
     @property
     def widest(self):
@@ -117,7 +119,7 @@ class Contact:
     def convex(self):
         """Whether the initial gap is: it only grows away from a window around the contact, and a
         cold solve may be trusted."""
-        return is_convex(self.initial_gap)
+        return self.grid.convex(self.initial_gap, is_convex)
 
     @cached_property
     def unevenness(self):
@@ -128,7 +130,8 @@ class Contact:
     def scattered(self):
         """Whether the law may act on any nodes of a plane, so that solves are on these instead of
         on boxes: the gap is neither convex nor even."""
-        return self.scene.dimension == 2 and not self.convex and self.unevenness > UNEVEN
+        return (self.scene.dimension == 2 and not self.convex
+                and (self.grid.comm is not None or self.unevenness > UNEVEN))
 
     @property
     def periodic(self):
@@ -152,7 +155,7 @@ class Contact:
         The stiffness of the cell's softest wave.
         """
         blocks = self.operator(components).blocks
-        return np.array([1.0 / (self.grid.size * np.max(blocks[i, i].real.reshape(-1)[1:]))
+        return np.array([1.0 / (self.grid.size * self.grid.maximum(blocks[i, i].real))
                          for i in range(components)])
 
     def operator(self, components, kind="compliance"):
@@ -161,12 +164,10 @@ class Contact:
         key = (components, kind)
         if key not in self._operators:
             power = 1 if kind == "compliance" else -1
-            blocks = getattr(self.body, kind)(self.grid.wavevectors(), components)
-            self._operators[key] = Operator(self.grid,
-                                            {(i,
-                                              j): symbol
-                                             * (self.ranges[i] * self.ranges[j]) ** power
-                                             for (i, j), symbol in blocks.items()})
+            blocks = self.grid.symbols(getattr(self.body, kind), components)
+            scaled = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
+                      for (i, j), symbol in blocks.items()}
+            self._operators[key] = Operator(self.grid, scaled)
         return self._operators[key]
 
     def _circle(self, component, components, shape, even=False, count=1, signs=None):
@@ -179,16 +180,17 @@ class Contact:
         parities = signs and (signs,) * count
         make = partial(self.kernels.even, parities=parities) if even else self.kernels.real
         transform = make(self.grid, shape, count)
-        vectors = (transform.wavevectors(self.grid.spacings) if even
-                   else self.grid.wavevectors(shape))
-        block = self.body.compliance(vectors, components, last_even=shape[-1] % 2 == 0)[component,
-                                                                                        component]
-        return transform, block * self.ranges[component] ** 2
+        if even:
+            blocks = self.body.compliance(transform.wavevectors(self.grid.spacings), components,
+                                          last_even=shape[-1] % 2 == 0)
+        else:
+            blocks = self.grid.symbols(self.body.compliance, components, shape)
+        return transform, blocks[component, component] * self.ranges[component] ** 2
 
     def _coarse(self, resolution):
         """The contact on every other node, its law softened to spacing x maugis^2 <= resolution;
         the grid counts for both."""
-        scene, kept = self.scene, (slice(None, None, 2),) * len(self.grid.shape)
+        scene = self.scene
         points = tuple(n // 2 for n in self.grid.shape)
         sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
         normal = min(scene.normal_maugis, sharpest)
@@ -197,11 +199,12 @@ class Contact:
                                                                        sharpest),
                            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
                            range_normal=None, range_tangential=None)
-        return self._coarser(softened, softened.ranges[0] / self.ranges[0] * self.initial_gap[kept])
+        return self._coarser(softened, softened.ranges[0] / self.ranges[0]
+                             * self.grid.every_other(self.initial_gap))
 
     def _coarser(self, scene, gap):
         """The contact of a scene on every other node, with its gap there."""
-        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law,
+        return Contact(scene, counter=self.grid.counter, gap=gap, law=self.law, grid=self.grid.half,
                        kernels=self.kernels)
 
     def couples(self):
@@ -243,11 +246,9 @@ class Contact:
         """
         components, window = len(state.displacement), state.window
         if window.is_whole:
-            return state.displacement.reshape(components, *self.grid.shape).copy()
-        gap = state.displacement.copy()
-        gap[0] += self.gap_on(window)
-        cell = np.zeros((components, *self.grid.shape))
-        window.put(self.law.traction(gap), cell)
+            return state.displacement.reshape(components, *self.grid.local_shape).copy()
+        cell = np.zeros((components, *self.grid.local_shape))
+        window.put(self.evaluated(state)[1], cell)
         flat = cell.reshape(components, -1)
         Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
@@ -258,11 +259,11 @@ class Contact:
         """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as
         `extended`, but one transform back only."""
         window, blocks = state.window, self.operator(len(state.displacement)).blocks
-        gap = state.displacement.copy()
-        gap[0] += self.gap_on(window)
-        sources = [i for i in range(len(gap)) if (0, i) in blocks]
-        there, back = (Transform(self.grid, self.grid.shape, count) for count in (len(sources), 1))
-        window.put(self.law.traction(gap)[sources], there.real)
+        sources = [i for i in range(len(state.displacement)) if (0, i) in blocks]
+        there, back = (self.grid.transform(self.grid, self.grid.shape, count)
+                       for count in (len(sources), 1))
+        there.real[...] = 0.0
+        window.put(self.evaluated(state)[1][sources], there.real)
         there.forward()
         back.spectrum[0] = sum(blocks[0, i] * spectrum
                                for i, spectrum in zip(sources, there.spectrum))
@@ -274,6 +275,8 @@ class Contact:
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's
         range."""
+        if self.grid.comm is not None:
+            return self.grid.whole
         made = enclosing if self.convex else fitting
         return made(self.grid, normal_gap < self.law.range, margin=0.05)
 
@@ -281,16 +284,15 @@ class Contact:
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or
         that an interpolation of the edge of contact asks for, with room for it to move."""
         touching = normal_gap < self.scene.contact_threshold + ROOM
-        return (normal_gap < self.law.range) | widened(touching, SUPPORT)
+        return (normal_gap < self.law.range) | widened(self.grid, touching, SUPPORT)
 
 def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
     where they do not fit."""
     if heights.shape != scene.shape:
-        raise InputError(f"the heights have the shape {heights.shape}, the grid "
-                         f"has {scene.shape}: give one height for each node, "
-                         "or -scene_points and -scene_dimension that fit "
-                         "the heights")
+        raise InputError(f"the heights have the shape {heights.shape}, the grid has {scene.shape}: "
+                         "give one height for each node, or -scene_points and -scene_dimension "
+                         "that fit the heights")
     if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
         raise InputError(
             "the heights have to be real and finite numbers: fill the missing ones first")

@@ -25,14 +25,15 @@ def mean_spot(m):
 
 def corrected_area(m):
     """Area of the nodes in contact as codes for hard walls count it (`spots.corrected_count`)."""
-    return corrected_count(m.spot_map > 0) * m.grid.node_area
+    return corrected_count(m.spot_map > 0, m.shared_grid) * m.grid.node_area
 
 
 def mean_gap(m):
     """Mean of the gap over the cell, u_n,r; nan around an isolated contact."""
     if m.contact.isolated:
         return math.nan
-    return float(np.mean(m.contact.initial_gap) / m.contact.ranges[0]) + m.mean(0)
+    gap = m.grid.sum(m.contact.initial_gap.reshape(-1)) / m.grid.size
+    return float(gap / m.contact.ranges[0]) + m.mean(0)
 
 
 def rows(scene):

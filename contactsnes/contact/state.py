@@ -46,7 +46,7 @@ def alike(contact, states, others=()):
     contact : Contact
     states, others : lists of State
     """
-    largest = max(states, key=lambda state: state.window.size)
+    largest = max(states, key=lambda state: state.window.total)
     half, every = largest.half, [*states, *others]
     if half is None or any(state.half is None or state.half.parities != half.parities
                            for state in every):

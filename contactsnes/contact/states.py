@@ -33,7 +33,7 @@ def undeformed(contact, controls, load):
     load : controlled values, u_n,r, u_t,r or w_n,r, w_t,r by ``controls``
     """
     grid = contact.grid
-    displacement = np.zeros((len(controls), grid.size))
+    displacement = np.zeros((len(controls), grid.whole.size))
     depth = _depth(contact, controls, load)
     displacement[0] = np.maximum(-contact.initial_gap, -depth).reshape(-1)
     return State(grid.whole, displacement, grid.mean(displacement))
@@ -61,7 +61,7 @@ def _depth(contact, controls, load):
         return lowest if control == FORCE else target
     # What the flat carries first rises with the depth and falls again towards full contact: the
     # first root counts.
-    tried = [lowest, *np.quantile(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
+    tried = [lowest, *grid.quantiles(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
     above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
     # Each trial of what the flat carries is a transform of the cell; a start need not be exact in
     # that.
@@ -72,7 +72,7 @@ def _depth(contact, controls, load):
 
 def apart(contact):
     """The undeformed body, far outside the law's range; the normal component."""
-    displacement = np.full((1, contact.grid.size), 2.0 * contact.law.range
+    displacement = np.full((1, contact.grid.whole.size), 2.0 * contact.law.range
                            - contact.grid.minimum(contact.initial_gap))
     return State(contact.grid.whole, displacement, displacement[:, 0].copy())
 
@@ -205,7 +205,8 @@ def distance(contact, first, second):
     first, second : State, with as many components
     """
     change = onto(first, second.window) - second.displacement
-    return float(np.sqrt(contact.grid.inner(change, change) / change.size))
+    count = len(change) * second.window.total
+    return float(np.sqrt(contact.grid.inner(change, change) / count))
 
 
 def missed(contact, guess, found, largest=False):
@@ -262,9 +263,9 @@ def chord(contact, first, last, window):
     window : Window
     """
     change, near = way(contact, first, last, window)
-    if near.any():
+    if contact.grid.any(near):
         np.multiply(change, near, out=change)
-    count = len(change) * (contact.grid.count(near) or window.size)
+    count = len(change) * (contact.grid.count(near) or window.total)
     length = float(np.sqrt(contact.grid.inner(change, change) / count))
     return change / max(count * length, 1e-300), length
 

@@ -81,7 +81,7 @@ def settle(system, state, controls, load, where, origin=None):
     NoEquilibrium : where overdamped motion shows that the body leaves or slides without end
     NotConverged : where the motion does not settle
     """
-    if not np.isfinite(state.displacement).all():
+    if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
@@ -136,7 +136,7 @@ def by_creep(system, state, controls, load, origin, options):
     system, state, controls, load, origin : as of `settle`
     options : MotionOptions
     """
-    if not np.isfinite(state.displacement).all():
+    if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     contact, state = system.contact, system.fitted(state)
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,

@@ -50,7 +50,8 @@ class Overdamped:
         self._stiffness = np.array([0.0 if free[i] else 1.0 / compliance[i] for i in self.means])
         self._mass = contact.mean_mass(form.components)[self.means]
         self._free = free[self.means]
-        self.size = form.count + len(self.means)
+        self.size = form.count + len(form.grid.held(self.means))
+        self.shared = None if form.grid.comm is None else form.grid
         self.zone = None
 
     def linearise(self, state, load):
@@ -64,7 +65,8 @@ class Overdamped:
         """J vector: two transforms of the padded window a component."""
         form, result = self.form, np.empty(self.size)
         form.count_product()
-        field, means = vector[:form.count].reshape(form.shape), vector[form.count:]
+        field = vector[:form.count].reshape(form.shape)
+        means = self._means(vector)
         work = form.stiffen(field, form.work)
         total = form.grid.sum(work) * form.root / form.grid.size
         form.convolution.apply(work, work)
@@ -74,14 +76,15 @@ class Overdamped:
         out = result[:form.count].reshape(form.shape)
         np.add(field, work, out=out)
         out += shift[:, None]
-        result[form.count:] = rates
+        result[form.count:] = form.grid.held(rates)
         return result
 
     def precondition(self, vector):
         """About J^-1 vector, by the preconditioner of the form: two transforms of the core a
         component."""
         form = self.form
-        field, rates = vector[:form.count].reshape(form.shape), vector[form.count:]
+        field = vector[:form.count].reshape(form.shape)
+        rates = self._means(vector)
         right, out = np.zeros(form.size), np.empty(form.size)
         source = right[:form.count].reshape(form.shape)
         source[...] = field
@@ -89,7 +92,8 @@ class Overdamped:
         # What pulls a mean that is held by a spring moves it at once by its compliance.
         held = np.divide(balance, self._stiffness, out=np.zeros_like(balance), where=~self._free)
         source[self.means] += ((held - rates) / form.root)[:, None]
-        right[form.count:] = form.row_scale[form.forced] * form.grid.size * balance[self._free]
+        right[form.count:] = form.grid.held(form.row_scale[form.forced] * form.grid.size
+                                            * balance[self._free])
         self.zone.apply(right, out)
         result = np.empty(self.size)
         result[:form.count] = out[:form.count]
@@ -98,22 +102,38 @@ class Overdamped:
                                            form.work))[self.means] * form.root / form.grid.size
         means = np.divide(balance - total, self._stiffness, out=np.zeros_like(balance),
                           where=~self._free)
-        means[self._free] = (out[form.count:] + self._inner[self.means][self._free]
+        means[self._free] = (form.scalars(out) + self._inner[self.means][self._free]
                              * balance[self._free])
-        result[form.count:] = means
+        result[form.count:] = form.grid.held(means)
         return result
 
     def vector(self, mode):
         """The vector of a mode as a state: displacements on the window and means, ranges of the
         law."""
-        return np.append(mode.displacement / self.form.root, mode.means[self.means])
+        return np.append(mode.displacement / self.form.root,
+                         self.form.grid.held(mode.means[self.means]))
 
     def state(self, vector):
         """The mode as a state, of a real vector."""
         means = np.zeros(self.form.components)
-        means[self.means] = vector[self.form.count:]
+        means[self.means] = self._means(vector)
         return State(self.form.window, vector[:self.form.count].reshape(self.form.shape)
                      * self.form.root, means)
+
+    def _means(self, vector):
+        """The means that can move of a vector."""
+        return self.form.grid.scalars(vector[self.form.count:], len(self.means))
+
+    def noise(self, seed):
+        """A vector of random numbers, the same however its nodes are shared out."""
+        form, window = self.form, self.form.window
+        field = window.take(form.grid.noise(form.components, seed))
+        return np.append(field, form.grid.held(np.ones(len(self.means))))
+
+    def first_largest(self, vector):
+        """The largest size of a vector's displacements, with the sign of the first about as
+        large."""
+        return self.form.grid.first_largest(vector[:self.form.count].reshape(self.form.shape))
 
     def mirror(self, vector, symmetry):
         """The mirror image of a vector about the apex, on a centred window, for (direction, sign of

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
 from ..grid.contours import first_largest
-from .projection import Space, joined, projected
+from .projection import Space, joined, lengths, projected
 
 ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4;
@@ -55,13 +55,14 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     ------
     NotConverged : where residuals stay large
     """
-    if operator.size <= DENSE:
+    alone = getattr(operator, "shared", None) is None
+    if alone and operator.size <= DENSE:
         return [_all_modes(operator)]
     space = Space(operator, axes)
     found = _searched(space, start, accurate, number, neutral)
     if found is not None:
         return found
-    if operator.size <= LARGEST_DENSE:
+    if alone and operator.size <= LARGEST_DENSE:
         return [_all_modes(operator)]
     modes = joined(space.modes())
     raise NotConverged("the modes of the point were not found: eigenvalue "
@@ -80,8 +81,8 @@ def _searched(space, start, accurate, number, neutral):
     vectors, shift = (_ahead(space, joined(space.modes()), accurate, number) if start
                       else ([], 0.0))
     for run in range(RUNS):
-        noise = random.standard_normal(size)
-        begin = sum(vectors, (NOISE if vectors else 1.0) / np.linalg.norm(noise) * noise)
+        noise = random.standard_normal(size) if space.grid is None else space.operator.noise(run)
+        begin = sum(vectors, (NOISE if vectors else 1.0) / lengths(noise, space.grid) * noise)
         _krylov(space, shift, begin, BASIS * (4 if run < cold else 1))
         if run + 1 < cold:
             continue
@@ -95,37 +96,44 @@ def _searched(space, start, accurate, number, neutral):
     return None
 
 
-def oriented(vector):
+def oriented(vector, operator=None):
     """The real part of a mode, in the phase where it is largest, with the first value of about the
-    largest size positive.
+    largest size positive; of one that processes have parts of, by its operator.
 
     Phase and sign are left to rounding by what finds eigenvectors, and which way a branch is left
     hangs on them.
     """
-    real = (vector * np.exp(-0.5j * np.angle(np.sum(vector ** 2)))).real
-    return np.copysign(1.0, real[first_largest(real)]) * real
+    grid = getattr(operator, "shared", None)
+    square = np.sum(vector ** 2)
+    if grid is not None:
+        square = grid.together(square.real) + 1j * grid.together(square.imag)
+    real = (vector * np.exp(-0.5j * np.angle(square))).real
+    first = real[first_largest(real)] if grid is None else operator.first_largest(real)
+    return np.copysign(1.0, first) * real
 
 
 def summed(found):
     """Sums of modes of different symmetries, which can be told apart again: so that one vector
     carries one of each."""
-    return [sum(vectors) for vectors in zip_longest(*(_real(part.vectors) for part in found),
+    return [sum(vectors) for vectors in zip_longest(*(_real(part.vectors, part.grid)
+                                                      for part in found),
                                                     fillvalue=0.0)]
 
 
-def _real(vectors):
+def _real(vectors, grid):
     """Real and imaginary parts of vectors, a list without what vanishes."""
     parts = [part for vector in vectors for part in (vector.real, vector.imag)]
-    return [part for part in parts if part.any()]
+    return [part for part in parts if (part.any() if grid is None else grid.any(part))]
 
 
 def _ahead(space, modes, accurate, number):
     """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
     the one that counts."""
     loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
-    steps = [space.operator.precondition(residual) for residual in _real(modes.defects[loose])]
+    steps = [space.operator.precondition(residual)
+             for residual in _real(modes.defects[loose], space.grid)]
     shift = modes.values[min(number, len(modes.values) - 1)].real
-    return [step / np.linalg.norm(step) for step in steps], min(shift, 0.5)
+    return [step / lengths(step, space.grid) for step in steps], min(shift, 0.5)
 
 
 def _krylov(space, shift, begin, basis):
@@ -136,12 +144,36 @@ def _krylov(space, shift, begin, basis):
     def product(vector):
         return vector - operator.precondition(space.product(vector) - shift * vector)
 
+    if space.grid is not None:
+        _arnoldi(product, begin, basis, space.grid)
+        return
     size = operator.size
     try:
         eigs(LinearOperator((size, size), matvec=product, dtype=float), k=1, which="LR", v0=begin,
              ncv=basis, tol=0.1, maxiter=1, return_eigenvectors=False)
     except (ArpackNoConvergence, ArpackError):
         pass  # what it has tried serves as well
+
+
+def _arnoldi(product, begin, count, grid):
+    """As many products as a run of ARPACK has, of its vectors: ARPACK knows no other processes.
+
+    Parameters
+    ----------
+    product : function (vector) -> vector
+    begin : vector
+    count : int
+    grid : Grid that sums over processes
+    """
+    basis, vector = np.empty((0, len(begin))), begin
+    for _ in range(count):
+        for _ in range(2):
+            vector = vector - grid.together(basis @ vector) @ basis
+        length = lengths(vector, grid)
+        if length == 0.0:
+            return
+        basis = np.concatenate([basis, [vector / length]])
+        vector = product(basis[-1])
 
 
 def _settled(modes, accurate, number, neutral):

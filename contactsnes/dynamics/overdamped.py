@@ -114,7 +114,7 @@ class OverdampedMotion:
         unknown = equations.pack(state.displacement, state.means)
         gap, traction = equations.gap(unknown), equations.traction(unknown)
         elastic = traction if elastic is None else equations.folded(elastic)
-        unknown[equations.form.count:] += equations.response(elastic)
+        unknown[equations.form.count:] += equations.form.grid.held(equations.response(elastic))
         self.history, self.rate = [Moment(time, unknown, elastic, gap,
                                           traction)], equations.rate(unknown)
         self._near = equations.near(gap)
@@ -126,8 +126,8 @@ class OverdampedMotion:
         equations, now = self.equations, self.history[-1]
         means = equations.far - self.contact.rigid_compliance(len(self.controls)) * equations.mean(
             now.elastic)
-        means[equations.moving] = now.unknown[equations.form.count:] - equations.response(
-            now.elastic)
+        means[equations.moving] = (equations.form.scalars(now.unknown)
+                                   - equations.response(now.elastic))
         return states.State(equations.window,
                             equations.unfolded(equations.displacement(now.unknown).copy()), means)
 
@@ -161,7 +161,7 @@ class OverdampedMotion:
                 self._next = step
                 return
             lost = self.equations.leaving(moment.unknown, moment.gap,
-                                          change[self.equations.form.count:] / step)
+                                          self.equations.form.scalars(change) / step)
             begun = moment.time if lost is None else begun
             if lost == 0 or moment.time - begun > ENDLESS:
                 raise Leaving
@@ -197,7 +197,7 @@ class OverdampedMotion:
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
-        if not (solved and np.isfinite(unknown).all()):
+        if not solved or self.contact.grid.any(~np.isfinite(unknown)):
             return np.inf, None
         aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
         turned = (equations.size(aside, self._near)
@@ -223,7 +223,7 @@ class OverdampedMotion:
         """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the
         parabola through the last moments."""
         equations, last = self.equations, self.history[-1]
-        grid, count = equations.form.grid, equations.form.count
+        grid = equations.form.grid
         # rates in the middle, and what they differ by at either end
         rates = [(moment.unknown - last.unknown) / step, (moment.elastic - last.elastic) / step]
         bends = [np.zeros_like(rate) for rate in rates]
@@ -238,7 +238,8 @@ class OverdampedMotion:
         tractions = last.traction + 4.0 * equations.traction(middle) + moment.traction
         self.works[0] += step / 6.0 * grid.sum(tractions * velocity
                                                + (moment.traction - last.traction) * turn)
-        moving, means, bent = equations.moving, speed[count:], bend[count:]
+        moving, means, bent = (equations.moving, equations.form.scalars(speed),
+                               equations.form.scalars(bend))
         velocity[moving] -= means[:, None]
         turn[moving] -= bent[:, None]
         self.works[1] -= step * grid.sum(creep * velocity + creep_bend * turn / 3.0)
@@ -262,7 +263,7 @@ class OverdampedMotion:
     def _extended(self):
         """Displacement over the cell (components, *grid): m - C tau off the window."""
         state, contact = self.state(), self.contact
-        cell = np.zeros((len(self.controls), *contact.grid.shape))
+        cell = np.zeros((len(self.controls), *contact.grid.local_shape))
         state.window.put(self.equations.unfolded(self.history[-1].elastic), cell)
         flat = cell.reshape(len(cell), -1)
         Convolution(contact.grid.whole, contact.operator(len(cell)), len(cell)).apply(flat, flat)

@@ -8,6 +8,19 @@ from scipy import linalg
 from ..continuation.bifurcations import NEUTRAL
 
 
+def together(grid, parts):
+    """Sums of parts in all processes; without a grid there is one."""
+    return parts if grid is None else grid.together(parts)
+
+
+def lengths(rows, grid=None):
+    """Euclidean length of vectors (..., size), parts of which may be in other processes of a
+    grid."""
+    if grid is None:
+        return np.linalg.norm(rows, axis=-1)
+    return np.sqrt(grid.together(np.sum(np.square(np.abs(rows)), axis=-1)))
+
+
 @dataclass(frozen=True)
 class Modes:
     """Eigenvalues by their real parts (a complex pair once, with positive imaginary part), modes x
@@ -15,18 +28,19 @@ class Modes:
 
     The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the
     edges of contact have one each), all of which are to be accurate, and a further one that only
-    tells where to look.
+    tells where to look. ``grid`` is that of the nodes where some are in other processes.
     """
 
     values: np.ndarray
     vectors: np.ndarray
     defects: np.ndarray
     certain: np.ndarray
+    grid: object = None
 
     @property
     def residuals(self):
         """|J x - s x| of each."""
-        return np.linalg.norm(self.defects, axis=1)
+        return lengths(self.defects, self.grid)
 
     @property
     def unstable(self):
@@ -49,13 +63,14 @@ class Space:
 
     Parameters
     ----------
-    operator : with ``size``, ``apply`` and ``mirror``
+    operator : with ``size``, ``apply`` and ``mirror`` and, where vectors are shared out among
+        processes, the grid that sums over them, ``shared``
     axes : symmetries, second arguments of ``mirror``, under which J does not change
     """
 
     def __init__(self, operator, axes=()):
-        self.operator, self.axes = operator, axes
-        self._sectors = [_Sector(operator.size) for _ in range(2 ** len(axes))]
+        self.operator, self.axes, self.grid = operator, axes, getattr(operator, "shared", None)
+        self._sectors = [_Sector(operator.size, self.grid) for _ in range(2 ** len(axes))]
 
     def begin(self, vectors):
         """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
@@ -74,7 +89,7 @@ class Space:
         """J vector, kept."""
         image = self.operator.apply(vector)
         for sector, part, its in zip(self._sectors, self._parts(vector), self._parts(image)):
-            sector.append(part, its, np.linalg.norm(vector))
+            sector.append(part, its, lengths(vector, self.grid))
         return image
 
     def _parts(self, vector):
@@ -88,7 +103,7 @@ class Space:
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
         certain = 1 if self.axes else 2
-        return [projected(sector.basis, sector.images, certain)
+        return [projected(sector.basis, sector.images, certain, self.grid)
                 for sector in self._sectors if sector.count]
 
 
@@ -99,8 +114,8 @@ class _Sector:
     dependent, such sums cancel.
     """
 
-    def __init__(self, size):
-        self._rows, self.count = np.empty((2, 8, size)), 0
+    def __init__(self, size, grid=None):
+        self._rows, self.count, self._grid = np.empty((2, 8, size)), 0, grid
 
     @property
     def basis(self):
@@ -117,9 +132,9 @@ class _Sector:
         new."""
         # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87).
         for _ in range(2):
-            parts = self.basis @ vector
+            parts = together(self._grid, self.basis @ vector)
             vector, image = vector - parts @ self.basis, image - parts @ self.images
-        norm = np.linalg.norm(vector)
+        norm = lengths(vector, self._grid)
         if norm > 1e-6 * scale:
             if self.count == self._rows.shape[1]:
                 self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
@@ -127,7 +142,7 @@ class _Sector:
             self.count += 1
 
 
-def projected(basis, images, certain):
+def projected(basis, images, certain, grid=None):
     """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
@@ -135,15 +150,16 @@ def projected(basis, images, certain):
     basis : orthonormal vectors, rows
     images : J times these, rows
     certain : int, modes after the unstable ones that are to be accurate
+    grid : Grid that sums over processes, where vectors are shared out among some
     """
-    values, coefficients = linalg.eig(basis @ images.T)
+    values, coefficients = linalg.eig(together(grid, basis @ images.T))
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)
     kept = kept[:certain + 1]
     vectors, moved = (_combined(coefficients[:, kept].T, rows) for rows in (basis, images))
     return Modes(values[kept], vectors, moved - values[kept, None] * vectors,
-                 np.arange(len(kept)) < certain)
+                 np.arange(len(kept)) < certain, grid)
 
 
 def _combined(coefficients, rows):
@@ -159,4 +175,4 @@ def joined(parts):
     """Modes of all symmetries together, in the order of their real parts."""
     order = np.argsort(np.concatenate([part.values.real for part in parts]), kind="stable")
     return Modes(*(np.concatenate([getattr(part, name) for part in parts])[order]
-                   for name in ("values", "vectors", "defects", "certain")))
+                   for name in ("values", "vectors", "defects", "certain")), parts[0].grid)

@@ -106,7 +106,7 @@ class Stability:
 
     def _with_leading(self, point, modes, number):
         """The point with an eigenvalue and its mode."""
-        mode = self._operator.state(oriented(modes.vectors[number]))
+        mode = self._operator.state(oriented(modes.vectors[number], self._operator))
         return replace(point, leading_eigenvalue=complex(modes.values[number]), mode=mode)
 
     def _leave_symmetry(self, modes):
@@ -132,7 +132,7 @@ class Stability:
         scattered = self.contact.scattered
         state = point.state if scattered else states.fitted(self.contact, point.state)
         axes = []
-        if len(state.window.parts) == 1 and not scattered:
+        if len(state.window.parts) == 1 and not scattered and self.contact.grid.comm is None:
             window = centred(state.window)
             even = State(window, states.onto(state, window), state.means)
             axes = symmetries(self.contact, even)

@@ -27,6 +27,7 @@ from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
 from ..solvers.linear import create_ksp
 from ..solvers.snes import NewtonOptions, RegularisedStep
+from ..solvers.vectors import create_vector
 from .control import control
 
 
@@ -75,8 +76,7 @@ class Equations:
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
         self.ksp, self.matrix = create_ksp(self.form, "jump_")
-        self._right, self._step, self._guess = (PETSc.Vec().createSeq(self.form.size)
-                                                for _ in range(3))
+        self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
         self._exactness = PETSc.Options("jump_").getReal("ksp_rtol",
@@ -118,7 +118,7 @@ class Equations:
     def near(self, gap):
         """`Near` of a gap (components, nodes of the equations)."""
         grid, mask = self.form.grid, gap[0] < NEAR
-        mask = mask if mask.any() else np.ones_like(mask)
+        mask = mask if grid.any(mask) else np.ones_like(mask)
         scale = np.maximum(gap, 1.0)
         if len(gap) > 1:
             slip = np.abs(gap[1]) if len(gap) == 2 else np.linalg.norm(gap[1:], axis=0)
@@ -154,12 +154,12 @@ class Equations:
         residual = form.residual(unknown, np.empty(form.size))
         mean = self.mean(self.traction(unknown))
         return residual[:count] + self._spread(self.inner * mean[self.moving]), self._pull(
-            unknown[count:], mean)
+            form.scalars(unknown), mean)
 
     def rate(self, unknown):
         """x': one residual."""
         field, means = self.imbalance(unknown)
-        return np.append(self._spread(means) - field, means)
+        return np.append(self._spread(means) - field, self.form.grid.held(means))
 
     def newton(self, guess, shift, known, tolerance):
         """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its
@@ -178,13 +178,13 @@ class Equations:
         callbacks.solve(ksp, (self._right, self._step))
         self._iterations += ksp.getIterationNumber()
         step = self._step.getArray()
-        response = 0.0
+        response = np.zeros(len(self.moving))
         if self.inner.any():
             response = self.response(form.stiffen(form.displacement(step), form.work))
         if self._regularised:
             self._guess.setArray(guess)
             self._regularised(self._guess, self._step)
-        step[count:] += response
+        step[count:] += form.grid.held(response)
         return guess - step, ksp.getConvergedReason() > 0
 
     def _linearise(self, guess, shift, known):
@@ -197,7 +197,7 @@ class Equations:
         traction = self.mean(work)
         form.convolution.apply(work, work)
         form.tangent /= scale
-        means, before = guess[count:], known[count:]
+        means, before = form.scalars(guess), form.scalars(known)
         # A mean that moves with the body's response to it: x stands for m less that response.
         share = 1.0 + shift * self.inner * self.mass / scale
         drag = self.contact.grid.size * self.mass / scale / share
@@ -210,8 +210,8 @@ class Equations:
         np.multiply(work.reshape(-1), 1.0 / (form.root * scale), out=field)
         field += guess[:count]
         field -= known[:count] / scale
-        right[count:] = form.row_scale[moving] * drag * (shift * means - before
-                                                         - self._pull(means, traction))
+        right[count:] = form.grid.held(form.row_scale[moving] * drag * (
+            shift * means - before - self._pull(means, traction)))
 
     def size(self, change, near, relative=False):
         """How large a change of the unknown is at nodes, ranges: root mean square, or a third of
@@ -240,7 +240,7 @@ class Equations:
         gap : array (components, nodes of the equations), ranges of the law
         velocity : of the means that move
         """
-        grid = self.form.grid
+        grid, means = self.form.grid, self.form.scalars(unknown)
         for place in np.flatnonzero(self.pulled):
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
@@ -248,7 +248,7 @@ class Equations:
             if (component == 0 and target > 0.0
                 and grid.minimum(gap[0]) > self.form.contact.law.range):
                 return 0
-            if component > 0 and abs(unknown[self.form.count + place]) > LEVELLED:
+            if component > 0 and abs(means[place]) > LEVELLED:
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
                 if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size,
                           pressed):

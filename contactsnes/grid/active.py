@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
-from .cell import Convolution, Transform
+from .cell import Convolution
 
 WORTH = 0.75
 """Part of a box's nodes up to which they are a window of their own: more are not worth the way into
@@ -39,6 +39,7 @@ class Nodes:
         self.places = np.ascontiguousarray(places, dtype=np.int32)
         self.places.flags.writeable = False
         self.size = len(self.places)
+        self.total = self.size
 
     def __eq__(self, other):
         """Whether these are the same nodes of the same box."""
@@ -54,6 +55,10 @@ class Nodes:
         nodes = np.unravel_index(self.places, self.shape)
         return np.ravel_multi_index([(first + node) % total for first, node, total
                                      in zip(self.start, nodes, self.grid.shape)], self.grid.shape)
+
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return self.numbers
 
     @property
     def indices(self):
@@ -116,11 +121,11 @@ class Nodes:
         known, asked = np.zeros((2, *self.grid.shape), dtype=bool)
         known[self.indices] = True
         asked[self.indices] = mask
-        return not (widened(asked, reach) & ~known).any()
+        return not (widened(self.grid, asked, reach) & ~known).any()
 
     def area_below(self, values, level):
         """Area where values (nodes) lie below a level, of the box."""
-        return self.hull.area_below(self.spread(values, np.max(values)), level)
+        return self.hull.area_below(self.spread(values, self.grid.maximum(values)), level)
 
     def at_level(self, values, level, fields):
         """Fields where values cross a level, (components, crossings), of the box.
@@ -130,26 +135,41 @@ class Nodes:
         values, fields : arrays (nodes,) and (components, nodes) over the window
         level : float, unit of the values
         """
-        return self.hull.at_level(self.spread(values, np.max(values)), level, self.spread(fields))
+        return self.hull.at_level(self.spread(values, self.grid.maximum(values)), level,
+                                  self.spread(fields))
 
     def circle(self):
         """Shape of the circle that holds a convolution of the box."""
         return self.hull.circle()
 
 
-def widened(mask, reach):
-    """A mask over the cell with all nodes up to ``reach`` nodes from it in every direction."""
+def widened(grid, mask, reach):
+    """A mask over the cell with all nodes up to ``reach`` nodes from it in every direction.
+
+    Parameters
+    ----------
+    grid : Grid
+    mask : array of bool over the cell
+    reach : int
+    """
+    mask = grid.with_rows(mask, reach)
     for axis in range(mask.ndim):
         mask = np.logical_or.reduce([np.roll(mask, shift, axis)
                                      for shift in range(-reach, reach + 1)])
-    return mask
+    return grid.without_rows(mask, reach)
+
+
+def some(hull, places):
+    """The window of some nodes of a box, by their numbers in it."""
+    return (hull.of_nodes or Nodes)(hull, places)
 
 
 def within(hull, mask):
     """The window of the nodes of a box where a mask over the cell holds; the box itself if these
     are nearly all."""
     places = np.flatnonzero(hull.take(mask))
-    return Nodes(hull, places) if 0 < places.size <= WORTH * hull.size else hull
+    return (some(hull, places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
+            else hull)
 
 
 class NodesConvolution(Convolution):
@@ -161,9 +181,10 @@ class NodesConvolution(Convolution):
     operator, count, make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, make=Transform):
-        super().__init__(window, operator, count, make)
-        self._flat = self.transform.real.reshape(count, -1)
+    def _lay_out(self):
+        """Find the transform's circle as one row, too."""
+        super()._lay_out()
+        self._flat = self.transform.real.reshape(self.count, -1)
 
     def _put(self, values):
         """Write values to their places on the transform's circle, 0 elsewhere."""
@@ -172,4 +193,7 @@ class NodesConvolution(Convolution):
 
     def _take(self, out):
         """Read the nodes from the circle."""
-        np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        if out.dtype == self._flat.dtype:
+            np.take(self._flat, self.window.on_circle, axis=-1, out=out)
+        else:
+            out[...] = self._flat[:, self.window.on_circle]

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from .active import Nodes, NodesConvolution
-from .cell import Convolution, Transform, clear_padding
+from .cell import Convolution, clear_padding
 from .windows import Window, enclosing
 
 MOST = 24
@@ -56,7 +56,7 @@ class Spots:
         self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start),
                                   key=lambda part: part.start))
         self.start = tuple(part.start for part in self.parts)
-        self.size = len(self.parts) * self.parts[0].size
+        self.size = self.total = len(self.parts) * self.parts[0].size
         self._which = self.start, self.shape, grid.shape, grid.periods
 
     __eq__, __hash__ = Window.__eq__, Window.__hash__
@@ -75,6 +75,8 @@ class Spots:
         """Write values (..., nodes) into a field (..., *grid) at these nodes."""
         for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
             field[(..., *part.indices)] = own
+
+    node_numbers = Window.node_numbers
 
     def box(self, values, beyond=0.0):
         """View values (..., nodes) as (..., boxes, *box), of which there are no others."""
@@ -140,16 +142,21 @@ class SpotsConvolution:
     make : as of `cell.Convolution`
     """
 
-    def __init__(self, window, operator, count, make=Transform):
+    def __init__(self, window, operator, count, make=None):
         self.window, self.count = window, count
         boxes, circle = len(window.parts), window.circle()
-        self.transform = plan = make(window.grid, circle, count * boxes)
-        self._real = plan.real.reshape(count, boxes, *circle)
-        self._spectrum = plan.spectrum.reshape(count, boxes, -1)
+        self.transform = (make or window.grid.transform)(window.grid, circle, count * boxes)
+        self._lay_out()
+        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+
+    def _lay_out(self):
+        """Find where the boxes are on the circles of the transform, and room to multiply blocks."""
+        plan, lead = self.transform, (self.count, len(self.window.parts))
+        self._real = plan.real.reshape(*lead, *plan.shape)
+        self._spectrum = plan.spectrum.reshape(*lead, -1)
         self._product = np.empty_like(self._spectrum[0])
         self._sums = np.empty_like(self._spectrum)
-        self._inside = (slice(None), slice(None), *(slice(0, n) for n in window.shape))
-        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+        self._inside = (slice(None), slice(None), *(slice(0, n) for n in self.window.shape))
 
     def _couplings(self, operator, key, circle):
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
@@ -191,7 +198,7 @@ class SpotsConvolution:
         return out
 
 
-def convolution(window, operator, count, make=Transform):
+def convolution(window, operator, count, make=None):
     """The product of an operator with fields on a window, of any kind.
 
     Parameters

@@ -6,11 +6,14 @@ multiplies by the number of points.
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 
-from .counter import Counter
+from .counter import Counter, transform_cost
+from .fields import Fields
+from .precision import first_half
 from .windows import Window
 
 
@@ -26,28 +29,35 @@ class Transform:
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
+    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, memory=None):
         axes = tuple(range(1, 1 + len(shape)))
         self.shape, self.gain = shape, math.prod(shape)
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
-                                             dtype=complex)
+        self.real, self.spectrum = memory or (
+            pyfftw.zeros_aligned((count, *shape)),
+            pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex))
         plan = {"axes": axes, "threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._forward = pyfftw.FFTW(self.real, self.spectrum, **plan)
         self._backward = pyfftw.FFTW(self.spectrum, self.real, direction="FFTW_BACKWARD", **plan)
-        self._counter = grid.counter
-        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
+        self._grid, self._counter = grid, grid.counter
+        self._cost = count * transform_cost(self.gain, grid.counter.size), self.real.itemsize < 8
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision, on the same memory."""
+        return Transform(self._grid, self.shape, len(self.real),
+                         (first_half(self.real), first_half(self.spectrum)))
 
     def forward(self):
         """``real`` to ``spectrum``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._forward.execute()
 
     def backward(self):
         """``spectrum`` to ``real``."""
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         self._backward.execute()
 
 
@@ -57,15 +67,10 @@ def _counted(values, where):
     return values[(slice(None),) * (np.ndim(values) - np.ndim(where)) + (where,)]
 
 
-def transform_cost(points, size):
-    """Cost of a real transform of ``points`` points in units of one of ``size`` points: m log m /
-    (N log N)."""
-    return points * math.log(max(points, 2)) / (size * math.log(size))
-
-
-class Grid(Counter):
+class Grid(Fields, Counter):
     """The periodic grid of the cell: wave vectors, transforms and their count, reductions over
-    nodes.
+    nodes. ``comm`` is None, or the communicator of the processes among which nodes are shared out
+    (`slabs`).
 
     Parameters
     ----------
@@ -75,6 +80,8 @@ class Grid(Counter):
         one)
     """
 
+    comm = None
+
     def __init__(self, shape, periods, counter=None):
         self.shape = tuple(shape)
         self.periods = tuple(float(period) for period in periods)
@@ -83,7 +90,16 @@ class Grid(Counter):
         self.area = math.prod(self.periods)
         self.node_area = self.area / self.size
         self.counter = self if counter is None else counter
-        self.whole = Window(self, (0,) * len(shape), self.shape)
+        self.whole = self._whole()
+
+    def _whole(self):
+        """The window of all nodes."""
+        return Window(self, (0,) * len(self.shape), self.shape)
+
+    @property
+    def transform(self):
+        """What makes transforms over the cell."""
+        return Transform
 
     def coordinates(self):
         """Coordinates of the nodes, beta: one array a direction, shaped to broadcast over the
@@ -98,6 +114,18 @@ class Grid(Counter):
         axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], self.spacings)]
         axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], self.spacings[-1]))
         return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def symbols(self, make, components, shape=None):
+        """Blocks (i, j) -> half spectrum of a body on a circle.
+
+        Parameters
+        ----------
+        make : `Body.compliance` or `Body.stiffness`
+        components : int
+        shape : points of the circle in each direction (default the cell)
+        """
+        shape = self.shape if shape is None else shape
+        return make(self.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
 
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
@@ -160,61 +188,6 @@ class Grid(Counter):
         return int(np.count_nonzero(mask))
 
 
-class Operator:
-    """A circulant operator on the cell: blocks {(i, j): half spectrum}, those left out zero, and
-    their kernels on demand.
-
-    The blocks carry the factor 1/size that unnormalised transforms need.
-    """
-
-    def __init__(self, grid, symbols):
-        self.grid = grid
-        self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
-        self._kernels = {}
-
-    def kernel(self, key):
-        """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
-        0."""
-        if key not in self._kernels:
-            plan = Transform(self.grid, self.grid.shape, 1)
-            plan.spectrum[0] = self.blocks[key]
-            plan.backward()
-            self._kernels[key] = plan.real[0]
-        return self._kernels[key]
-
-    def on_window(self, key, window):
-        """The block on the padded circle of a window."""
-        shape = window.circle()
-        if shape == self.grid.shape:
-            return self.blocks[key]
-        symbol = self.between(key, window.shape, shape, (0,) * len(shape))
-        # An even block stays even on the circle.
-        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
-
-    def between(self, key, extents, circle, offset):
-        """The block on a circle for the response of a box of given extents to another, ``offset``
-        nodes before it.
-
-        Parameters
-        ----------
-        key : (i, j), components of the block
-        extents : nodes of either box in each direction
-        circle : points of the circle in each direction
-        offset : nodes from the second box to the first in each direction
-        """
-        lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
-                                 np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
-                for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
-        plan = Transform(self.grid, circle, 1)
-        plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
-                                                 for lag, total in zip(lags, self.grid.shape)))]
-        for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
-            if m < total:
-                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
-        plan.forward()
-        return plan.spectrum[0] / math.prod(circle)
-
-
 class Convolution:
     """Product of a circulant operator of the cell with fields on a window: exact for the periodic
     cell.
@@ -224,11 +197,13 @@ class Convolution:
     window : the nodes that carry fields
     operator : Operator on the cell
     count : number of components
-    make : what makes its transform, as `Transform` of a grid, a shape and a count
+    make : what makes its transform, as `Transform` of a grid, a shape and a count; None: as the
+        grid has it
     """
 
-    def __init__(self, window, operator, count, make=Transform):
+    def __init__(self, window, operator, count, make=None):
         self.window, self.count = window, count
+        make = make or window.grid.transform
         self.transform = make(window.grid, window.circle(), count)
         self.blocks = {key: operator.on_window(key, window) for key in operator.blocks}
         self._lay_out()

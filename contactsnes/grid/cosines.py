@@ -2,13 +2,16 @@
 them."""
 
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 from scipy import fft
 
-from .cell import Convolution, transform_cost
+from .cell import Convolution
+from .counter import transform_cost
 from .parity import parity
+from .precision import first_half
 
 
 class Cosines:
@@ -28,19 +31,29 @@ class Cosines:
     shape : tuple of int, points in each direction from the axis outwards
     count : int, number of arrays
     parities : for each array and direction 1 (even) or -1 (odd); None: all are even
+    memory : array (count, *shape) to work on, whose precision decides on that; None: doubles of
+        its own
     """
 
-    def __init__(self, grid, shape, count, parities=None):
+    def __init__(self, grid, shape, count, parities=None, memory=None):
         self.shape = shape
+        self._given = grid, shape, count, parities
         self._odd = np.zeros((count, len(shape)), dtype=bool) if parities is None \
             else np.array(parities) < 0
-        self.real = self.spectrum = pyfftw.zeros_aligned((count, *shape))
+        self.real = pyfftw.zeros_aligned((count, *shape)) if memory is None else memory
+        self.spectrum = self.real
         self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
         self.gain = math.prod(2 * (m - 1) if closed else 2 * m
                               for m, closed in zip(shape, self.closed))
         self._counter = grid.counter
-        self._cost = count * transform_cost(math.prod(shape), grid.counter.size)
+        self._cost = (count * transform_cost(math.prod(shape), grid.counter.size),
+                      self.real.itemsize < 8)
         self._plans = self._plan(3), self._plan(2)
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision, on the same memory."""
+        return Cosines(*self._given, first_half(self.real))
 
     def _plan(self, open_type):
         """{type: axes}, or on a line of even fields a plan, of the transforms with a given type in
@@ -55,7 +68,7 @@ class Cosines:
         return {kind: [axis for axis, own in enumerate(kinds) if own == kind] for kind in kinds}
 
     def _execute(self, plan):
-        self._counter.transforms += self._cost
+        self._counter.add(*self._cost)
         if not isinstance(plan, dict):
             plan.execute()
             return

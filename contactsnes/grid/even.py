@@ -144,7 +144,7 @@ class EvenWindow:
             weights = np.multiply.outer(weights, line)
         self.grid = EvenGrid(cell, weights.reshape(-1))
 
-    box, parts = Window.box, Window.parts
+    box, parts, total = Window.box, Window.parts, Window.total
 
     def __eq__(self, other):
         """Whether these are the same nodes of the same window, alike in sign."""

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .active import Nodes
+from .slab_nodes import SlabNodes, nearest_known
 
 
 def nearest(field, source, window):
@@ -16,6 +17,8 @@ def nearest(field, source, window):
     source, window : Window, Spots or Nodes
     """
     if isinstance(window, Nodes):
+        if isinstance(source, SlabNodes):
+            return nearest_known(field, source, window)
         if isinstance(source, Nodes):
             return field.take(_numbers_among(source, window), axis=-1)
         return nearest(field, source, window.hull).take(window.places, axis=-1)

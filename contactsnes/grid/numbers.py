@@ -2,16 +2,22 @@
 
 import numpy as np
 
-from .active import Nodes
+from .active import Nodes, some
 from .boxes import Spots
 from .windows import Window
 
 
 def numbers_of(window):
     """Name -> array of what tells a window's nodes: first node and shape of its box or boxes and,
-    where it is some nodes of one, their numbers there."""
-    nodes = {"window_nodes": window.places} if isinstance(window, Nodes) else {}
-    return {"window_start": np.array(window.start), "window_shape": np.array(window.shape), **nodes}
+    where it is some nodes of one, their numbers there. Of nodes in several processes those of all
+    are in the first one."""
+    shared = window.grid.comm is not None
+    nodes = {}
+    if isinstance(window, Nodes):
+        nodes = {"window_nodes": window.grid.to_first(window.node_numbers() if shared
+                                                      else window.places)}
+    start, shape = ((0, 0), window.grid.shape) if shared else (window.start, window.shape)
+    return {"window_start": np.array(start), "window_shape": np.array(shape), **nodes}
 
 
 def of_numbers(grid, numbers):
@@ -19,3 +25,38 @@ def of_numbers(grid, numbers):
     start = numbers["window_start"]
     window = (Window if np.ndim(start) == 1 else Spots)(grid, start, numbers["window_shape"])
     return Nodes(window, numbers["window_nodes"]) if "window_nodes" in numbers else window
+
+
+def restored(grid, numbers, field):
+    """(window, values there) of what an archive has, as far as they are here: of several processes
+    the first one sends the others theirs.
+
+    Parameters
+    ----------
+    grid : Grid
+    numbers : as of `numbers_of`; of several processes in the first one
+    field : array (components, nodes), of all nodes; of several processes in the first one
+    """
+    if grid.comm is None:
+        return of_numbers(grid, numbers), field
+    comm, mine = grid.comm, None
+    for rank, part in enumerate(() if comm.rank else _parts(grid, of_numbers(grid.alone(), numbers),
+                                                            field)):
+        if rank:
+            comm.send(part, dest=rank)
+        else:
+            mine = part
+    is_whole, places, values = comm.recv(source=0) if comm.rank else mine
+    return grid.whole if is_whole else some(grid.whole, places), values
+
+
+def _parts(grid, window, field):
+    """What each process has of a window of the whole cell: whether that is the cell, the nodes'
+    numbers among those of the process, ascending, and the values of a field there."""
+    nodes = window.node_numbers()
+    order = np.argsort(nodes, kind="stable")
+    nodes = nodes[order]
+    for first, count in grid.rows.parts:
+        begin, end = np.array([first, first + count]) * grid.shape[1]
+        mine = slice(*np.searchsorted(nodes, (begin, end)))
+        yield window.is_whole, nodes[mine] - begin, field[:, order[mine]]

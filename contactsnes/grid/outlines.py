@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .contours import crossings, cut_patches, refined, ringed
+from .contours import crossings, cut_patches, refined
 
 
 class Outline(NamedTuple):
@@ -58,12 +58,13 @@ def outline(window, values, level):
     level : float, unit of the values
     """
     shape = len(window.parts), *window.parts[0].shape
-    boxes = np.reshape(window.box(values, np.max(values)), shape)
+    boxes = np.reshape(window.box(values, window.grid.maximum(values)), shape)
     made = _intervals if boxes.ndim == 2 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
-    around = tuple(closed and any(np.any(np.take(box, [0, -1], axis) < level) for box in boxes)
+    around = tuple(closed and any(part.occupied(box < level, axis)[[0, -1]].any()
+                                  for part, box in zip(window.parts, boxes))
                    for axis, closed in enumerate(window.parts[0].closed))
-    return Outline(np.concatenate(ends), around)
+    return Outline(window.grid.joined(np.concatenate(ends)), around)
 
 
 def _places(part, places):
@@ -84,7 +85,7 @@ def _intervals(part, box, level):
 def _pieces(part, box, level):
     """Straight pieces of the edge of where a box (x, y) is below a level: bicubic within squares of
     the grid, linear within triangles of their eighths."""
-    _, corners, patches = cut_patches(ringed(box, part.closed), level)
+    _, corners, patches = cut_patches(part.ringed(box), level)
     values = refined(patches, 8)
     count = values.shape[-1]
     fine = np.stack(np.meshgrid(*[np.arange(count) / (count - 1)] * 2, indexing="ij"), axis=-1)

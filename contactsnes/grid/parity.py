@@ -94,6 +94,8 @@ def obstacle(contact, components, loaded=()):
     components : int
     loaded : tangential components on which loads act
     """
+    if contact.grid.comm is not None:
+        return "nodes are shared out among processes, of which none has mirror images of its own"
     if not contact.unevenness <= UNEVEN:
         return ("the initial gap is not even about the apex: its mirror "
                 f"images differ by up to {contact.unevenness:.3g} delta_n, of "

@@ -1,4 +1,4 @@
-"""Cubic splines through values at nodes."""
+"""Cubic splines through values at nodes, at places between them."""
 
 import numpy as np
 from scipy import ndimage
@@ -15,6 +15,8 @@ def spline(values, places, axis):
     axis : int
     """
     count = values.shape[axis]
+    if not count:
+        return values
     coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
     places = np.minimum(np.maximum(places, 0.0), count - 1.0)
     first = np.minimum(places.astype(int), count - 2)

@@ -2,12 +2,20 @@
 blurred."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from scipy import ndimage
 
 from .active import Nodes
-from .cell import Transform
+from .windows import Window
+
+
+class Cell(NamedTuple):
+    """Points of a cell, of which a window may be."""
+
+    shape: tuple
+    periods: tuple = ()
 
 
 def interpolation(window):
@@ -85,14 +93,17 @@ def resampled(grid, finer, fields):
     fields : array (components, *grid)
     """
     count, half = len(fields), grid.shape[-1] // 2
-    source, target = Transform(grid, grid.shape, count), Transform(finer, finer.shape, count)
+    source = grid.transform(grid, grid.shape, count)
     source.real[...] = fields
     source.forward()
+    target = finer.transform(finer, finer.shape, count)
     kept = [np.r_[0:n // 2, -n // 2 + 1:0] for n in grid.shape[:-1]]
-    box = np.ix_(range(count), *kept, range(half))
-    target.spectrum[box] = source.spectrum[box] / grid.size
+    columns = finer.first_column + np.arange(target.spectrum.shape[-1])
+    columns = columns[columns < half]
+    target.spectrum[np.ix_(range(count), *kept, range(len(columns)))] = grid.waves_at(
+        source.spectrum, columns)[np.ix_(range(count), *kept, range(len(columns)))] / grid.size
     target.backward()
-    return target.real
+    return target.real if finer.comm is None else target.real.copy()
 
 
 def smooth(window, values, width):
@@ -111,6 +122,8 @@ def smooth(window, values, width):
     """
     if isinstance(window, Nodes):
         return smooth(window.hull, window.spread(values), width)[..., window.places]
+    if window.grid.comm is not None:
+        return _smooth_rows(window, values, width)
     box = window.box(values)
     first = box.ndim - len(window.shape)
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
@@ -129,6 +142,37 @@ def smooth(window, values, width):
     blurred[np.abs(blurred) < negligible] = 0.0
     out[part] = blurred
     return out.reshape(-1)
+
+
+def _smooth_rows(window, values, width):
+    """`smooth` of the whole cell, of which some rows are here."""
+    grid = window.grid
+    reaches = [round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5) for spacing in grid.spacings]
+    blurred = grid.with_rows(window.box(values).astype(float), 3 * reaches[0])
+    first = blurred.ndim - 2
+    for axis, (mode, reach) in enumerate(zip(("nearest", "wrap"), reaches), first):
+        for _ in range(3 if reach else 0):
+            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
+    blurred = grid.without_rows(blurred, 3 * reaches[0])
+    return np.where(np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0), 0.0,
+                    blurred).reshape(values.shape)
+
+
+def refined(grid, values):
+    """A field over the cell (*grid) from its values at every other node (`every_other`): cubic
+    between these, in each direction."""
+    if grid.comm is None:
+        return interpolated(grid.whole, values).reshape(grid.shape)
+    begin, end = (grid.rows.first + shift for shift in (-8, grid.rows.count + 8))
+    begin -= begin % 2
+    rows = np.arange(begin // 2, (end + 1) // 2)
+    # rows of a larger cell, at whose ends nothing goes on
+    shape = 2 * len(rows), grid.shape[1]
+    part = Window(Cell((2 * shape[0], shape[1])), (0, 0), shape)
+    number = rows % (grid.shape[0] // 2)
+    values = values[number] if grid.half is None else grid.half.rows.at(values, number)
+    wide = interpolated(part, values).reshape(shape)
+    return wide[grid.rows.first - begin:][:grid.rows.count]
 
 
 def extent(mask, axis, margin=0):

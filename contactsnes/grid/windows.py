@@ -20,6 +20,7 @@ class Window:
     """
 
     even = False  # whether a node stands for its mirror images, too
+    of_nodes = None  # class of windows of some of its nodes, where it has one of its own
 
     def __init__(self, grid, start, shape):
         self.grid = grid
@@ -37,6 +38,15 @@ class Window:
 
     def __hash__(self):
         return hash(self._which)
+
+    @property
+    def total(self):
+        """Number of nodes, in all processes."""
+        return self.size
+
+    def ringed(self, box):
+        """A box (..., *box) with the nodes around it, or its outermost nodes again."""
+        return ringed(box, self.closed)
 
     @property
     def parts(self):
@@ -72,6 +82,10 @@ class Window:
         picked = field if self.is_whole else field[(..., *self.indices)]
         return np.ascontiguousarray(picked).reshape(*lead, self.size)
 
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return self.take(np.arange(self.grid.size).reshape(self.grid.shape))
+
     def put(self, values, field):
         """Write values (..., nodes) into a field (..., *grid) at the window's nodes."""
         field[(..., *self.indices)] = values.reshape(*values.shape[:-1], *self.shape)
@@ -80,6 +94,35 @@ class Window:
         """View values (..., nodes) as (..., *box); ``beyond`` stands at nodes of a box that are
         none of the window's, if it has such (`active.Nodes`)."""
         return values.reshape(*values.shape[:-1], *self.shape)
+
+    @property
+    def extents(self):
+        """Nodes of the box in each direction, in all processes."""
+        return self.shape
+
+    def occupied(self, mask, axis):
+        """Where along an axis a mask (*box) holds anywhere."""
+        return mask.any(axis=tuple(other for other in range(mask.ndim) if other != axis))
+
+    def line(self, box, axis, through):
+        """Values of a box along an axis, on the line through places of the other directions.
+
+        Parameters
+        ----------
+        box : array (*box)
+        axis : int
+        through : place in each direction; that along the axis is not asked for
+        """
+        return box[tuple(slice(None) if other == axis else place
+                         for other, place in enumerate(through))]
+
+    def own(self, part):
+        """A part of the box, slices, as far as it is here, and the same in what is here."""
+        return part, part
+
+    def cut(self, box, part):
+        """A part, slices, of a box (..., *box), as a copy."""
+        return box[(..., *part)].copy()
 
     def rim(self):
         """Mask of the nodes on the border of the box, in directions that the window does not
@@ -99,7 +142,8 @@ class Window:
         """
         box = self.box(values)
         if len(self.shape) == 2:
-            return area_below(ringed(box, self.closed), level) * self.grid.node_area
+            return float(self.grid.together(area_below(self.ringed(box), level))
+                         * self.grid.node_area)
         box = np.append(box, box[0]) if self.is_whole else box
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level
@@ -115,7 +159,7 @@ class Window:
         values, fields : arrays (nodes,) and (components, nodes) over the window
         level : float, unit of the values
         """
-        values, *fields = ringed(self.box(np.concatenate([values[None], fields])), self.closed)
+        values, *fields = self.ringed(self.box(np.concatenate([values[None], fields])))
         return at_level(values, level, np.array(fields))
 
     def circle(self):

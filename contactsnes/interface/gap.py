@@ -69,8 +69,12 @@ def where(place, coordinates, scene):
     scene : Scene
     """
     nodes = np.broadcast_shapes(*(x.shape for x in coordinates))
-    return ", ".join(f"{axis} = {scene.words(float(np.broadcast_to(x, nodes)[place]), 'beta')}"
-                     for axis, x in zip("xy", coordinates))
+    return at([np.broadcast_to(x, nodes)[place] for x in coordinates], scene)
+
+
+def at(place, scene):
+    """A place, coordinates in beta, in words: in what the scene is told in."""
+    return ", ".join(f"{axis} = {scene.words(float(x), 'beta')}" for axis, x in zip("xy", place))
 
 
 def initial_gap(shape, coordinates, scene):
@@ -98,7 +102,7 @@ def refuse_contact_at_edge(shape, contact):
     """InputError for a body that is to stay apart from its neighbours and is in contact at the edge
     of its cell, where they meet."""
     scene, gap = contact.scene, contact.initial_gap
-    smallest = min((np.take(gap, 0, axis).min() for axis in range(gap.ndim)
+    smallest = min((contact.grid.minimum(contact.grid.edge(gap, axis)) for axis in range(gap.ndim)
                     if axis not in shape.uniform), default=np.inf)
     # a period that is just allowed is so to rounding
     if shape.apart and smallest < scene.contact_threshold * (1.0 - 1e-12):

@@ -24,7 +24,8 @@ from scipy.fft import next_fast_len
 from scipy.interpolate import make_interp_spline
 from scipy.special import itj0y0, j0, j1, jv, sici, struve
 
-from ..grid.cell import Grid, Operator, Transform
+from ..grid.cell import Grid, Transform
+from ..grid.operator import Operator
 from .bodies.layer import Layer
 from .elasticity import Surface, layer_compliance
 

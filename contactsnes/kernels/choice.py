@@ -5,7 +5,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from ..grid.cell import Transform
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
 from ..grid.splines import spline
@@ -28,11 +27,21 @@ class Interpreted:
     """
 
     compiled = False
-    real, even, law_reason = Transform, Cosines, None
+    even, law_reason = Cosines, None
     spline = staticmethod(spline)
 
     def __init__(self, reason):
         self.reason = reason
+
+    @staticmethod
+    def real(grid, shape, count):
+        """The grid's own transforms.
+
+        Parameters
+        ----------
+        grid, shape, count : as of `grid.cell.Transform`
+        """
+        return grid.transform(grid, shape, count)
 
     def law(self, law):
         """The law as it is."""
@@ -69,12 +78,15 @@ class Compiled:
         return self._kinds[even](cell, shape, count, *parities)
 
     def real(self, grid, shape, count):
-        """A transform as `grid.cell.Transform`, whose memory others use between two calls.
+        """A transform as `grid.cell.Transform`, whose memory others use between two calls; of slabs
+        their own.
 
         Parameters
         ----------
         grid, shape, count : as of that
         """
+        if grid.comm is not None:
+            return grid.transform(grid, shape, count)
         return self._charged(False, grid, shape, count)
 
     def even(self, grid, shape, count, parities=None):

@@ -1,5 +1,5 @@
-/* The core-zone preconditioner of the displacement form (solvers/core_zone.py has its mathematics), set
-   up and applied; under arc length the load is eliminated besides. */
+/* The core-zone preconditioner of the displacement form (solvers/core_zone.py and core_blocks.py have its
+   mathematics), set up and applied; under arc length the load is eliminated besides. */
 #include "kernels.h"
 #include <math.h>
 #include <stdlib.h>
@@ -146,7 +146,7 @@ static int find_picked(Zone *z, Block *b, const double *tangent, double level)
     return 1;
 }
 
-/* Weight of each node of the window, in z->column until the block has taken it; mean tangents; extent. */
+/* Weight of each node of the window, in b->outside until the block has taken it; mean tangents; extent. */
 CLONES static int find_core(Zone *z, long i)
 {
     const Form *f = z->form;
@@ -172,7 +172,7 @@ CLONES static int find_core(Zone *z, long i)
             sum += w * tangent[box * n + k];
         }
         b->mean[box] = sum / (count > 0.0 ? count : 1.0);
-        memcpy(z->column + box * n, z->mask, n * sizeof *z->mask);
+        memcpy(b->outside + box * n, z->mask, n * sizeof *z->mask);
     }
     for (int axis = 0; axis < 2; axis++) b->extent[axis] = last[axis] + 1 - b->first[axis];
     return 1;
@@ -183,16 +183,12 @@ CLONES static void keep_weights(Zone *z, Block *b)
     const Form *f = z->form;
     const long *shape = f->response->shape, n = nodes_of_box(f);
     long at = 0;
-    for (long k = 0; k < b->picked; k++) {
-        const long place = f->response->in_box[b->node[k]];
-        b->at[k] = (int)((place / shape[1] - b->first[0]) * b->circle->transform->shape[1]
-                         + place % shape[1] - b->first[1]);
-    }
     for (long box = 0; box < f->response->boxes && !f->response->picked; box++)
         for (long j = 0; j < b->extent[0]; j++)
             for (long k = 0; k < b->extent[1]; k++, at++) {
                 const long node = (b->first[0] + j) * shape[1] + b->first[1] + k;
-                const double w = z->column[box * n + node], root = sqrt(w);
+                /* what is written never lies beyond what is read */
+                const double w = b->outside[box * n + node], root = sqrt(w);
                 b->outside[at] = 1.0 - w;
                 b->into[at] = root * at_or_one(f->unscale, node);
                 b->back[at] = root * at_or_one(f->scale, node);
@@ -220,65 +216,51 @@ static int find_circle(Zone *z, long i)
     return 1;
 }
 
-CLONES static void make_symbol(const Zone *z, const Block *b)
+/* The block's circle for the precision of the form's products: its symbol and, of picked nodes, their
+   places on it. */
+static Transform *circle_of(const Zone *z, Block *b)
 {
-    const Transform *t = b->circle->transform;
-    const double *restrict c = b->circle->compliance;
+    const Form *f = z->form;
+    const Response *r = f->response;
+    Transform *t = f->single ? b->circle->quick : b->circle->transform;
+    char *symbol = b->circle->symbol;
     double gain = 1.0;
+    if (b->made == f->single) return t;
     for (int axis = 0; axis < 2; axis++) {
         const long n = t->shape[axis];
         if (t->even) gain *= n == 1 ? 1.0 : t->line[axis].closed ? 2.0 * (n - 1) : 2.0 * n;
         else gain *= n;
     }
-    for (long box = 0; box < z->form->response->boxes; box++) {
-        double *restrict s = b->circle->symbol + box * t->waves;
-        for (long k = 0; k < t->waves; k++) s[k] = 1.0 / gain / (c[k] * b->mean[box] + 1.0);
+    for (long box = 0; box < r->boxes; box++)
+        invert(t, b->circle->compliance, b->mean[box], gain,
+               symbol + box * t->waves * (f->single ? sizeof(float) : sizeof(double)));
+    for (long k = 0; k < b->picked; k++) {
+        const long place = r->in_box[b->node[k]], c = r->shape[1];
+        b->at[k] = (int)place_of(t, place / c - b->first[0], place % c - b->first[1]);
     }
+    b->made = f->single;
+    return t;
 }
 
-CLONES static int apply_block(const Zone *z, const Block *b, double *field)
+static int apply_block(const Zone *z, Block *b, double *field)
 {
-    const long *shape = z->form->response->shape, n = nodes_of_box(z->form);
-    const long boxes = z->form->response->boxes, *e = b->extent;
-    Transform *t = b->circle->transform;
+    const Response *response = z->form->response;
+    const long *shape = response->shape, n = nodes_of_box(z->form), *e = b->extent;
+    const long boxes = response->boxes;
+    Transform *t = circle_of(z, b);
+    double *first = field + b->first[0] * shape[1] + b->first[1];
     int status;
     long at = 0;
-    if (z->form->response->picked) {
-        memset(t->real, 0, t->shape[0] * t->shape[1] * sizeof *t->real);
-        for (long k = 0; k < b->picked; k++) t->real[b->at[k]] = b->into[k] * field[b->node[k]];
-    }
-    for (long box = 0; box < boxes && !z->form->response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1]) {
-            const double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
-            double *restrict r = row_of(t, box, j);
-            const double *restrict w = b->into + at;
-            for (long k = 0; k < e[1]; k++) r[k] = w[k] * x[k];
-        }
-    clear_beyond(t, e);
-    if ((status = forward(t, e[0]))) return status;
-    for (long box = 0; box < boxes; box++) {
-        const long wide = t->even ? 1 : 2;
-        double *restrict s = t->spectrum + wide * box * t->waves;
-        const double *restrict y = b->circle->symbol + box * t->waves;
-        for (long k = 0; k < t->waves && t->even; k++) s[k] *= y[k];
-        for (long k = 0; k < t->waves && !t->even; k++) {
-            s[2 * k] *= y[k];
-            s[2 * k + 1] *= y[k];
-        }
-    }
-    if ((status = backward(t, e[0]))) return status;
+    if (response->picked) put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
+    for (long box = 0; box < boxes && !response->picked; box++)
+        for (long j = 0; j < e[0]; j++, at += e[1])
+            put_row(t, box, j, b->into + at, first + box * n + j * shape[1], e[1]);
+    if ((status = filter(t, e, b->circle->symbol))) return status;
     at = 0;
-    for (long k = 0; k < b->picked; k++) {
-        double *x = field + b->node[k];
-        *x = b->outside[k] * *x + b->back[k] * t->real[b->at[k]];
-    }
-    for (long box = 0; box < boxes && !z->form->response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1]) {
-            double *restrict x = field + box * n + (b->first[0] + j) * shape[1] + b->first[1];
-            const double *restrict r = row_of(t, box, j), *restrict w = b->back + at;
-            const double *restrict o = b->outside + at;
-            for (long k = 0; k < e[1]; k++) x[k] = o[k] * x[k] + w[k] * r[k];
-        }
+    if (response->picked) blend_nodes(t, 0, b->at, b->node, b->outside, b->back, field, b->picked);
+    for (long box = 0; box < boxes && !response->picked; box++)
+        for (long j = 0; j < e[0]; j++, at += e[1])
+            blend_row(t, box, j, b->outside + at, b->back + at, first + box * n + j * shape[1], e[1]);
     return 0;
 }
 
@@ -294,9 +276,9 @@ CLONES static void by_box(const Zone *z, long i, const double *field, double *su
     }
 }
 
-static int apply_component(const Zone *z, long i, double *field)
+static int apply_component(Zone *z, long i, double *field)
 {
-    const Block *b = &z->block[i];
+    Block *b = &z->block[i];
     const long boxes = z->form->response->boxes, n = nodes_of_box(z->form);
     if (!b->on) return 0;
     int status = apply_block(z, b, field);
@@ -312,7 +294,7 @@ static int apply_component(const Zone *z, long i, double *field)
 }
 
 /* Boxes know of each other as a whole: inverse = (1 + k R)^-1 k, singular values at least 0.1, R the
-   response of each to its column (core_zone.CoupledBlock). */
+   response of each to its column (core_blocks.CoupledBlock). */
 static int couple_boxes(Zone *z, long i)
 {
     Block *b = &z->block[i];
@@ -457,7 +439,7 @@ static int eliminate_means(Zone *z)
     return 0;
 }
 
-CLONES static int apply_zone(const Zone *z, const double *vector, double *out)
+CLONES static int apply_zone(Zone *z, const double *vector, double *out)
 {
     const Form *f = z->form;
     const long n = f->nodes, m = f->components, q = z->mean_count;
@@ -503,7 +485,7 @@ int set_up(Zone *z)
         if (!find_core(z, i)) continue;
         if (find_circle(z, i)) return 1;
         keep_weights(z, &z->block[i]);
-        make_symbol(z, &z->block[i]);
+        z->block[i].made = NONE;
         if (f->response->boxes > 1 && (status = couple_boxes(z, i))) return status;
     }
     if ((status = eliminate_means(z)) || !z->arc) return status;

@@ -1,4 +1,5 @@
-"""Plans of FFTW for the library's transforms, and what it learned about them, kept in a file."""
+"""Plans of FFTW for the library's transforms, and what it learned about those in double precision,
+kept in a file."""
 
 import atexit
 import ctypes
@@ -13,6 +14,9 @@ ESTIMATE, DESTROY_INPUT = 64, 1
 """FFTW's flags: plans are estimated, not measured, since what was fastest on a busy machine would
 decide the last bits."""
 
+KINDS = ("fftw", "fftwf")
+"""What FFTW's functions in double and single precision begin with."""
+
 _state = {"file": None, "made": 0, "read": 0}
 
 
@@ -22,14 +26,40 @@ def _calls():
     library, sizes = fftw(), POINTER(c_int)
     arguments = [c_int, sizes, c_int, c_void_p, sizes, c_int, c_int, c_void_p, sizes, c_int, c_int,
                  c_uint]
-    for name in ("fftw_plan_many_dft_r2c", "fftw_plan_many_dft_c2r"):
-        getattr(library, name).argtypes = arguments
-        getattr(library, name).restype = c_void_p
-    library.fftw_destroy_plan.argtypes = [c_void_p]
-    library.fftw_destroy_plan.restype = None
+    library.fftwf_plan_many_dft.argtypes = [*arguments[:-1], c_int, c_uint]
+    library.fftwf_plan_many_dft.restype = c_void_p
+    for kind in KINDS:
+        for name in ("plan_many_dft_r2c", "plan_many_dft_c2r"):
+            getattr(library, f"{kind}_{name}").argtypes = arguments
+            getattr(library, f"{kind}_{name}").restype = c_void_p
+        destroy = getattr(library, f"{kind}_destroy_plan")
+        destroy.argtypes, destroy.restype = [c_void_p], None
     library.fftw_import_wisdom_from_filename.argtypes = [c_char_p]
     library.fftw_export_wisdom_to_filename.argtypes = [c_char_p]
     return library
+
+
+class Rows:
+    """A pair of plans of complex transforms in single precision, of rows that stand one after
+    another, in place.
+
+    Parameters
+    ----------
+    points, count : int, points of a row and number of rows
+    memory : address of (count, points) complex numbers in single precision
+    """
+
+    def __init__(self, points, count, memory):
+        sizes, way = (c_int * 1)(points), [None, 1, points]
+        self.forward, self.backward = (
+            _calls().fftwf_plan_many_dft(1, sizes, count, memory, *way, memory, *way, sign,
+                                         ESTIMATE)
+            for sign in (-1, 1))
+
+    def __del__(self):
+        for plan in (getattr(self, "forward", None), getattr(self, "backward", None)):
+            if plan and ctypes is not None:
+                _calls().fftwf_destroy_plan(plan)
 
 
 class Plans:
@@ -39,28 +69,31 @@ class Plans:
     ----------
     shape : tuple of int, points in each direction
     count : int
-    real, half : addresses of (count, *shape) doubles and of their half spectra; both plans may
+    real, half : addresses of (count, *shape) numbers and of their half spectra; both plans may
         overwrite what they read
+    single : bool, whether these are floats, not doubles
     """
 
-    def __init__(self, shape, count, real, half):
-        library = _calls()
+    def __init__(self, shape, count, real, half, single=False):
+        library, self._kind = _calls(), KINDS[single]
+        make = {way: getattr(library, f"{self._kind}_plan_many_dft_{way}")
+                for way in ("r2c", "c2r")}
         sizes = (c_int * len(shape))(*shape)
         points, waves = 1, shape[-1] // 2 + 1
         for n in shape:
             points *= n
         waves *= points // shape[-1]
         flags = ESTIMATE | DESTROY_INPUT
-        self.to_half = library.fftw_plan_many_dft_r2c(len(shape), sizes, count, real, None, 1,
-                                                      points, half, None, 1, waves, flags)
-        self.to_row = library.fftw_plan_many_dft_c2r(len(shape), sizes, count, half, None, 1,
-                                                     waves, real, None, 1, points, flags)
-        _state["made"] += 1
+        self.to_half = make["r2c"](len(shape), sizes, count, real, None, 1, points, half, None, 1,
+                                   waves, flags)
+        self.to_row = make["c2r"](len(shape), sizes, count, half, None, 1, waves, real, None, 1,
+                                  points, flags)
+        _state["made"] += not single
 
     def __del__(self):
         for plan in (getattr(self, "to_half", None), getattr(self, "to_row", None)):
             if plan and ctypes is not None:
-                _calls().fftw_destroy_plan(plan)
+                getattr(_calls(), f"{self._kind}_destroy_plan")(plan)
 
 
 def remember(folder):

@@ -88,44 +88,37 @@ static void tractions_at(Form *f, const double *unknown)
     f->known = f->ahead != 0;
 }
 
-/* fields in `work` into the boxes of the transform, the operator times them */
-static int respond(Form *f, int transposed)
+/* the response to fields in `work`, in the transform of r */
+static int respond(const Form *f, const Response *r, int transposed)
 {
-    const Response *r = f->response;
-    const long box = r->shape[0] * r->shape[1];
-    for (long i = 0; i < f->components && r->picked; i++) {
-        double *x = row_of(r->transform, i, 0);
-        memset(x, 0, r->transform->shape[0] * r->transform->shape[1] * sizeof *x);
-        for (long k = 0; k < r->picked; k++) x[r->on_circle[k]] = f->work[i * f->nodes + k];
-    }
+    const long c = r->shape[1];
+    const double *x = f->work;
+    for (long i = 0; i < f->components && r->picked; i++)
+        put_nodes(r->transform, i, r->on_circle, 0, 0, f->work + i * f->nodes, r->picked);
     for (long i = 0; i < f->components * r->boxes && !r->picked; i++)
-        load_box(r->transform, i, r->shape, f->work + i * box);
-    return convolve(f->response, transposed);
+        for (long j = 0; j < r->shape[0]; j++, x += c) put_row(r->transform, i, j, 0, x, c);
+    return convolve(r, transposed);
 }
 
 /* out = (response - mean) factor scale + own, by component */
-CLONES static void assemble(const Form *f, const double *mean, double factor, const double *own, double *out)
+static void assemble(const Form *f, const Response *r, const double *mean, double factor,
+                     const double *own, double *out)
 {
-    const Response *r = f->response;
-    const long c = r->shape[1];
+    const long n = f->nodes, c = r->shape[1];
     long at = 0;
-    for (long i = 0; i < f->components && r->picked; i++) {
-        const double *restrict x = row_of(r->transform, i, 0);
-        for (long k = 0; k < r->picked; k++, at++)
-            out[at] = (x[r->on_circle[k]] - mean[i]) * factor + own[at];
-    }
+    for (long i = 0; i < f->components && r->picked; i++)
+        take_nodes(r->transform, i, r->on_circle, mean[i], factor, own + i * n, out + i * n, n);
     for (long i = 0; i < f->components && !r->picked; i++)
         for (long b = 0; b < r->boxes; b++)
-            for (long j = 0; j < r->shape[0]; j++, at += c) {
-                const double *restrict x = row_of(r->transform, i * r->boxes + b, j);
-                const double *restrict u = own + at;
-                double *restrict o = out + at;
-                if (f->scale) {
-                    const double *restrict s = f->scale + at - i * f->nodes;
-                    for (long k = 0; k < c; k++) o[k] = (x[k] - mean[i]) * factor * s[k] + u[k];
-                } else
-                    for (long k = 0; k < c; k++) o[k] = (x[k] - mean[i]) * factor + u[k];
-            }
+            for (long j = 0; j < r->shape[0]; j++, at += c)
+                take_row(r->transform, i * r->boxes + b, j, mean[i], factor,
+                         f->scale ? f->scale + at - i * n : 0, own + at, out + at, c);
+}
+
+/* what products respond by */
+static const Response *chosen(const Form *f)
+{
+    return f->single ? f->quick : f->response;
 }
 
 int residual(Form *f, const double *unknown, double *out)
@@ -138,10 +131,10 @@ int residual(Form *f, const double *unknown, double *out)
         sum[i] = total(f->work + i * n, f->weight, n);
         mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     }
-    int status = respond(f, 0);
+    int status = respond(f, f->response, 0);
     if (status) return status;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = unknown[m * n + row];
-    assemble(f, mean, 1.0 / f->root, unknown, out);
+    assemble(f, f->response, mean, 1.0 / f->root, unknown, out);
     for (long row = 0; row < f->forced_count; row++) {
         const long i = f->forced[row];
         out[m * n + row] = f->row_scale[i] * sum[i] - f->target[i];
@@ -186,12 +179,12 @@ int product(Form *f, const double *vector, double *out)
     double sum[MOST], mean[MOST];
     f->products++;
     stiffen(f, vector, sum);
-    int status = respond(f, 0);
+    int status = respond(f, chosen(f), 0);
     if (status) return status;
     for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++)
         mean[f->forced[row]] = vector[m * n + row] / f->root;
-    assemble(f, mean, 1.0, vector, out);
+    assemble(f, chosen(f), mean, 1.0, vector, out);
     for (long row = 0; row < f->forced_count; row++) {
         const long i = f->forced[row];
         out[m * n + row] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + row]);
@@ -215,11 +208,11 @@ CLONES int transposed_product(Form *f, const double *vector, double *out)
         constant[i] = f->row_scale[i] * f->root * vector[m * n + row];
         out[m * n + row] = -sum[i] / f->root;
     }
-    int status = respond(f, 1);
+    int status = respond(f, chosen(f), 1);
     if (status) return status;
     for (long i = 0; i < m; i++) none[i] = -constant[i];
     memset(out, 0, m * n * sizeof *out);
-    assemble(f, none, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
+    assemble(f, chosen(f), none, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
     for (long i = 0; i < m; i++)
         for (long k = 0; k < n; k++) {
             double value = vector[i * n + k];

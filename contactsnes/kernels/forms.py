@@ -9,7 +9,7 @@ import numpy as np
 from ..grid.active import Nodes
 from . import structures
 from .laws import kernel_of
-from .structures import MOST, TOO_MANY, WAVES, address
+from .structures import MOST, TOO_MANY, address
 from .transforms import Compiled
 
 KEPT = 2 ** 14
@@ -46,24 +46,38 @@ def call(function, counter, *arguments):
         counter.check()
 
 
-def _response(convolution, count):
-    """The structure of a convolution's product, and what it keeps."""
-    transform, window = convolution.transform, convolution.window
+def _response(convolution, count, transform):
+    """The structure of a convolution's product, and what it keeps.
+
+    Parameters
+    ----------
+    convolution : with a compiled transform
+    count : int, number of components
+    transform : its own, or that in single precision
+    """
+    window = convolution.window
     boxes = len(window.parts)
     own = structures.Response(components=count, boxes=boxes)
     own.transform = ctypes.pointer(transform.structure)
     own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
     blocks, product = convolution.blocks, None
-    symbols = {key: np.ascontiguousarray(block) for key, block in blocks.items()}
+    symbols = {key: transform.fitting(block) for key, block in blocks.items()}
     for (i, j), symbol in symbols.items():
         own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
-    # one real block of one box is multiplied where it stands, and so are those of even fields
-    if not window.even and (count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0])):
-        product = np.empty(2 * WAVES * count * boxes)
+    # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
+    # even fields
+    if window.even:
+        product = None if all(i == j for i, j in symbols) else np.empty_like(transform.spectrum)
+    elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
+        product = np.empty_like(transform.block if own.transform.contents.packed
+                                else transform.spectrum)
+    if product is not None:
         own.product = address(product)
     if isinstance(window, Nodes):
-        own.picked, own.on_circle = window.size, address(window.on_circle)
+        places = transform.places(window.on_circle)
+        own.picked, own.on_circle = window.size, address(places)
         own.in_box = address(window.places)
+        product = product, places
     return own, (transform, symbols, product)
 
 
@@ -89,7 +103,8 @@ class CompiledForm:
             components=half.components, nodes=half.nodes, forced_count=len(half.forced),
             root=half.root, size=half.grid.size)
         own.forced[:len(half.forced)] = half.forced
-        self._response, kept = _response(half.convolution, half.components)
+        self._response, kept = _response(half.convolution, half.components,
+                                         half.convolution.transform)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
         roomy = half.tangent.size <= KEPT
@@ -106,6 +121,7 @@ class CompiledForm:
             setattr(own, name, address(array))
         own.law = ctypes.pointer(law.structure)
         own.response = ctypes.pointer(self._response)
+        self._quick = None
         self.reference = ctypes.addressof(own)
 
     @property
@@ -123,14 +139,43 @@ class CompiledForm:
         """Take the law's tangent at the unknown."""
         self.library.linearise(self.reference, address(unknown))
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector."""
+    def make_quick(self):
+        """Have what products in single precision take, in the memory of those in double."""
+        if self._quick is None:
+            convolution = self.half.convolution
+            self._quick = _response(convolution, self.half.components,
+                                    convolution.transform.single)
+            self.structure.quick = ctypes.pointer(self._quick[0])
+
+    def set_precision(self, single):
+        """Have products, and the preconditioner, be in single precision from now on, or in
+        double."""
+        if single:
+            self.make_quick()
+        self.structure.single = single
+
+    def apply_jacobian(self, vector, out, single=False):
+        """out = J vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
+        self.set_precision(single)
         call(self.library.product, self.grid.counter, self.reference, address(vector),
              address(out))
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector."""
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
+        self.set_precision(single)
         call(self.library.transposed_product, self.grid.counter, self.reference,
              address(vector), address(out))
         return out

@@ -15,8 +15,7 @@
 #define CLONES
 #endif
 
-/* components, at most; status of a count of transforms beyond its limit; waves coupled at a time */
-enum { MOST = 3, TOO_MANY = 83, WAVES = 256 };
+enum { NONE = -1, MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
                         double *, double *, double *, double *);
@@ -31,32 +30,37 @@ typedef struct { /* a traction law: `laws.c` says what its functions fill */
 
 typedef struct { /* a cosine transform of a row from the axis outwards */
     long points, closed;
-    double *row, *half;     /* both sides of the real FFT it is made from */
-    const double *turn;     /* open: exp(i pi k / 2 points) */
+    void *row, *half;       /* both sides of the real FFT it is made from */
+    const void *turn;       /* open: exp(i pi k / 2 points) */
     void *to_row, *to_half; /* plans; closed needs the last alone */
 } Line;
 
 typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points (1 x m on a line) */
     long even, count, shape[2], waves; /* waves: numbers of a field's spectrum, complex if not even */
-    double *real, *spectrum;           /* the same memory for an even line; in the plane transposed */
+    long single;                       /* whether what it holds are floats, not doubles */
+    void *real, *spectrum;             /* the same memory for an even line; in the plane transposed */
     long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;
-    double cost, *counter;             /* of one transform; transforms so far, and their limit */
+    long packed;                       /* in the plane, single: as `packed.c` has it, which alone knows these: */
+    void *columns, *columns_back;      /* plans; those of rows are `forward` and `backward` */
+    float *block;
+    double cost, *counter; /* of one transform; transforms so far, their limit, and those in single precision */
 } Transform;
 
 typedef struct { /* a circulant operator times fields on boxes of shape[0] x shape[1] nodes */
     Transform *transform;
     long components, boxes, shape[2];
-    const double *symbol[MOST][MOST]; /* null where a block is zero */
+    const void *symbol[MOST][MOST]; /* of the transform's precision; null where a block is zero */
     long is_complex[MOST][MOST];
-    double *product; /* fields x WAVES, complex; null where real blocks are multiplied in place */
+    void *product;   /* count x waves, complex unless even; null where blocks are multiplied in place */
     long picked;     /* some nodes of one box, if not 0: their number */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
 
 typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times that of the half form */
     long components, nodes, forced_count, forced[MOST], evaluations, products, known;
+    long single; /* whether products and their preconditioner are in single precision */
     double root, size;
     const double *scale, *unscale, *weight; /* null where all are one */
     const double *initial_gap;
@@ -64,7 +68,7 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     double *ahead, *last; /* tangent at the last residual's unknown, which is `last`, if `known` */
     const double *rigid, *far, *row_scale, *target, *drag; /* by component */
     Law *law;
-    Response *response;
+    Response *response, *quick; /* quick: in single precision, on the same memory; or null */
 } Form;
 
 typedef struct { /* of the force form; spectra have `wide` doubles a wave: of even fields they are real */
@@ -90,13 +94,14 @@ typedef struct { /* ArcLength around a form */
 
 typedef struct { /* a circle that a core fits on: the component's compliance there, work for 1 + C D */
     long raw[2];
-    Transform *transform;
+    Transform *transform, *quick; /* quick: in single precision, on the same memory; or null */
     const double *compliance;
-    double *symbol, no_lag; /* no_lag: kernel of the circle at lag 0 */
+    void *symbol;  /* of the precision that its block says */
+    double no_lag; /* kernel of the circle at lag 0 */
 } Circle;
 
 typedef struct { /* core block of a component */
-    long on, first[2], extent[2];
+    long on, first[2], extent[2], made; /* made: precision of its circle's symbol, or NONE */
     const Circle *circle;
     double *into, *back, *outside, *mean, *column, *inverse;
     long picked; /* of a response with picked nodes: those of the core, and their numbers on its circle */
@@ -123,6 +128,9 @@ typedef struct {
     Form *form;
     Arc *arc;
     Zone *zone;
+    void *ksp;
+    long chooses, patience, turned; /* chooses: whether its solves may be in single precision */
+    double safe;                    /* relative tolerance asked of a solve down to which they are */
     double newton_stiffness;
     double smallest[2]; /* Ritz values of the last two linear solves that told */
     long told;
@@ -130,7 +138,7 @@ typedef struct {
 } System;
 
 struct Libraries {
-    void (*execute)(void *);
+    void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
     int (*get_read)(void *, const double **), (*put_read)(void *, const double **);
     int (*get)(void *, double **), (*put)(void *, double **);
     int (*mat_context)(void *, void *), (*pc_context)(void *, void *);
@@ -138,15 +146,40 @@ struct Libraries {
     int (*get_ksp)(void *, void **), (*iterations)(void *, int *);
     int (*eigenvalues)(void *, int, double *, double *, int *);
     int (*print)(void *, const char *, ...);
+    int (*tolerances)(void *, double *, double *, double *, int *);
+    int (*right_side)(void *, void **), (*norm)(void *, int, double *);
 };
 extern struct Libraries libraries;
 
-int forward(Transform *t, long rows);
-int backward(Transform *t, long rows);
-void load_box(const Transform *t, long field, const long *shape, const double *values);
+int forward(Transform *t, long used);
+int backward(Transform *t, long used);
 void clear_beyond(const Transform *t, const long *shape);
-double *row_of(const Transform *t, long field, long row);
-int convolve(Response *r, int transposed);
+void put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);
+void put_nodes(const Transform *t, long field, const int *at, const int *node, const double *weight,
+               const double *x, long n);
+void take_row(const Transform *t, long field, long row, double mean, double factor, const double *scale,
+              const double *own, double *out, long n);
+void take_nodes(const Transform *t, long field, const int *at, double mean, double factor,
+                const double *own, double *out, long n);
+void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+               double *x, long n);
+void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
+                 const double *back, double *x, long n);
+int filter(Transform *t, const long *shape, const void *symbol);
+long place_of(const Transform *t, long row, long column);
+void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
+int convolve(const Response *r, int transposed);
+long packed_place(const Transform *t, long row, long column);
+void packed_clear_beyond(const Transform *t, const long *shape);
+void packed_put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);
+void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
+                     const double *scale, const double *own, double *out, long n);
+void packed_blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+                      double *x, long n);
+void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+                     int transposed);
+void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
+                   float *symbol);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
               double *tangent);
 void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);

@@ -11,8 +11,8 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "transforms.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c",
-           "laws.c", "library.c")
+SOURCES = ("kernels.h", "precision.h", "transforms.c", "packed.c", "forms.c", "motion.c",
+           "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -74,6 +74,8 @@ def shared():
         raise Unavailable("CONTACTSNES_KERNELS is off")
     library = load()
     pointers(library).execute = pointer(fftw(), "fftw_execute")
+    pointers(library).execute_single = pointer(fftw(), "fftwf_execute")
+    pointers(library).execute_rows = pointer(fftw(), "fftwf_execute_dft")
     for name, arguments in CALLS.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)
@@ -95,7 +97,7 @@ def pointer(library, name):
 
 @lru_cache(maxsize=1)
 def fftw():
-    """FFTW in double precision, that of pyfftw."""
+    """FFTW in double and single precision, those of pyfftw."""
     import pyfftw.pyfftw
 
     return ctypes.CDLL(pyfftw.pyfftw.__file__)

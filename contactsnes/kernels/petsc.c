@@ -24,6 +24,34 @@ static int fill(System *s, const double *x, double *y)
     return s->arc ? arc_residual(s->form, s->arc, x, y) : residual(s->form, x, y);
 }
 
+/* Chooses the precision of a linear solve's products and preconditioner when it begins: single where no
+   more is asked of it than that holds. One that takes many iterations goes on in double. */
+static int choose(System *s, int begins)
+{
+    double relative, absolute, other, size;
+    void *right;
+    int count = 0, status;
+    if (!s->chooses) {
+        s->form->single = 0; /* which other solves of the form may have left */
+        return 0;
+    }
+    if (!begins && (status = libraries.iterations(s->ksp, &count))) return status;
+    if (count) {
+        if (s->form->single && count >= s->patience) {
+            s->form->single = 0;
+            s->turned++;
+        }
+        return 0;
+    }
+    if ((status = libraries.tolerances(s->ksp, &relative, &absolute, &other, &count))) return status;
+    if ((status = libraries.right_side(s->ksp, &right))) return status;
+    s->form->single = 0;
+    if (!right) return 0; /* no solve */
+    if ((status = libraries.norm(right, 1, &size))) return status;
+    s->form->single = relative >= s->safe || absolute >= s->safe * size;
+    return 0;
+}
+
 static int multiply(System *s, const double *x, double *y)
 {
     return s->arc ? arc_product(s->form, s->arc, x, y) : product(s->form, x, y);
@@ -66,14 +94,14 @@ int mat_mult(void *matrix, void *x, void *y)
 {
     System *s;
     int status = libraries.mat_context(matrix, &s);
-    return status ? status : both(s, x, y, multiply);
+    return status || (status = choose(s, 0)) ? status : both(s, x, y, multiply);
 }
 
 int mat_mult_transpose(void *matrix, void *x, void *y)
 {
     System *s;
     int status = libraries.mat_context(matrix, &s);
-    return status ? status : both(s, x, y, multiply_transposed);
+    return status || (status = choose(s, 0)) ? status : both(s, x, y, multiply_transposed);
 }
 
 int mat_view(void *matrix, void *viewer)
@@ -87,14 +115,14 @@ int pc_set_up(void *pc)
 {
     System *s;
     int status = libraries.pc_context(pc, &s);
-    return status ? status : set_up(s->zone);
+    return status || (status = choose(s, 1)) ? status : set_up(s->zone);
 }
 
 int pc_apply(void *pc, void *x, void *y)
 {
     System *s;
     int status = libraries.pc_context(pc, &s);
-    return status ? status : both(s, x, y, solve);
+    return status || (status = choose(s, 0)) ? status : both(s, x, y, solve);
 }
 
 int pc_view(void *pc, void *viewer)

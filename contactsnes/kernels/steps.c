@@ -7,7 +7,7 @@
 #define POLE (sqrt(3.0) - 2.0) /* of the cubic spline's filter */
 
 /* Coefficients of the splines through `count` rows of `wide` numbers, in place; mirrored at the ends. */
-CLONES static void filter(double *restrict c, long count, long wide)
+CLONES static void coefficients(double *restrict c, long count, long wide)
 {
     const double z = POLE, gain = (1.0 - z) * (1.0 - 1.0 / z);
     const long reach = 30 < count ? 30 : count; /* z^30 is below rounding */
@@ -40,7 +40,7 @@ CLONES static void filter_lines(double *restrict c, long count, double *restrict
 {
     for (long l = 0; l < LINES; l++)
         for (long n = 0; n < count; n++) turned[n * LINES + l] = c[l * count + n];
-    filter(turned, count, LINES);
+    coefficients(turned, count, LINES);
     for (long l = 0; l < LINES; l++)
         for (long n = 0; n < count; n++) c[l * count + n] = turned[n * LINES + l];
 }
@@ -59,7 +59,7 @@ CLONES void spline(long outer, long count, long wide, double *values, long wante
 {
     long o = 0;
     for (; wide == 1 && o + LINES <= outer; o += LINES) filter_lines(values + o * count, count, turned);
-    for (; o < outer; o++) filter(values + o * count * wide, count, wide);
+    for (; o < outer; o++) coefficients(values + o * count * wide, count, wide);
     for (long p = 0; p < wanted; p++) {
         const double end = (double)(count - 1), low = places[p] > 0.0 ? places[p] : 0.0;
         const double place = low < end ? low : end;

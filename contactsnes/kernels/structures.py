@@ -8,15 +8,17 @@ import numpy as np
 MOST = 3
 """Components, at most."""
 
-WAVES = 256
-"""Waves that blocks are multiplied with at a time."""
-
 TOO_MANY = 83
 """Status of a count of transforms beyond its limit."""
 
 
+NUMBERS = (np.float64, np.complex128, np.float32, np.complex64, np.intc)
+"""Types that kernels know."""
+
+
 def address(array):
-    """Where a contiguous array of doubles, complex numbers or C's ints begins; None of no array.
+    """Where a contiguous array of floats or doubles, complex ones or C's ints begins; None of no
+    array.
 
     Raises
     ------
@@ -24,8 +26,8 @@ def address(array):
     """
     if array is None:
         return None
-    if array.dtype not in (np.float64, np.complex128, np.intc) or not array.flags.c_contiguous:
-        raise ValueError("kernels take contiguous arrays of doubles, or of ints")
+    if array.dtype not in NUMBERS or not array.flags.c_contiguous:
+        raise ValueError("kernels take contiguous arrays of floats, doubles, or of ints")
     return array.ctypes.data
 
 
@@ -47,9 +49,11 @@ class Transform(ctypes.Structure):
     """Transforms of fields."""
 
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
-                ("real", c_void_p), ("spectrum", c_void_p), ("odd", c_long * 2 * MOST),
-                ("line", Line * 2), ("forward", c_void_p), ("backward", c_void_p),
-                ("cost", c_double), ("counter", c_void_p)]
+                ("single", c_long), ("real", c_void_p), ("spectrum", c_void_p),
+                ("odd", c_long * 2 * MOST), ("line", Line * 2), ("forward", c_void_p),
+                ("backward", c_void_p), ("packed", c_long), ("columns", c_void_p),
+                ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double),
+                ("counter", c_void_p)]
 
 
 class Response(ctypes.Structure):
@@ -66,11 +70,12 @@ class Form(ctypes.Structure):
 
     _fields_ = [("components", c_long), ("nodes", c_long), ("forced_count", c_long),
                 ("forced", c_long * MOST), ("evaluations", c_long), ("products", c_long),
-                ("known", c_long), ("root", c_double), ("size", c_double),
+                ("known", c_long), ("single", c_long), ("root", c_double), ("size", c_double),
                 *((name, c_void_p) for name in ("scale", "unscale", "weight", "initial_gap",
                                                 "tangent", "work", "ahead", "last", "rigid", "far",
                                                 "row_scale", "target", "drag")),
-                ("law", POINTER(Law)), ("response", POINTER(Response))]
+                ("law", POINTER(Law)), ("response", POINTER(Response)),
+                ("quick", POINTER(Response))]
 
 
 class Motion(ctypes.Structure):
@@ -99,14 +104,15 @@ class Arc(ctypes.Structure):
 class Circle(ctypes.Structure):
     """A circle that a core fits on."""
 
-    _fields_ = [("raw", c_long * 2), ("transform", POINTER(Transform)), ("compliance", c_void_p),
-                ("symbol", c_void_p), ("no_lag", c_double)]
+    _fields_ = [("raw", c_long * 2), ("transform", POINTER(Transform)),
+                ("quick", POINTER(Transform)), ("compliance", c_void_p), ("symbol", c_void_p),
+                ("no_lag", c_double)]
 
 
 class Block(ctypes.Structure):
     """A core block."""
 
-    _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2),
+    _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2), ("made", c_long),
                 ("circle", POINTER(Circle)),
                 *((name, c_void_p) for name in ("into", "back", "outside", "mean", "column",
                                                 "inverse")),
@@ -135,6 +141,8 @@ class System(ctypes.Structure):
     """What PETSc calls back with."""
 
     _fields_ = [("form", POINTER(Form)), ("arc", POINTER(Arc)), ("zone", POINTER(Zone)),
+                ("ksp", c_void_p), ("chooses", c_long), ("patience", c_long), ("turned", c_long),
+                ("safe", c_double),
                 ("newton_stiffness", c_double), ("smallest", c_double * 2), ("told", c_long),
                 ("operator_text", c_char_p), ("zone_text", c_char_p)]
 
@@ -143,9 +151,9 @@ class Libraries(ctypes.Structure):
     """Functions of others that the library calls."""
 
     _fields_ = [(name, c_void_p) for name in
-                ("execute", "get_read", "put_read", "get", "put", "mat_context", "pc_context",
-                 "assembly_begin", "assembly_end", "get_ksp", "iterations", "eigenvalues",
-                 "print")]
+                ("execute", "execute_single", "execute_rows", "get_read", "put_read", "get", "put",
+                 "mat_context", "pc_context", "assembly_begin", "assembly_end", "get_ksp",
+                 "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]
 
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Motion, Arc,

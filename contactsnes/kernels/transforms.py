@@ -2,15 +2,20 @@
 
 import ctypes
 import math
+from functools import cached_property
 
 import numpy as np
 import pyfftw
 
-from ..grid.cell import transform_cost
+from ..grid.counter import transform_cost
+from ..grid.precision import SINGLE, first_half
 from . import structures
-from .fftw import Plans
+from .fftw import Plans, Rows
 from .library import shared
 from .structures import TOO_MANY, address
+
+COLUMNS = 8
+"""Columns of a block, as packed.c has it."""
 
 
 class Compiled:
@@ -41,6 +46,23 @@ class Compiled:
         counter = self._grid.counter
         self.structure.counter = address(counter.numbers)
         self.structure.cost = self.count * transform_cost(math.prod(self.shape), counter.size)
+        if "single" in vars(self):
+            self.single.charge()
+
+    def _hold(self, real, spectrum):
+        """Take the memory to work on, whose precision decides on that."""
+        self.real, self.spectrum, own = real, spectrum, self.structure
+        own.real, own.spectrum = address(real), address(spectrum)
+        own.single = real.itemsize < 8
+
+    def fitting(self, block):
+        """A symbol as the library takes it."""
+        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
+        return np.ascontiguousarray(block, dtype=kind)
+
+    def places(self, numbers):
+        """Where the library has the nodes of some numbers on the circle."""
+        return numbers
 
     def _call(self, function):
         if function(self._reference, self.structure.shape[0]) == TOO_MANY:
@@ -63,19 +85,61 @@ class Real(Compiled):
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
+    memory : as of `grid.cell.Transform`
     """
 
-    def __init__(self, grid, shape, count):
+    def __init__(self, grid, shape, count, memory=None):
         super().__init__(grid, shape, count)
-        self.gain = math.prod(shape)
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[:-1], shape[-1] // 2 + 1),
-                                             dtype=complex)
-        self._plans = Plans(self.shape, count, address(self.real), address(self.spectrum))
-        own = self.structure
+        self.gain, own = math.prod(shape), self.structure
+        self._hold(*memory or (pyfftw.zeros_aligned((count, *shape)), pyfftw.zeros_aligned(
+            (count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)))
+        self._plans = Plans(self.shape, count, own.real, own.spectrum, bool(own.single))
         own.waves = self.spectrum[0].size
-        own.real, own.spectrum = address(self.real), address(self.spectrum)
         own.forward, own.backward = self._plans.to_half, self._plans.to_row
+
+    @cached_property
+    def single(self):
+        """The same in single precision, on the same memory; in the plane `Packed` where it can
+        be."""
+        real = first_half(self.real)
+        if len(self.shape) == 2 and not any(points % 2 for points in self.shape):
+            return Packed(self._grid, self.shape, self.count, real)
+        return Real(self._grid, self.shape, self.count, (real, first_half(self.spectrum)))
+
+
+class Packed(Compiled):
+    """Products with symbols in single precision of ``count`` arrays over a plane, by the library
+    (packed.c): two rows are one of complex numbers, and there is no whole spectrum.
+
+    Parameters
+    ----------
+    grid : Grid, whose counter counts
+    shape : (int, int), points in each direction, even
+    count : int, number of arrays
+    real : array (count, *shape) in single precision to work on
+    """
+
+    def __init__(self, grid, shape, count, real):
+        super().__init__(grid, shape, count)
+        self.gain, self.real, own = math.prod(shape), real, self.structure
+        self.waves = shape[0], shape[1] // 2 + 1
+        self.block = pyfftw.zeros_aligned((count, COLUMNS, shape[0]), dtype=np.complex64)
+        own.single = own.packed = 1
+        own.real, own.block, own.waves = address(real), address(self.block), math.prod(self.waves)
+        self._rows = Rows(shape[1], 1, own.real)
+        self._columns = Rows(shape[0], count * COLUMNS, own.block)
+        own.forward, own.backward = self._rows.forward, self._rows.backward
+        own.columns, own.columns_back = self._columns.forward, self._columns.backward
+
+    def fitting(self, block):
+        """A symbol as the library takes it: column after column."""
+        waves = block.reshape(-1, *self.waves)
+        return np.ascontiguousarray(np.swapaxes(waves, -1, -2), dtype=SINGLE[block.dtype])
+
+    def places(self, numbers):
+        """Where the library has the nodes of some numbers on the circle."""
+        row, column = np.divmod(numbers, self.shape[1])
+        return (row // 2 * 2 * self.shape[1] + row % 2 + 2 * column).astype(np.int32)
 
 
 class Cosines(Compiled):
@@ -91,24 +155,33 @@ class Cosines(Compiled):
     shape : tuple of int, points in each direction from the axis outwards
     count : int, number of arrays, at most 3
     parities : as of `grid.cosines.Cosines`
+    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
     """
 
-    def __init__(self, grid, shape, count, parities=None):
+    def __init__(self, grid, shape, count, parities=None, memory=None):
         super().__init__(grid, shape, count)
+        self._parities = parities
         own, plane = self.structure, len(shape) == 2
         self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
         self.gain = math.prod(2 * (m - 1) if closed else 2 * m
                               for m, closed in zip(shape, self.closed))
-        self.real = pyfftw.zeros_aligned((count, *shape))
-        self.spectrum = pyfftw.zeros_aligned((count, *shape[::-1])) if plane else self.real
+        if memory is None:
+            real = pyfftw.zeros_aligned((count, *shape))
+            memory = real, pyfftw.zeros_aligned((count, *shape[::-1])) if plane else real
+        self._hold(*memory)
         own.even, own.waves = 1, self.real[0].size
-        own.real, own.spectrum = address(self.real), address(self.spectrum)
         self.waves = [_order(m, closed) for m, closed in zip(shape, self.closed)]
-        self._lines = [_Line(m, closed) for m, closed in zip(shape, self.closed)]
+        self._lines = [_Line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
         for place, line in enumerate(self._lines, start=2 - len(shape)):
             own.line[place] = line.structure
             for field, signs in enumerate(parities or ()):
                 own.odd[field][place] = signs[place - 2 + len(shape)] < 0
+
+    @cached_property
+    def single(self):
+        """The same in single precision, on the same memory."""
+        memory = first_half(self.real), first_half(self.spectrum)
+        return Cosines(self._grid, self.shape, self.count, self._parities, memory)
 
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
@@ -133,16 +206,17 @@ def _order(points, closed):
 class _Line:
     """Work, factors and plans of a direction's rows."""
 
-    def __init__(self, points, closed):
+    def __init__(self, points, closed, single=False):
+        real, wave = (SINGLE[np.dtype(kind)] if single else kind for kind in (float, complex))
         self.structure = own = structures.Line(points=points, closed=closed)
         length, self._turn = points, None
         if closed:
             length = 2 * (points - 1)
         else:
-            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points)
-        self._row = pyfftw.zeros_aligned(length)
-        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=complex)
-        self._plans = Plans((length,), 1, address(self._row), address(self._half))
+            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points).astype(wave)
+        self._row = pyfftw.zeros_aligned(length, dtype=real)
+        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=wave)
+        self._plans = Plans((length,), 1, address(self._row), address(self._half), single)
         own.row, own.half, own.turn = (address(part) for part in (self._row, self._half,
                                                                   self._turn))
         own.to_row, own.to_half = self._plans.to_row, self._plans.to_half

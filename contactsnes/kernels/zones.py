@@ -22,9 +22,10 @@ class CompiledZone:
     options : CoreOptions
     floor : float, least response to means over that of a stiff contact, dimensionless
     arc : CompiledArc around the form, or None
+    quick : bool, whether it is applied in single precision, too, where the form's products are
     """
 
-    def __init__(self, kernel, options, floor=0.0, arc=None):
+    def __init__(self, kernel, options, floor=0.0, arc=None, quick=False):
         self.kernel, self.form, self.options = kernel, kernel.half, options
         self.library, self._arc = kernel.library, arc
         window, count = self.form.window, self.form.components
@@ -34,10 +35,12 @@ class CompiledZone:
         if arc is not None:
             own.arc = ctypes.pointer(arc.structure)
         self._kept = []
+        if quick:
+            kernel.make_quick()
         self._lay_out(window, options)
         self._circles = [[] for _ in range(count)]
         self._errors = []
-        own.missing = structures.Missing(self._circle_maker(window, count))
+        own.missing = structures.Missing(self._circle_maker(window, count, quick))
         self._blocks(window, count)
         self._means(count)
         self.reference = ctypes.addressof(own)
@@ -58,21 +61,22 @@ class CompiledZone:
             own.wraps[axis] = points == total
         nodes = self.form.nodes
         own.sums = self._array(window.shape[-1])
-        if isinstance(window, Nodes):
-            # the box is blurred in memory of its transform, which is not at work then
+        if len(window.shape) == 2:
+            # boxes are blurred in memory of their transform, which is not at work then
             transform = self.form.convolution.transform
             own.mask, own.blur = address(transform.real), address(transform.spectrum)
         else:
             own.mask, own.blur = self._array(nodes), self._array(nodes)
-        own.column = self._array(max(nodes, self.kernel.size))
+        if self._arc is not None:
+            own.column = self._array(self.kernel.size)
 
     def _blocks(self, window, count):
         """Memory of the blocks; of several boxes what they know of each other."""
         own, boxes, nodes = self.structure, len(window.parts), window.size
         for i in range(count):
             block = own.block[i]
-            for name in ("into", "back", "outside"):
-                setattr(block, name, self._array(nodes))
+            block.into, block.outside = self._array(nodes), self._array(nodes)
+            block.back = self._array(nodes) if self.kernel.structure.scale else block.into
             if isinstance(window, Nodes):
                 self._kept.append(np.zeros((2, nodes), dtype=np.intc))
                 block.node, block.at = (address(part) for part in self._kept[-1])
@@ -93,9 +97,9 @@ class CompiledZone:
         means = [i for i in range(count) if i in form.forced or form.rigid_compliance[i] != 0.0]
         own.mean_count = len(means)
         own.means[:len(means)] = means
-        own.columns = self._array(max(len(means), 1), form.nodes)
+        own.columns = self._array(len(means), form.nodes)
 
-    def _circle_maker(self, window, count):
+    def _circle_maker(self, window, count, quick):
         """What makes a circle for a component's core of a rounded extent, and enters it.
 
         It holds neither the form nor this object, which hold it.
@@ -111,7 +115,7 @@ class CompiledZone:
                               for extent, total in zip(raw, window.limits))
                 signs = window.of(component) if window.even else None
                 made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),
-                              boxes, (first, second))
+                              boxes, (first, second), quick)
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)
                 return 1
@@ -129,13 +133,21 @@ class CompiledZone:
         if self._errors:
             raise self._errors.pop()
 
-    def set_up(self):
-        """Make the zones from the form's tangent."""
+    def set_up(self, single=False):
+        """Make the zones from the form's tangent, perhaps in single precision."""
+        self.kernel.set_precision(single)
         call(self.library.set_up, self.form.grid.counter, self.reference)
         self.raise_error()
 
-    def apply(self, vector, out):
-        """out = M^-1 vector, arrays of the unknown's size."""
+    def apply(self, vector, out, single=False):
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
+        self.kernel.set_precision(single)
         call(self.library.precondition, self.form.grid.counter, self.reference, address(vector),
              address(out))
         return out
@@ -149,9 +161,10 @@ class Circle:
     found : (transform, compliance), of `Contact.circle`
     boxes : int
     raw : (int, int), rounded extents that it is found by
+    quick : bool, whether there is one in single precision, too
     """
 
-    def __init__(self, found, boxes, raw):
+    def __init__(self, found, boxes, raw, quick):
         self.transform, compliance = found
         compliance = np.array(compliance, dtype=float, order="C")
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
@@ -162,6 +175,8 @@ class Circle:
         self._symbol = np.empty((boxes, compliance.size))
         own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
         own.raw[:] = raw
+        if quick:
+            own.quick = ctypes.pointer(self.transform.single.structure)
         own.transform = ctypes.pointer(self.transform.structure)
         own.compliance, own.symbol = address(compliance), address(self._symbol)
 

@@ -7,6 +7,7 @@ import dataclasses
 import difflib
 import math
 import operator
+import re
 from functools import lru_cache
 from typing import ClassVar
 
@@ -39,10 +40,13 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
         kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
     rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum,
                 above=above, below=below, choices=choices, many=many, infinite=infinite, even=even,
-                word=word, also=also, default_text=as_text(default) if default_text is None
-                else default_text)
+                word=word, also=also, known=default not in (None, ""),
+                default_text=as_text(default) if default_text is None else default_text)
     return dataclasses.field(default=default, metadata=rule)
 
+
+WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*[^\W\d].*", re.ASCII | re.IGNORECASE)
+"""A number and a word behind it."""
 
 LARGEST = 1e30
 """Size up to which numbers are computed with, and the inverse of the least: powers and products of
@@ -126,6 +130,16 @@ def _single(value, rule):
     return value
 
 
+def _advice(value, rule):
+    """What to give in place of a value that is not allowed: the choice most like it, else the
+    default, if there is one."""
+    guess = nearest(as_text(value), map(as_text, rule["choices"] or ()))
+    if guess or rule["known"]:
+        return f"; try {guess or rule['default_text']}"
+    without = not rule["default_text"] or rule["default_text"].startswith("none")
+    return "" if without else f"; left out, it is {rule['default_text']}"
+
+
 def checked(name, value, rule):
     """The value of option `name`, or InputError.
 
@@ -145,14 +159,12 @@ def checked(name, value, rule):
         if not values or (rule["many"] == "directions" and len(values) > 2):
             raise ValueError
     except (ValueError, TypeError):
-        known = map(as_text, rule["choices"] or ())
-        guess = nearest(as_text(value), known) or ("" if rule["default_text"].startswith("none:")
-                                                   else rule["default_text"])
         items = value if isinstance(value, (tuple, list)) else (value,)
         beyond = any(isinstance(item, (int, float)) and not computable(item) for item in items)
+        measured = rule["kind"] == "number" and any(map(WITH_UNIT.fullmatch, map(as_text, items)))
         raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
                          + (f", of a size from {1 / LARGEST:g} to {LARGEST:g}" if beyond else "")
-                         + (f"; try {guess}" if guess else "")) from None
+                         + ", typed without its unit" * measured + _advice(value, rule)) from None
     if rule["many"] == "list":
         return ",".join(values)
     return values if len(values) > 1 else values[0]

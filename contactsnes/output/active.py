@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from ..grid.cell import Convolution, Grid, Operator
+from ..grid.cell import Convolution, Grid
+from ..grid.operator import Operator
 from ..grid.windows import Window
 from . import checksums
 from .files import ArchiveError

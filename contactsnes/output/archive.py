@@ -191,6 +191,10 @@ class Archive:
             lambda file: file.attrs.modify("complete", True), self._store.held)
         self.complete = True
 
+    def remove(self):
+        """Remove the file, which would only be in the way of the next try."""
+        self.path.unlink(missing_ok=True)
+
     def states(self):
         """States of the last points (up to four), oldest first, as they were given to `append`."""
         states = safely(self.path, lambda file: [

@@ -53,7 +53,9 @@ class TableOptions(Options):
     prefix: ClassVar[str] = ""
     title: ClassVar[str] = "Tables: contactsnes table"
     columns: str = option("", "columns, with commas: those of branch/, attributes of the scene as "
-                          "scene_NAME, and archive, point", default_text="all of branch/")
+                          "scene_NAME, options as they were typed (load_path), and archive, point, "
+                          "complete", default_text="all of branch/; before them, of several "
+                          "archives, archive and what their scenes and options differ in")
     rows: str = option("all", "all points; or one a run: its last point, that of its first event, "
                        "or of the first event of a kind",
                        choices=("all", "last", "event", "fold", "jump", "gross_sliding", "pull_off",

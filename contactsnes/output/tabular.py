@@ -8,25 +8,34 @@ from typing import NamedTuple
 import numpy as np
 
 from ..options.fields import InputError, nearest
+from . import resuming
 from .extras import extra
+from .files import ArchiveError
 from .reading import read
 
-OWN = ("archive", "point")
-"""Columns that an archive does not have itself: its path, and the number of the point, from 0."""
+OWN = ("archive", "point", "complete")
+"""Columns that an archive does not have itself: its path, the number of the point, from 0, and
+whether its path is done (1 or 0)."""
 
 SCENE = "scene_"
 
+ALWAYS_OTHERS = ("archive_", "scene_")
+"""Prefixes of options that tell no runs apart: files always differ, and what a scene is, its
+attributes tell."""
+
 
 class Table(NamedTuple):
-    """Columns of one length and their units, by name; and what was left out, in sentences."""
+    """Columns of one length and their units, by name; what was left out or is not complete, in
+    sentences; and why archives could not be read."""
 
     columns: dict
     units: dict
     notes: list
+    unread: list
 
 
 def tabulate(paths, asked):
-    """The table that options ask for.
+    """The table that options ask for, of the archives that can be read.
 
     Parameters
     ----------
@@ -36,30 +45,70 @@ def tabulate(paths, asked):
     Raises
     ------
     InputError
-        For a column that an archive does not have, or has in another unit than the first.
+        For a column that no archive has, or one has in another unit than the first.
     ArchiveError
-        Where there is no archive.
+        Where none of the archives can be read.
     """
-    parts, units, notes = [], {}, []
+    records, unread = _readable(paths)
+    names = asked.names or _default(records)
+    rows = [chosen_rows(record, asked.rows) for record in records]
+    notes = [f"{record.path} is not complete: its run has not come to its end"
+             for record in records if not record.complete]
+    notes += [f"{record.path} has no point of rows '{asked.rows}'"
+              for record, chosen in zip(records, rows) if not len(chosen)]
+    units, columns = _units(records, names), {}
+    for name in names:
+        parts = [_cells(record, name, chosen) for record, chosen in zip(records, rows)]
+        without = [record.path for record, part in zip(records, parts) if part is None]
+        if len(without) == len(records):
+            raise _unknown(records, name)
+        if without:
+            notes.append(f"{', '.join(map(str, without))}: no column {name}, its cells are empty")
+        columns[name] = np.concatenate([np.full(len(chosen), None) if part is None else part
+                                        for part, chosen in zip(parts, rows)])
+    return Table(columns, units, notes, unread)
+
+
+def _readable(paths):
+    """Archives as records, and why others cannot be read; ArchiveError where none can."""
+    records, unread = [], []
     for path in paths:
-        record = read(path)
-        rows = chosen_rows(record, asked.rows)
-        if not len(rows):
-            notes.append(f"{path} has no point of rows '{asked.rows}'")
-        names = asked.names or [*(OWN[:1] if len(paths) > 1 else ()), OWN[1], *record]
-        parts.append({name: _column(record, name, rows) for name in names})
-        for name in names:
+        try:
+            records.append(read(path))
+        except ArchiveError as error:
+            unread.append(str(error))
+    if not records:
+        raise ArchiveError("; ".join(unread))
+    return records, unread
+
+
+def _default(records):
+    """Columns of a table that names none: of several archives also what tells their rows apart."""
+    several = len(records) > 1
+    own = [name for record in records for name in record]
+    return list(dict.fromkeys([*OWN[:several], *(_differing(records) if several else ()), OWN[1],
+                               *own]))
+
+
+def _differing(records):
+    """Attributes of scenes, and options besides, that differ between archives."""
+    known = [[*(SCENE + name for name in record.scene),
+              *(name for name in resuming.entries(record.options)
+                if not name.startswith(ALWAYS_OTHERS))] for record in records]
+    return [name for name in dict.fromkeys(name for names in known for name in names)
+            if len({str(_value(record, name)) for record in records}) > 1]
+
+
+def _units(records, names):
+    """Unit of each column; InputError where an archive has another than those before it."""
+    units = {}
+    for record in records:
+        for name in set(names) & set(record):
             unit = record.units.get(name, "")
             if units.setdefault(name, unit) != unit:
-                raise InputError(f"{path} has {name} in '{unit}', archives before it in "
+                raise InputError(f"{record.path} has {name} in '{unit}', archives before it in "
                                  f"'{units[name]}': one table takes archives of one kind of units")
-    every = list(dict.fromkeys(name for part in parts for name in part))
-    strange = [name for name in every for part in parts if name not in part]
-    if strange:
-        raise InputError(f"not all archives have the column {strange[0]}: name those that are "
-                         "wanted by -columns")
-    columns = {name: np.concatenate([part[name] for part in parts]) for name in every}
-    return Table(columns, {name: units[name] for name in every}, notes)
+    return {name: units.get(name, "") for name in names}
 
 
 def chosen_rows(record, rows):
@@ -69,27 +118,40 @@ def chosen_rows(record, rows):
         return np.arange(record.points)
     if rows == "last":
         return np.arange(record.points)[-1:]
-    events = record["event"]
+    events = record.get("event", np.full(record.points, "none"))
     return np.flatnonzero(events != "none" if rows == "event" else events == rows)[:1]
 
 
-def _column(record, name, rows):
-    """Values of a column at rows; InputError for one that there is not."""
-    if name == "archive":
-        return np.full(len(rows), str(record.path))
+def _cells(record, name, rows):
+    """Values of a column at rows; None for one that there is not."""
     if name == "point":
         return rows
     if name in record:
         return np.asarray(record[name])[rows]
-    if name.startswith(SCENE) and name[len(SCENE):] in record.scene:
-        value = np.asarray(record.scene[name[len(SCENE):]])
-        # of two directions one cell holds both
-        value = ",".join(map(str, value.tolist())) if value.ndim else value.item()
-        return np.full(len(rows), value)
-    known = [*OWN, *record, *(SCENE + other for other in record.scene)]
-    guess = nearest(name, known)
-    raise InputError(f"-columns: {record.path} has no column {name}"
-                     + (f": did you mean {guess}?" if guess else f"; it has {', '.join(known)}"))
+    value = _value(record, name)
+    return None if value is None else np.full(len(rows), value)
+
+
+def _value(record, name):
+    """What holds for all points of an archive: its path, whether it is complete, an attribute of
+    its scene, an option; None where there is none."""
+    if name in ("archive", "complete"):
+        return {"archive": str(record.path), "complete": int(record.complete)}[name]
+    if not name.startswith(SCENE):
+        return resuming.entries(record.options).get(name)
+    value = np.asarray(record.scene.get(name[len(SCENE):]))
+    # of two directions one cell holds both
+    return ",".join(map(str, value.tolist())) if value.ndim else value.item()
+
+
+def _unknown(records, name):
+    """The InputError for a column that no archive has."""
+    first = records[0]
+    known = list(dict.fromkeys([*OWN, *(known for record in records for known in record),
+                                *(SCENE + other for other in first.scene)]))
+    guess = nearest(name, [*known, *resuming.entries(first.options)])
+    return InputError(f"-columns: {first.path} has no column {name}"
+                      + (f": did you mean {guess}?" if guess else f"; it has {', '.join(known)}"))
 
 
 def as_csv(table, units=False):

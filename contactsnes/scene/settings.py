@@ -104,7 +104,9 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
               "the path begins without a contact"), ("contact_window", form.form == "force",
                                                      "the force form is solved on the whole cell"),
              ("contact_cascade", form.form == "force",
-              "the force form is solved on the whole cell"), ("archive_fields", not output.file,
+              "the force form is solved on the whole cell"),
+             ("contact_linear_precision", form.form == "force",
+              "the force form is solved in double precision"), ("archive_fields", not output.file,
                                                               "there is no -archive_file"),
              *((f"archive_{name}", not output.file or output.fields == "none", "no fields are kept")
                for name in ("precision", "fields_on")),

@@ -41,6 +41,10 @@ class Form(Options):
     kernels: str = option("auto", "what computes: auto (compiled kernels where they were built, "
                           "else NumPy) or off (NumPy; the answers agree to rounding)",
                           choices=("auto", "off"))
+    linear_precision: str = option("auto", "of transforms inside linear solves: auto (single where "
+                                   "it pays and no solve is asked for more than it holds), single "
+                                   "(the same on any size) or double; residuals are in double",
+                                   choices=("auto", "double", "single"))
     cache: str = option("", "folder for what is kept between runs: compiled laws of one's own, and "
                         "what FFTW learned", default_text="contactsnes in $XDG_CACHE_HOME or "
                         "~/.cache")

@@ -14,6 +14,7 @@ from ..options.database import read
 from ..options.fields import InputError
 from .core_zone import CoreOptions
 from .operators import about
+from .precision import PATIENCE, SAFE
 
 MULTIPLY, MULTIPLY_TRANSPOSED, VIEW = 3, 5, 61
 """PETSc's MATOP_MULT, MATOP_MULT_TRANSPOSE and MATOP_VIEW."""
@@ -23,7 +24,8 @@ CALLED = {"get_read": "VecGetArrayRead", "put_read": "VecRestoreArrayRead", "get
           "pc_context": "PCShellGetContext", "assembly_begin": "MatAssemblyBegin",
           "assembly_end": "MatAssemblyEnd", "get_ksp": "SNESGetKSP",
           "iterations": "KSPGetIterationNumber", "eigenvalues": "KSPComputeEigenvalues",
-          "print": "PetscViewerASCIIPrintf"}
+          "print": "PetscViewerASCIIPrintf", "tolerances": "KSPGetTolerances",
+          "right_side": "KSPGetRhs", "norm": "VecNorm"}
 """Member of the library's structure -> PETSc's function."""
 
 OWN_ZONE = "contactsnes.solvers.preconditioners.ZonePC"
@@ -72,19 +74,25 @@ class Callbacks:
     ----------
     form : with a kernel
     options : CoreOptions of the preconditioner
+    ksp : KSP whose solves may be in single precision, or None
 
     Attributes
     ----------
     zone : CompiledZone
     """
 
-    def __init__(self, form, options):
+    def __init__(self, form, options, ksp=None):
         arc = form.kernel if isinstance(form, ArcLength) else None
         kernel = form.kernel if arc is None else arc.kernel
         self.form, self.kernel = form, form.kernel
-        self.zone = CompiledZone(kernel, options, 0.0 if arc is None else 1e-5, arc)
+        single = ksp is not None
+        self.zone = CompiledZone(kernel, options, 0.0 if arc is None else 1e-5, arc, single)
         self._texts = (_about_operator(form).encode(), _about_zone(options).encode())
-        self.structure = structures.System(operator_text=self._texts[0], zone_text=self._texts[1])
+        self.structure = structures.System(operator_text=self._texts[0], zone_text=self._texts[1],
+                                           chooses=single, patience=PATIENCE, safe=SAFE)
+        if single:
+            # it is no more than the address, and used in its solves only
+            self.structure.ksp = ksp.handle
         self.structure.form = ctypes.pointer(kernel.structure)
         self.structure.zone = ctypes.pointer(self.zone.structure)
         if arc is not None:
@@ -92,8 +100,30 @@ class Callbacks:
         self.address = ctypes.addressof(self.structure)
 
 
+class CompiledPrecision:
+    """What is known of the precision of solves in the library, as `precision.Precision`."""
+
+    def __init__(self, structure):
+        self._structure = structure
+
+    @property
+    def allowed(self):
+        """Whether solves may be in single precision."""
+        return bool(self._structure.chooses)
+
+    @allowed.setter
+    def allowed(self, allowed):
+        """Allow them to be, where they can."""
+        self._structure.chooses = allowed and bool(self._structure.ksp)
+
+    @property
+    def turned(self):
+        """Number of solves that went on in double precision."""
+        return self._structure.turned
+
+
 class CompiledRitz:
-    """What the monitor of a SNES in the library keeps, as `snes.Ritz`."""
+    """What the monitor of a SNES in the library keeps, as `ritz.Ritz`."""
 
     def __init__(self, structure):
         self._structure = structure
@@ -117,10 +147,17 @@ def _about_zone(options):
             f"lambda_n, pad {options.pad:g}, compiled\n")
 
 
-def operator(ksp, form):
-    """The matrix of a form's Jacobian in the library, whose preconditioner a KSP is given."""
+def operator(ksp, form, single=False):
+    """The matrix of a form's Jacobian in the library, whose preconditioner a KSP is given.
+
+    Parameters
+    ----------
+    ksp : KSP
+    form : with a kernel
+    single : bool, whether solves may be in single precision
+    """
     pc = ksp.getPC()
-    own = Callbacks(form, read(CoreOptions, pc.getOptionsPrefix() or ""))
+    own = Callbacks(form, read(CoreOptions, pc.getOptionsPrefix() or ""), ksp if single else None)
     matrix = PETSc.Mat().create(PETSc.COMM_SELF)
     matrix.setSizes([form.size, form.size])
     matrix.setType("shell")
@@ -144,15 +181,22 @@ def _set_shell(pc, own):
         _call(f"PCShellSet{name}", pc.handle, _function(function))
 
 
-def equip(snes, form):
-    """Give a SNES a form's function, Jacobian and preconditioner in the library."""
-    matrix = operator(snes.getKSP(), form)
+def equip(snes, form, single=False):
+    """Give a SNES a form's function, Jacobian and preconditioner in the library; the precision of
+    its solves.
+
+    Parameters
+    ----------
+    snes, form, single : SNES, form with a kernel, bool as of `operator`
+    """
+    matrix = operator(snes.getKSP(), form, single)
     own = of(matrix)
     snes.setAttr("callbacks", own)
     residual = PETSc.Vec().createSeq(form.size)
     _call("SNESSetFunction", snes.handle, residual.handle, _function("snes_function"), own.address)
     _call("SNESSetJacobian", snes.handle, matrix.handle, matrix.handle,
           _function("snes_jacobian"), own.address)
+    return CompiledPrecision(own.structure)
 
 
 def of(thing):

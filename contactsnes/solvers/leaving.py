@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .waves import means
+
 LEVELLED = 6.0
 """Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12
 (dimensionless)."""
@@ -16,13 +18,15 @@ def leaving(motion):
     force, and the body still slides on.
     """
     form, grid, law = motion.form, motion.grid, motion.form.contact.law
+    velocity, force, displacement = (means(grid, spectrum) for spectrum in (
+        motion.velocity, motion.force, motion.displacement)) if form.forced else (None,) * 3
     for i in form.forced:
-        target, mean = motion.target[i], (i, *motion.zero)
-        if motion.velocity[mean].real * target <= 0.0 or motion.force[mean].real * target >= 0.0:
+        target = motion.target[i]
+        if velocity[i] * target <= 0.0 or force[i] * target >= 0.0:
             continue
         if i == 0 and target > 0.0 and motion.closest() > law.range:
             return 0
-        if i > 0 and abs(motion.displacement[mean].real) / grid.size > LEVELLED:
+        if i > 0 and abs(displacement[i]) / grid.size > LEVELLED:
             pressed = 0 in form.forced and motion.target[0] < 0.0
             if slides(law, grid, motion.gap, abs(target) * grid.size, pressed):
                 return i
@@ -43,8 +47,8 @@ def slides(law, grid, gap, force, pressed):
     pressed : whether the body is pressed down
     """
     within = gap[0] < law.range
-    if not within.any():
+    if not grid.any(within):
         return not pressed
     slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
     friction = np.linalg.norm(law.traction(gap)[1:], axis=0) * within
-    return bool(slipped[within].all()) and grid.sum(friction) < force
+    return not grid.any(~slipped[within]) and grid.sum(friction) < force

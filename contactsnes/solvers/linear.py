@@ -5,6 +5,7 @@ from petsc4py import PETSc
 from . import callbacks
 from .operators import Jacobian
 from .snes import kept
+from .vectors import communicator, create_operator
 
 
 def create_ksp(form, prefix):
@@ -16,7 +17,7 @@ def create_ksp(form, prefix):
     form : of the equations
     prefix : str, of the options, after the dash
     """
-    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp = PETSc.KSP().create(communicator(form))
     ksp.setOptionsPrefix(prefix)
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
@@ -24,9 +25,7 @@ def create_ksp(form, prefix):
     if callbacks.available(form):
         matrix = callbacks.operator(ksp, form)
     else:
-        matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form),
-                                          comm=PETSc.COMM_SELF)
-        matrix.setUp()
+        matrix = create_operator(form, Jacobian(form))
         ksp.getPC().setType("python")
         ksp.getPC().setPythonType(callbacks.OWN_ZONE)
     ksp.setOperators(matrix)

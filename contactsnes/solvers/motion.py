@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from ..kernels.motion import twin
-from .waves import CellWaves, EvenWaves
+from .waves import CellWaves, EvenWaves, means, set_means, softest
 
 RESTING = {1: 0.15, 2: 0.08}
 """Stiffness of the mean displacement of a body in contact over that of the softest wave, by
@@ -57,13 +57,12 @@ class Motion:
                                                                            for _ in range(4))
         self._work = np.zeros_like(spectrum)
         self.gap = np.empty((form.components, self.waves.initial_gap.size))
-        self.zero = (0,) * len(self.grid.shape)
-        self._mean, self.target = (slice(None), *self.zero), form.target()
+        self.target = form.target()
         self.mobile = np.array([form.rigid_compliance[i] > 0.0 or i in form.forced
                                 for i in range(form.components)])
         self.mass = self._masses(masses, tangent)
         self.mobility = 1.0 / np.where(self.mass > 0.0, self.mass, np.inf)
-        self.reference, self.lightest = tangent, self.mass.reshape(form.components, -1)[:, 1:].min()
+        self.reference, self.lightest = tangent, min(softest(self.grid, self.mass))
         self.harmless = self._harmless_gap()
         self.steps, self._stiffening, self._norm = 0, 1.0, form.norm_function()
         self.kernel = twin(self)
@@ -84,11 +83,12 @@ class Motion:
         """m(q) for each component, an array (components, *half spectrum)."""
         mass = self._own_stiffness() + tangent
         if kind == "equal":
-            mass[...] = mass.reshape(len(mass), -1).max(axis=1).reshape(-1,
-                                                                        *[1] * len(self.grid.shape))
+            for part in mass:
+                part[...] = self.grid.maximum(part)
+            mean = means(self.grid, mass)
         else:
-            mass[self._mean] = self.form.mean_stiffness + 0.5 * tangent
-        mass[self._mean] *= self.mobile
+            mean = self.form.mean_stiffness + 0.5 * tangent
+        set_means(self.grid, mass, mean * self.mobile)
         return mass
 
     def _harmless_gap(self):
@@ -119,16 +119,17 @@ class Motion:
         That of a mean that can move is the estimate for a body held by a contact.
         """
         stiffness = self._own_stiffness()
-        softest = stiffness.reshape(len(stiffness), -1)[:, 1:].min(axis=1)
-        stiffness[self._mean] = self.form.mean_stiffness + RESTING[len(self.grid.shape)] * softest
+        resting = RESTING[len(self.grid.shape)] * softest(self.grid, stiffness)
+        set_means(self.grid, stiffness, self.form.mean_stiffness + resting)
         frequencies = np.sqrt(stiffness * self.mobility)
-        frequencies[self._mean] = np.where(self.mobile, frequencies[self._mean], np.inf)
+        set_means(self.grid, frequencies,
+                  np.where(self.mobile, means(self.grid, frequencies), np.inf))
         return frequencies
 
     @cached_property
     def slowest(self):
         """Frequency of the slowest motion."""
-        return self.frequencies().min()
+        return self.grid.minimum(self.frequencies())
 
     def start(self, displacement):
         """Rest at displacements (components, nodes of the cell), ranges of the law; a mean that
@@ -137,8 +138,8 @@ class Motion:
         self.transform.forward()
         np.copyto(self.displacement, self.transform.spectrum)
         far = self.form.contact.far_displacement(self.form.components, self.form.load)
-        self.displacement[self._mean] = np.where(self.mobile, self.displacement[self._mean],
-                                                 self.grid.size * far)
+        set_means(self.grid, self.displacement,
+                  np.where(self.mobile, means(self.grid, self.displacement), self.grid.size * far))
         self.velocity[...] = 0.0
         self.steps, self.stiffening = 0, 1.0
         self._evaluate()
@@ -216,14 +217,14 @@ class Motion:
 
     def _balance(self, traction):
         """F = K v + t from the tractions' spectrum, with the form's own balance of the mean."""
-        mean = (self.form.mean_stiffness * self.displacement[self._mean].real
+        mean = (self.form.mean_stiffness * means(self.grid, self.displacement)
                 - self.grid.size * self.target)
-        mean += np.where(self.mobile, traction[self._mean].real, 0.0)
+        mean += np.where(self.mobile, means(self.grid, traction), 0.0)
         np.copyto(self.force, traction)
         for (i, j), block in self.stiffness.items():
             np.multiply(block, self.displacement[j], out=self._work[i])
             self.force[i] += self._work[i]
-        self.force[self._mean] = mean
+        set_means(self.grid, self.force, mean)
 
     def _stiffen(self):
         """mu from the steepest tangent where surfaces overlap."""
@@ -291,4 +292,4 @@ class Motion:
             self.waves.respond(self._work)
             squares = self.waves.inner(self._work, self._work)
             within = self.grid.count(self.gap[0] < self.form.contact.law.range)
-        return self._norm(squares, self.force[self._mean].real, within)
+        return self._norm(squares, means(self.grid, self.force), within)

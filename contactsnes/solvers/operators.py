@@ -1,5 +1,7 @@
 """PETSc's Mat contexts: the Jacobian of a form, and what is given as a function of arrays."""
 
+from .precision import DOUBLE
+
 
 def about(form):
     """What -snes_view prints of a form's Jacobian."""
@@ -15,11 +17,27 @@ def form_of(matrix):
     return own.form if own else None
 
 
-class Jacobian:
-    """The exact Jacobian of a form, matrix-free."""
+def precision_of(matrix):
+    """The Precision of a matrix's products, double where it says nothing."""
+    context = matrix.getPythonContext() if matrix.getType() == "python" else None
+    return getattr(context, "precision", DOUBLE)
 
-    def __init__(self, form):
-        self.form = form
+
+class Jacobian:
+    """The exact Jacobian of a form, matrix-free.
+
+    Parameters
+    ----------
+    form : of the equations
+    precision : Precision of its products
+    """
+
+    def __init__(self, form, precision=DOUBLE):
+        self.form, self.precision = form, precision
+
+    def _single(self):
+        """What has a product in single precision where it is to be."""
+        return (True,) if self.precision.now() else ()
 
     def mult(self, mat, x, y):
         """y = J x.
@@ -29,7 +47,7 @@ class Jacobian:
         mat : petsc4py Mat
         x, y : petsc4py Vec, of the form's size; y is filled
         """
-        self.form.apply_jacobian(x.getArray(readonly=True), y.getArray())
+        self.form.apply_jacobian(x.getArray(readonly=True), y.getArray(), *self._single())
 
     def multTranspose(self, mat, x, y):
         """y = J^T x.
@@ -38,7 +56,7 @@ class Jacobian:
         ----------
         mat, x, y : as of `mult`
         """
-        self.form.apply_transpose(x.getArray(readonly=True), y.getArray())
+        self.form.apply_transpose(x.getArray(readonly=True), y.getArray(), *self._single())
 
     def view(self, mat, viewer):
         """What -snes_view prints of the operator."""

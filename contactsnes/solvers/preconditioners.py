@@ -6,12 +6,11 @@ import numpy as np
 from ..contact.bordered import ArcLength
 from ..contact.even_form import EvenForm
 from ..contact.force_form import ForceForm
-from ..grid.cell import Transform
 from ..options.database import read
 from ..options.fields import InputError
 from . import callbacks
 from .core_zone import CoreOptions, CoreZone, core_weight
-from .operators import form_of
+from .operators import form_of, precision_of
 
 
 class ZonedStiffness:
@@ -31,20 +30,20 @@ class ZonedStiffness:
 
     def __init__(self, form, options=CoreOptions(), floor=0.0):
         self.form, self.grid = form, form.grid
-        self.transform = Transform(form.grid, form.grid.shape, 1)
+        self.transform = form.grid.transform(form.grid, form.grid.shape, 1)
         self.rigid = [i for i in range(form.components) if i not in form.forced
                       and form.rigid_compliance[i] == 0.0]
         self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
-        self._work = np.empty(form.grid.size)
+        self._work = np.empty(form.nodes)
 
     def _zones(self, i, zone):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
         stiffness = form.contact.operator(form.components,
                                           "stiffness").blocks[i, i] * form.grid.size
-        smallest = np.min(stiffness[stiffness > 0.0])
-        stiffness.flat[0] = form.mean_stiffness[i]
-        weight, tangent = (np.zeros(form.grid.size), 1.0) if zone is None else zone
+        smallest = form.grid.minimum(stiffness, where=stiffness > 0.0)
+        form.grid.zero_wave(stiffness)[...] = form.mean_stiffness[i]
+        weight, tangent = (np.zeros(form.nodes), 1.0) if zone is None else zone
         zones = [(np.sqrt(weight), tangent), (np.sqrt(1.0 - weight), smallest)]
         return [(root, 1.0 / (stiffness + shift) / form.grid.size) for root, shift in zones]
 
@@ -75,15 +74,21 @@ class EvenCoreZone:
     ----------
     form : EvenForm, linearised
     options : CoreOptions
-    floor : float, as of `CoreZone`
+    floor, single : float and bool, as of `CoreZone`
     """
 
-    def __init__(self, form, options=CoreOptions(), floor=0.0):
-        self.form, self.inner = form, CoreZone(form.half, options, floor)
+    def __init__(self, form, options=CoreOptions(), floor=0.0, single=False):
+        self.form, self.inner = form, CoreZone(form.half, options, floor, single)
 
-    def apply(self, vector, out):
-        """out = M^-1 vector, arrays of the form's size."""
-        return self.form.scaled(self.inner.apply(self.form.plain(vector), out))
+    def apply(self, vector, out, single=False):
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
+        return self.form.scaled(self.inner.apply(self.form.plain(vector), out, single))
 
 
 class ArcElimination:
@@ -93,15 +98,18 @@ class ArcElimination:
     def __init__(self, form, options=CoreOptions()):
         self.form = form
         self.inner = KINDS.get(type(form.form), CoreZone)(form.form, options, 1e-5)
-        self.column = self.inner.apply(form.load_column, np.empty(form.size - 1))
+        self.count = form.form.size
+        self.column = self.inner.apply(form.load_column, np.empty(self.count))
         self.slope = form.grid.inner(form.tangent, self.column) - form.rate
 
     def apply(self, vector, out):
         """out = M^-1 vector, arrays of the form's size."""
-        self.inner.apply(vector[:-1], out[:-1])
+        form, inner = self.form, out[:self.count]
+        self.inner.apply(vector[:self.count], inner)
         slope = self.slope if abs(self.slope) > 1e-300 else 1.0
-        out[-1] = (self.form.grid.inner(self.form.tangent, out[:-1]) - vector[-1]) / slope
-        out[:-1] -= out[-1] * self.column
+        position = (form.grid.inner(form.tangent, inner) - form.position(vector)) / slope
+        inner -= position * self.column
+        out[self.count:] = form.grid.held([position])
         return out
 
 
@@ -109,9 +117,17 @@ KINDS = {ArcLength: ArcElimination, EvenForm: EvenCoreZone, ForceForm: ZonedStif
 """Preconditioners of forms other than the displacement form."""
 
 
-def zone(form, options):
-    """The preconditioner of a form at its last linearisation."""
-    return KINDS.get(type(form), CoreZone)(form, options)
+def zone(form, options, single=False):
+    """The preconditioner of a form at its last linearisation.
+
+    Parameters
+    ----------
+    form : of the equations
+    options : CoreOptions
+    single : bool, whether it is set up in single precision
+    """
+    kind = KINDS.get(type(form), CoreZone)
+    return kind(form, options, single=True) if single else kind(form, options)
 
 
 class ZonePC:
@@ -120,7 +136,7 @@ class ZonePC:
 
     def __init__(self):
         self.options = CoreOptions()
-        self.zone = None
+        self.zone = self.precision = None
 
     def setFromOptions(self, pc):
         """Read -pc_core_* under the PC's prefix."""
@@ -130,10 +146,12 @@ class ZonePC:
         """Make the zones from the tangent that the operator holds."""
         # The second operator is the one to make preconditioners from: with -snes_mf_operator the
         # first is a difference quotient.
-        form = form_of(pc.getOperators()[1])
+        matrix = pc.getOperators()[1]
+        form = form_of(matrix)
         if form is None:
             raise InputError(callbacks.NO_JACOBIAN)
-        self.zone = zone(form, self.options)
+        self.precision = precision_of(matrix)
+        self.zone = zone(form, self.options, self.precision.begin())
 
     def apply(self, pc, x, y):
         """y = M^-1 x.
@@ -143,7 +161,8 @@ class ZonePC:
         pc : petsc4py PC
         x, y : petsc4py Vec; y is filled
         """
-        self.zone.apply(x.getArray(readonly=True), y.getArray())
+        single = [True] if self.precision.now() else []
+        self.zone.apply(x.getArray(readonly=True), y.getArray(), *single)
 
     def view(self, pc, viewer):
         """What -snes_view prints."""

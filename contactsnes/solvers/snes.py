@@ -17,6 +17,9 @@ from . import callbacks
 from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
+from .precision import Precision
+from .ritz import Ritz
+from .vectors import communicator, create_operator, create_vector
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -40,10 +43,6 @@ class NewtonOptions(Options):
                               "kappa, above the law's steepest softening, 0.135 for a exp(-a)",
                               "phi_n/delta_n^2", kind="number", above=SOFTENING,
                               default_text="0.2 for a exp(-a), else 1.5 times the softening")
-
-
-TELLING = 3
-"""Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
 
 
 def regularised_stiffness(law, stiffness):
@@ -71,7 +70,7 @@ class RegularisedStep:
         step = y.getArray()[:form.count].reshape(form.shape)[0]
         root = np.broadcast_to(form.root, step.shape)
         far = np.abs(step) * root > 0.1
-        if not far.any():
+        if not form.grid.any(far):
             return False
         gap = form.gap(x.getArray(readonly=True))[0][far]
         root = root[far]
@@ -80,20 +79,26 @@ class RegularisedStep:
         return True
 
 
-def equip(snes, form):
+def equip(snes, form, single=False):
     """Give a SNES a form's function and exact Jacobian, compiled ones where there are, and our
-    defaults for its linear systems."""
+    defaults for its linear systems; the precision of its solves.
+
+    Parameters
+    ----------
+    snes : SNES
+    form : of the equations
+    single : bool, whether linear solves may be in single precision
+    """
     ksp = snes.getKSP()
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=150)
     if callbacks.available(form):
-        callbacks.equip(snes, form)
-        return
+        return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
-                     PETSc.Vec().createSeq(form.size))
-    matrix = PETSc.Mat().createPython([form.size, form.size], Jacobian(form), comm=PETSc.COMM_SELF)
-    matrix.setUp()
+                     create_vector(form))
+    precision = Precision(snes if single else None)
+    matrix = create_operator(form, Jacobian(form, precision))
 
     def linearise(snes, x, operator, preconditioner):
         form.linearise(x.getArray(readonly=True))
@@ -105,32 +110,7 @@ def equip(snes, form):
     snes.setJacobian(linearise, matrix, matrix)
     ksp.getPC().setType("python")
     ksp.getPC().setPythonType(callbacks.OWN_ZONE)
-
-
-class Ritz:
-    """Monitor of a Newton iteration: keeps the smallest real part of the Ritz values of its last
-    two linear solves that tell.
-
-    Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body
-    that rests, so that a negative one belongs to an unstable mode of J (Sylvester's law of inertia,
-    where J is symmetric). They cost no product.
-    """
-
-    def __init__(self):
-        self.found = []
-
-    def __call__(self, snes, iteration, norm):
-        if iteration == 0:
-            self.found = []
-            return
-        values = snes.getKSP().computeEigenvalues()
-        if len(values) >= TELLING:
-            self.found.append(float(values.real.min()))
-
-    @property
-    def smallest(self):
-        """That number, nan where no solve told anything."""
-        return min(self.found[-2:], default=np.nan)
+    return precision
 
 
 @contextmanager
@@ -149,7 +129,7 @@ def full_steps(database, kind):
             database.delValue(name)
 
 
-def create_snes(form, prefix="", tolerance=None):
+def create_snes(form, prefix="", tolerance=None, single=False):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
@@ -158,17 +138,17 @@ def create_snes(form, prefix="", tolerance=None):
 
     Parameters
     ----------
-    form : of the equations
+    form : of the equations, which gets ``precision`` and ``ritz``
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
+    single : bool, whether linear solves may be in single precision
     """
     database = PETSc.Options(prefix)
-    _collect()
-    snes = PETSc.SNES().create(PETSc.COMM_SELF)
-    kept(snes)
+    collect()
+    snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx = form
-    equip(snes, form)
+    form.precision = equip(snes, form, single)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
@@ -248,7 +228,7 @@ def kept(thing):
     return thing
 
 
-def _collect():
+def collect():
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
     problem's size."""
     getattr(PETSc, "garbage_cleanup", lambda: None)()
@@ -260,7 +240,7 @@ def _destroy_all():
     be called no more."""
     for thing in list(_alive.values()):
         thing.destroy()
-    _collect()
+    collect()
 
 
 def displacement_test(snes, iteration, norms, form):
@@ -280,7 +260,7 @@ def displacement_test(snes, iteration, norms, form):
     imbalance = snes.getFunction()[0].getArray(readonly=True)
     if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
         imbalance = form.residual(unknown, np.empty(form.size))
-    norm = (np.linalg.norm(imbalance) if form.in_displacements
+    norm = (form.grid.norm(imbalance) if form.in_displacements
             else form.displacement_norm(unknown, imbalance))
     if not np.isfinite(norm):
         return NOT_A_NUMBER

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..options.fields import Options, option
+from .waves import softest
 
 
 @dataclass(frozen=True)
@@ -91,8 +92,8 @@ def graded(motion, exponent):
     """Damping of each wave over that of the slowest motion: its frequency over the softest wave's,
     to a power, at least 1."""
     frequencies = motion.frequencies()
-    softest = frequencies.reshape(len(frequencies), -1)[:, 1:].min()
-    return np.maximum(1.0, np.where(motion.mobility > 0.0, frequencies / softest, 1.0)) ** exponent
+    least = min(softest(motion.grid, frequencies))
+    return np.maximum(1.0, np.where(motion.mobility > 0.0, frequencies / least, 1.0)) ** exponent
 
 
 class DampedVerlet:
@@ -191,7 +192,8 @@ class KineticDamping:
     def __init__(self, motion, options):
         self.motion, self.time_step = motion, options.time_step
         frequencies = np.where(motion.mobility > 0.0, motion.frequencies(), 0.0)
-        half = 0.5 * options.time_step * options.damping * frequencies / frequencies.max()
+        fastest = motion.grid.maximum(frequencies)
+        half = 0.5 * options.time_step * options.damping * frequencies / fastest
         self._kept, self._impulse = (1.0 - half) / (1.0 + half), options.time_step / (1.0 + half)
         self._moving, self._earlier = False, 0.0
 

@@ -4,6 +4,29 @@ of fields that are even about its apex."""
 import numpy as np
 
 
+def means(grid, spectrum):
+    """Values at q = 0 of spectra (components, *waves), real, in all processes."""
+    return grid.together(grid.zero_wave(spectrum).real.reshape(len(spectrum), -1).sum(axis=1))
+
+
+def set_means(grid, spectrum, values):
+    """Set the values at q = 0 of spectra, where they are here.
+
+    Parameters
+    ----------
+    grid : Grid
+    spectrum : array (components, *waves)
+    values : array (components,)
+    """
+    grid.zero_wave(spectrum)[...] = np.reshape(values, (-1, *[1] * (spectrum.ndim - 1)))
+
+
+def softest(grid, array):
+    """The smallest value of each of some arrays over waves (components, *waves), but for q = 0."""
+    flat = array.reshape(len(array), -1)[:, int(grid.zero_wave(array).size > 0):]
+    return np.array([grid.minimum(part) for part in flat])
+
+
 class CellWaves:
     """Half spectra of fields on the whole cell.
 
@@ -26,8 +49,8 @@ class CellWaves:
         self.stiffness = {key: form.grid.size * block
                           for key, block in form.convolution.blocks.items()}
         self.compliance, self.respond = form.compliance.blocks, form.compliance.multiply
-        self.weights = np.full(self.transform.spectrum.shape[1:], 2.0)
-        self.weights[..., [0, -1]] = 1.0
+        self.weights = np.broadcast_to(form.grid.waves_twice(),
+                                       self.transform.spectrum.shape[1:]).copy()
 
     def fold(self, values):
         """Values (..., nodes of the cell) at these nodes."""

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from contactsnes import reference
+from contactsnes.grid.counter import weighed
 from contactsnes.output.figures.style import GREY, STYLE, WIDTH, colours
 from contactsnes.output.tables import markdown, measured, write_between
 
@@ -94,7 +95,7 @@ def _loops(pressed):
                                                                       "energy_imbalance")),
                      str(jumps),
                      str(len(run["leg"])), str(run["rejected"][0]),
-                     f"{run['transforms'].sum():.0f}", f"{run['wall_time'].sum():.0f}"])
+                     f"{weighed(run).sum():.0f}", f"{run['wall_time'].sum():.0f}"])
     return markdown(heading, rows)
 
 
@@ -112,7 +113,7 @@ def _sheared(sheared):
                      f"{1e9 * run['tangential_displacement_x'][-1]:.1f}",
                      f"{100 * area[full(run)] / AREA:.3f}", f"{100 * area[-1] / AREA:.3f}",
                      str(len(run["leg"])), str(run["rejected"][0]),
-                     f"{run['transforms'].sum():.0f}", f"{run['wall_time'].sum():.0f}"])
+                     f"{weighed(run).sum():.0f}", f"{run['wall_time'].sum():.0f}"])
     return markdown(heading, rows)
 
 

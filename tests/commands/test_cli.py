@@ -490,6 +490,10 @@ def test_a_table_goes_to_standard_output(pressed, capsys, monkeypatch):
     record = reading.read("run.h5")
     assert heading == "point,normal_force"
     assert row == f"{record.points - 1},{record['normal_force'][-1]}"
+    assert cli.main(["table", "absent.h5", "run.h5", "-columns", "archive", "-rows", "last"]) == 2
+    told = capsys.readouterr()
+    assert told.out.splitlines() == ["archive", "run.h5"]
+    assert "error: absent.h5: there is no such file" in told.err
 
 
 def test_events_of_ours_stand_in_the_log_of_petsc(tmp_path):

@@ -18,7 +18,7 @@ import pytest
 
 from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
-from contactsnes.commands import cli, session
+from contactsnes.commands import cli
 from contactsnes.interface import heights as geometry
 from contactsnes.options import database as options
 from contactsnes.options import files
@@ -29,7 +29,7 @@ from contactsnes.output.layout import Column
 from contactsnes.output.reading import read
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import OPTION_CLASSES, Form, Scene
-from contactsnes.system import devices, streams
+from contactsnes.system import devices, processes, streams
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {
@@ -96,7 +96,7 @@ def test_an_unknown_backend_does_not_matter(tmp_path):
 # Several processes
 
 
-@pytest.mark.parametrize("size, rank", session.LAUNCHED)
+@pytest.mark.parametrize("size, rank", processes.LAUNCHED)
 def test_several_processes_are_refused(monkeypatch, capsys, size, rank):
     monkeypatch.setenv(size, "2")
     monkeypatch.setenv(rank, "0")
@@ -110,7 +110,7 @@ def test_several_processes_are_refused(monkeypatch, capsys, size, rank):
 
 
 def test_one_process_of_a_launcher_runs(tmp_path):
-    variables = {name: "1" for name, _ in session.LAUNCHED if not name.startswith("PMI")}
+    variables = {name: "1" for name, _ in processes.LAUNCHED if not name.startswith("PMI")}
     assert shell("CONTACTSNES run STILL", tmp_path, **variables, SLURM_NTASKS="8",
                  SLURM_PROCID="0").returncode == 0
 
@@ -118,6 +118,7 @@ def test_one_process_of_a_launcher_runs(tmp_path):
 @pytest.mark.skipif(subprocess.run(["which", "mpirun"], capture_output=True,
                                    check=False).returncode != 0, reason="no mpirun here")
 def test_mpirun(tmp_path):
+    """A line is solved by one process, with mpi4py or without."""
     done = shell("mpirun --oversubscribe -n 2 CONTACTSNES run STILL -archive_file run.h5", tmp_path)
     assert done.returncode == 2 and done.stderr.count(
         "contactsnes: error: started as 2 processes") == 1
@@ -395,7 +396,7 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
     assert words in str(refusal.value) and "would fit" in str(refusal.value)
 
 
-def test_what_is_said_to_fit_does(monkeypatch):
+def test_what_is_said_to_fit_does(monkeypatch, options):
     monkeypatch.setattr(too_large, "memory", lambda: 3e8)
     load, form = Load(path="normal_displacement=1"), Form()
     for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
@@ -412,6 +413,14 @@ def test_what_is_said_to_fit_does(monkeypatch):
     for refused in ((load, Form(symmetry="off")), (Load(path=both), form)):
         with pytest.raises(InputError, match="would fit"):
             too_large.refuse_too_large(sphere, *refused)
+    # what takes less is offered where that would do, and is believed
+    cell, rough = 1024 ** 2, Scene(points=1024, dimension=2, geometry="rough", rough_slope=1.0,
+                             rough_shortest=1.0)
+    monkeypatch.setattr(too_large, "memory", lambda: 8 * 80.0 * cell)
+    with pytest.raises(InputError, match="would fit; -ksp_type gmres -ksp_pc_side right takes"):
+        too_large.refuse_too_large(rough, load, Form(window="off"))
+    options(ksp_type="gmres")
+    too_large.refuse_too_large(rough, load, Form(window="off"))
     monkeypatch.setattr(too_large, "memory", lambda: 1e15)
     too_large.refuse_too_large(Scene(points=2 ** 31), load, Form())
     with pytest.raises(InputError, match="PETSc counts 2147483647"):

@@ -14,8 +14,8 @@ def told(scene, load, **values):
     """The lines of one point."""
     lines = []
     progress = Progress(scene, load, lines.append, live=False)
-    row = dict.fromkeys((*progress.columns, "function_evaluations", "energy_imbalance",
-                         "external_work", "dissipated_work"), 0)
+    row = dict.fromkeys((*progress.columns, "transforms_single", "function_evaluations",
+                         "energy_imbalance", "external_work", "dissipated_work"), 0)
     row |= {name: 0.0 for name in row if name.startswith(("normal", "tangential", "contact"))
             and name.endswith(("force", "displacement", "area", "_x", "_y"))}
     progress.point({**row, "event": "jump", "fold_kind": "", "stable": -1, **values}, 0.5)

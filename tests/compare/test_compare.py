@@ -2,8 +2,6 @@
 PETSc's database in between."""
 
 import csv
-import importlib.machinery
-import importlib.util
 import os
 import subprocess
 import sys
@@ -13,6 +11,7 @@ import matplotlib
 import numpy as np
 import petsc4py
 import pytest
+from programs import load
 
 petsc4py.init([])
 
@@ -34,6 +33,7 @@ from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 OPTIONS = ROOT / "options"
+SCRIPT = ROOT / "scripts" / "compare"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 SMALL = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": 250.0,
          "residual_friction": 0.5}
@@ -433,10 +433,10 @@ def test_database_is_switched_without_a_trace():
 def test_meter_and_history():
     meter = Counter(64)
     history = History(meter)
-    meter.transforms += 3.5
+    meter.add(3.5)
     meter.limit = 4.0
     with pytest.raises(RuntimeError):
-        meter.transforms += 1.0
+        meter.add(1.0)
     assert meter.transforms == 4.5 and history.rows().shape == (0, 3)
 
 
@@ -530,22 +530,13 @@ def test_help(tmp_path):
 # The script behind the page's figure
 
 
-def script():
-    """The module of scripts/compare."""
-    loader = importlib.machinery.SourceFileLoader("script_compare",
-                                                  str(ROOT / "scripts" / "compare"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    return module
-
-
 def test_script_reports_what_was_measured(tmp_path):
     plain = Method("verlet-plain",
                    {**FIRE.entries, "snes_python_type": "contactsnes.solvers.relaxation.Verlet",
                     "snes_verlet_masses": "equal"})
     comparison, _ = compared(NEWTON, FIRE, plain, HASTY)
     comparison_table.save(comparison, tmp_path / "small", {})
-    text = script().report({"small": tables.read_hdf5(tmp_path / "small.h5")[1]})
+    text = load(SCRIPT).report({"small": tables.read_hdf5(tmp_path / "small.h5")[1]})
     lines = {line.split("|")[1].strip(): line for line in text.splitlines() if line.startswith("|")}
     rows = {row["method"]: row for row in comparison_table.rows(comparison)
             if row["stage"].startswith("leg 2")}
@@ -560,11 +551,11 @@ def test_script_reports_what_was_measured(tmp_path):
 
 def test_the_figure_shows_methods_that_there_are():
     names = {path.stem for path in OPTIONS.glob("*.opts")} | {"newton (whole cell)"}
-    assert set(script().SHOWN) <= names
+    assert set(load(SCRIPT).SHOWN) <= names
 
 
 def test_the_page_has_the_marks_of_the_script():
-    module = script()
+    module = load(SCRIPT)
     text = module.PAGE.read_text(encoding="utf-8")
     assert (text.count(module.BEGIN) == text.count(module.END) == 1
             and text.index(module.BEGIN) < text.index(module.END))

@@ -14,8 +14,9 @@ from contactsnes.contact.problem import Contact
 from contactsnes.contact.scattered import boxed, on_nodes
 from contactsnes.dynamics.modes import ACCURATE
 from contactsnes.grid.active import Nodes, NodesConvolution, within
-from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.numbers import numbers_of, of_numbers
+from contactsnes.grid.operator import Operator
 from contactsnes.grid.windows import Window
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps

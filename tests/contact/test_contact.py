@@ -11,6 +11,7 @@ import gc
 import itertools
 import math
 import tracemalloc
+import weakref
 
 import numpy as np
 import pyfftw
@@ -19,6 +20,7 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes.branch import corrector
 from contactsnes.branch.accuracy import finer_contact
 from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.force_form import ForceForm
@@ -460,41 +462,50 @@ def test_window_holds_the_range_of_the_law():
 
 class Counter:
     """Cost of every real transform, from the sizes of its arrays, in transforms of a cell of
-    ``size`` points."""
+    ``size`` points, of those in single precision apart."""
 
     def __init__(self, size):
-        self.size, self.cost = size, 0.0
+        self.size, self.cost, self.single = size, 0.0, 0.0
 
     def add(self, real, axes):
         """Count the transforms along the axes of a real array."""
         points = math.prod(real.shape[axis] for axis in axes)
-        self.cost += real.size * math.log(points) / (self.size * math.log(self.size))
+        cost = real.size * math.log(points) / (self.size * math.log(self.size))
+        if real.itemsize == 4:
+            self.single += cost
+        else:
+            self.cost += cost
 
 
 def count_compiled(monkeypatch, count):
     """Have every plan that the compiled kernels execute counted, a row's as its points."""
     shapes, pointers = {}, library.pointers(library.shared())
-    execute = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(pointers.execute)
+    kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
     real, line = transforms.Real.__init__, transforms._Line.__init__
 
-    def made_real(self, grid, shape, number):
-        real(self, grid, shape, number)
+    def made_real(self, grid, shape, number, memory=None):
+        real(self, grid, shape, number, memory)
         shapes.update(dict.fromkeys((self._plans.to_row, self._plans.to_half), (number, *shape)))
 
-    def made_line(self, points, closed):
-        line(self, points, closed)
+    def made_line(self, points, closed, single):
+        line(self, points, closed, single)
         shapes.update(dict.fromkeys((self._plans.to_row, self._plans.to_half), (1, points)))
 
-    def counted(plan):
-        shape = shapes[plan]
-        count.add(np.broadcast_to(0.0, shape), range(1, len(shape)))
-        execute(plan)
+    def counting(execute, number):
+        def counted(plan):
+            shape = shapes[plan]
+            count.add(np.broadcast_to(number, shape), range(1, len(shape)))
+            execute(plan)
 
-    callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(counted)
-    count.callback = callback  # kept as long as the count
+        return kind(counted)
+
+    count.callbacks = {name: counting(kind(getattr(pointers, name)), number)
+                       for name, number in (("execute", np.float64(0.0)),
+                                            ("execute_single", np.float32(0.0)))}
     monkeypatch.setattr(transforms.Real, "__init__", made_real)
     monkeypatch.setattr(transforms._Line, "__init__", made_line)
-    monkeypatch.setattr(pointers, "execute", ctypes.cast(callback, ctypes.c_void_p).value)
+    for name, callback in count.callbacks.items():  # kept as long as the count
+        monkeypatch.setattr(pointers, name, ctypes.cast(callback, ctypes.c_void_p).value)
 
 
 @pytest.fixture
@@ -549,29 +560,34 @@ WINDOW = Form()
 CELL = Form(window="off")
 STIFF = Form(form="force")
 ALL = Form(symmetry="off")
+HALVES, QUICK = (Form(linear_precision="single", symmetry=symmetry) for symmetry in ("auto", "off"))
 
 
 @pytest.mark.parametrize("form, predictor", [(WINDOW, "none"), (WINDOW, "secant"),
                                              (WINDOW, "tangent"), (WINDOW, "edge"), (CELL, "edge"),
-                                             (STIFF, "tangent"), (STIFF, "edge"), (ALL, "edge")],
+                                             (STIFF, "tangent"), (STIFF, "edge"), (ALL, "edge"),
+                                             (HALVES, "edge"), (QUICK, "edge")],
                          ids=["window-none", "window-secant", "window-tangent", "window-edge",
-                              "cell-edge", "force-tangent", "force-edge", "no symmetry"])
+                              "cell-edge", "force-tangent", "force-edge", "no symmetry",
+                              "single", "single-no symmetry"])
 def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
     branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=1",
                                                       path="normal_displacement=20; "
                                                       "tangential_displacement=3, "
                                                       "normal_force=12"),
                     Steps(predictor=predictor), form)
-    spent, windows = 0.0, set()
+    spent, windows = np.zeros(2), set()
+    names = "transforms", "transforms_single"
     for point in branch:
         branch.observe(point)
-        spent += point.spent["transforms"]
+        spent += [point.spent[name] for name in names]
         windows.add((point.state.window.start, point.state.window.shape))
     assert len(windows) > 2 or form in (CELL, STIFF)
     assert point.spent["linear_iterations"] > 0
-    spent += branch.corrector.account()["transforms"]
-    assert spent > 20
-    assert spent == pytest.approx(counter.cost, rel=1e-12)
+    rest = branch.corrector.account()
+    spent += [rest[name] for name in names]
+    assert spent[0] > 20 and (spent[1] > 20) == (form in (HALVES, QUICK))
+    np.testing.assert_allclose(spent, [counter.cost, counter.single], rtol=1e-12)
 
 
 PLANAR = {"dimension": 2, "points": 64, "period": 12.0, "geometry": "sphere", "normal_maugis": 2.0}
@@ -630,6 +646,24 @@ def test_forms_of_old_windows_are_released():
     windows = {point.state.window.shape for point in branch}
     assert len(windows) > 3
     assert alive() <= before + 2
+
+
+def test_a_form_is_released_before_the_next_is_made(monkeypatch):
+    """Two of them with their Krylov vectors would be twice the memory."""
+    made, most, create = weakref.WeakSet(), [], corrector.create_snes
+
+    def creating(form, *given):
+        snes = create(form, *given)
+        made.add(form)
+        gc.collect()
+        most.append(len(made))
+        return snes
+
+    monkeypatch.setattr(corrector, "create_snes", creating)
+    load = Load(start="normal_displacement=1", path="normal_displacement=20")
+    for _ in Branch(Scene(**SHARP), load, Steps(), Form(cascade=False)):
+        pass
+    assert len(most) > 3 and max(most) == 1
 
 
 @pytest.mark.parametrize("kind", ["window", "displacement", "force"])

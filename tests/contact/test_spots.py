@@ -12,8 +12,9 @@ from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, Contact
 from contactsnes.grid import boxes as spots
 from contactsnes.grid.boxes import Spots, SpotsConvolution
-from contactsnes.grid.cell import Convolution, Grid, Operator, transform_cost
+from contactsnes.grid.cell import Convolution, Grid, transform_cost
 from contactsnes.grid.numbers import numbers_of, of_numbers
+from contactsnes.grid.operator import Operator
 from contactsnes.grid.windows import Window, enclosing
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps

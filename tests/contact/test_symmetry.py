@@ -18,9 +18,10 @@ from contactsnes.contact.problem import DISPLACEMENT, FORCE
 from contactsnes.contact.states import State, onto
 from contactsnes.contact.symmetry import EVEN
 from contactsnes.dynamics import jumps
-from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
 from contactsnes.grid.even import EvenWindow, asymmetry, centred
+from contactsnes.grid.operator import Operator
 from contactsnes.grid.parity import obstacle, parities, parity
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window

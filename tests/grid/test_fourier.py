@@ -9,8 +9,9 @@ import pytest
 import scipy.fft
 
 from contactsnes.grid.boxes import Spots
-from contactsnes.grid.cell import Convolution, Grid, Operator, Transform, transform_cost
+from contactsnes.grid.cell import Convolution, Grid, Transform, transform_cost
 from contactsnes.grid.contours import crossings
+from contactsnes.grid.operator import Operator
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window, enclosing
 

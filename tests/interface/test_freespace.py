@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0, j1, jv
 
-from contactsnes.grid.cell import Convolution, Grid, Operator
+from contactsnes.grid.cell import Convolution, Grid
+from contactsnes.grid.operator import Operator
 from contactsnes.grid.windows import Window
 from contactsnes.interface.bodies.layer import Layer
 from contactsnes.interface.elasticity import layer_compliance

@@ -134,6 +134,48 @@ def test_compiled_forms_are_numpys(name, count, part, kind, control):
     assert (form.evaluations, form.products) == (plain.evaluations, plain.products)
 
 
+SINGLE = 2e-6
+"""Relative error of a convolution in single precision: its rounding, 6e-8, times a few tens for
+transforms of hundreds of points (and their sums in the law's steep parts)."""
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("name, count, part, kind, control", CASES)
+def test_products_in_single_precision(name, count, part, kind, control, compiled):
+    """They differ from those in double by rounding, and by no less, and are counted apart."""
+    form, unknown = form_of(compiled, name, count, part, kind, control)
+    random = np.random.default_rng(5)
+    vector, new = random.normal(size=form.size), lambda: np.empty(form.size)
+    form.linearise(unknown)
+    if compiled:
+        zone = CompiledZone(form.kernel, CoreOptions(), quick=True)
+        zone.set_up()
+    else:
+        zone = interpreted_zone(form)
+    products = {"product": form.apply_jacobian, "transposed": form.apply_transpose,
+                "preconditioner": zone.apply}
+    exact = {name: product(vector, new()) for name, product in products.items()}
+    before = form.grid.transforms, form.grid.transforms_single
+    again = {name: product(vector, new()) for name, product in products.items()}
+    spent = form.grid.transforms - before[0]
+    assert form.grid.transforms_single == before[1]
+    if compiled:
+        zone.set_up(single=True)
+    before = form.grid.transforms, form.grid.transforms_single
+    for name, product in products.items():
+        np.testing.assert_array_equal(again[name], exact[name])
+        error = np.abs(product(vector, new(), single=True) - exact[name]).max()
+        assert 1e-10 < error / np.abs(exact[name]).max() < SINGLE, name
+    assert form.grid.transforms == before[0]
+    assert form.grid.transforms_single - before[1] == pytest.approx(spent, rel=1e-12)
+    # the memory is that of double precision, which is asked again
+    if compiled:
+        zone.set_up()
+    for name, product in products.items():
+        np.testing.assert_allclose(product(vector, new()), exact[name], rtol=0,
+                                   atol=1e-12 * np.abs(exact[name]).max())
+
+
 @pytest.mark.parametrize("name, count, part, kind, control",
                          [case for case in CASES if case[2] != "strip" and case[3] != "half"])
 def test_compiled_arc_length_is_numpys(name, count, part, kind, control):

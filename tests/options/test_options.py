@@ -408,3 +408,15 @@ def test_heights_stand_beside_the_file_that_names_them(tmp_path, monkeypatch):
                                                  "-scene_x", "h.txt"]
     (tmp_path / "heights.txt").write_text("3 4 5\n")  # that of the working folder wins
     assert files.read_file("own/scene.opts")[1] == "heights.txt"
+
+
+@pytest.mark.parametrize("name, value, told", [
+    ("height", "tall", "or inf; try 2000$"), ("law", "modifed", "try modified$"),
+    ("adhesive_strength", "none", "allowed is a number above 0$"),
+    ("adhesive_strength", "2kPa", "allowed is a number above 0, typed without its unit$"),
+    ("adhesive_strength", "2e3 Pa", "typed without its unit$"),
+    ("amplitude", "x", r"above 0; left out, it is \(L/2 pi\)\^2, of curvature 1$"),
+])
+def test_what_is_advised_in_place_of_a_bad_value_is_allowed(name, value, told):
+    with pytest.raises(InputError, match=told):
+        Scene.typed(**{name: value})

@@ -1,6 +1,7 @@
 """Fields on active nodes: the cell's that are made of them are those that the cell would have
 kept."""
 
+import h5py
 import numpy as np
 import petsc4py
 import pytest
@@ -85,6 +86,22 @@ def test_fields_in_si_and_in_single_precision(tmp_path):
                                        atol=digits * np.max(np.abs(expected)))
     assert len(single.active(last)["nodes"]) <= len(active.active(last)["nodes"])
     assert active.units["displacement"] == cell.units["displacement"]
+
+
+def test_mirror_images_are_kept_once(tmp_path):
+    """By compression: in the order of the archive they repeat what is before them."""
+    scene = Scene(**PLANE | {"points": 64}, tangential_maugis=2.0, height=np.inf)
+    _, record = written(tmp_path, scene, "normal_displacement=1; tangential_displacement_x=2",
+                        "active")
+    with h5py.File(record.path) as file:
+        active = file["fields/active"]
+        nodes, offsets = active["nodes"][:], active["offsets"][:]
+        told = active["traction"].id.get_storage_size() / (8 * active["traction"].size)
+    for begin, end in zip(offsets, offsets[1:]):
+        assert len(np.unique(nodes[begin:end])) == end - begin
+    assert told < 0.2
+    x, y = np.unravel_index(nodes[:offsets[1]], (64, 64))
+    assert np.all(np.diff(np.abs(x - 32)) >= 0)  # rows by their distance from the middle
 
 
 def test_an_isolated_contact_goes_on_from_any_point(tmp_path):

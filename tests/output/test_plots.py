@@ -10,6 +10,7 @@ from matplotlib.image import imread
 
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
+from contactsnes.output.asked import PlotOptions
 from contactsnes.output.figures import (
     curves,
     data,
@@ -20,6 +21,7 @@ from contactsnes.output.figures import (
     shape,
     spots,
     style,
+    surface,
     words,
 )
 from contactsnes.output.figures.plot import plot
@@ -402,6 +404,15 @@ def test_maps_have_room_for_their_ticks_and_titles(tmp_path):
             assert len(boxes) > 1 and all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
         titles = [axes.title.get_window_extent() for axes in figure.axes[:3]]
         assert all(one.x1 < other.x0 for one, other in zip(titles, titles[1:]))
+
+
+def test_no_label_of_the_figure_of_a_surface_is_cut(tmp_path):
+    x = np.linspace(-1e-4, 1e-4, 48, endpoint=False)
+    gap = 2e-6 * (1 - np.cos(np.pi * x / 5e-5)[:, None] * np.cos(np.pi * x / 3e-5))
+    surface.draw_surface([tmp_path / "a.png"], (x, x), gap, ("m", "m"), "a map", PlotOptions())
+    picture = imread(tmp_path / "a.png")
+    borders = picture[0], picture[-1], picture[:, 0], picture[:, -1]
+    assert all(np.all(border == 1.0) for border in borders)
 
 
 SHAPE = {"line": ("half_axis_x", "stick_area", "slip_area", "edge_left", "edge_right", "front_left",

@@ -20,6 +20,7 @@ from contactsnes.output.figures import movie
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
 from contactsnes.output.prefixes import read
+from contactsnes.output.report import certificates
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 EVENTS = ("none", "fold", "jump", "gross_sliding")
@@ -252,3 +253,22 @@ def test_a_film_refuses_names_that_do_not_fit(monkeypatch, output, word):
 def test_a_film_needs_fields(tmp_path):
     with pytest.raises(ArchiveError, match="-archive_fields all"):
         movie.write_movie(archive(tmp_path / "run.h5", fields="none"), MovieOptions())
+
+
+class Kept(dict):
+    """Columns of an archive with their units."""
+
+    units, points, complete = {"external_work": "J"}, 3, True
+
+
+@pytest.mark.parametrize("energies, told, fine", [
+    ([1.0, 2.0, 3.0], "0.5 of 7 J", False), ([np.nan] * 3, "not known: the law has no potential",
+                                             True),
+    ([1.0, 2.0, np.nan], "1e−06 of 2 J, of the 2 points where the law has a potential", True)])
+def test_a_balance_that_tests_nothing_certifies_nothing(energies, told, fine):
+    """Without a potential the imbalance is 0 by definition, or what it was before."""
+    record = Kept(interfacial_energy=np.array(energies), external_work=np.array([0.0, -2.0, 7.0]),
+                  energy_imbalance=np.array([0.0, 1e-6, 0.5]), residual_norm=np.zeros(3),
+                  resolved=np.ones(3), stable=-np.ones(3))
+    (row,) = [row for row in certificates.rows(record) if row[0].startswith("missing")]
+    assert row[1].startswith(told) and row[2] == fine

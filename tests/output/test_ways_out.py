@@ -22,17 +22,20 @@ EVENTS = ("none", "fold", "jump", "pull_off")
 
 
 def archive(path, events=("none", "fold", "jump", "none"), unit="w_n,r", fields="none",
-            friction=0.5):
-    """An archive whose point number i has the force i/3, and fields that tell their place."""
+            friction=0.5, options="", more=(), finished=True):
+    """An archive whose point number i has the force i/3, and fields that tell their place; columns
+    `more` hold its number."""
     grid = {} if fields == "none" else dict(coordinates=(X, Y), components=3, initial_gap=gap())
     made = Archive.create(path, scene={"residual_friction": friction, "period": (6.0, 4.0)},
-                          options="", versions={}, fields=fields,
+                          options=options, versions={}, fields=fields,
                           columns={"normal_force": Column(unit), "leg": Column("", "i8"),
-                                   "event": Column("", "i1", EVENTS)}, **grid)
+                                   "event": Column("", "i1", EVENTS),
+                                   **dict.fromkeys(more, Column("1"))}, **grid)
     for number, event in enumerate(events):
-        made.append({"normal_force": number / 3, "leg": 1, "event": event}, {}, *(
+        made.append({"normal_force": number / 3, "leg": 1, "event": event,
+                     **dict.fromkeys(more, number)}, {}, *(
             () if fields == "none" else (field(number), -field(number))))
-    made.finish()
+    made.finish() if finished else made.settle()
     return path
 
 
@@ -86,6 +89,48 @@ def test_a_table_refuses_what_does_not_fit(tmp_path):
         tabular.tabulate([tmp_path / "absent.h5"], TableOptions())
     assert tabular.tabulate([one], TableOptions(columns="scene_period")).columns[
         "scene_period"][0] == "6.0,4.0"
+
+
+def test_a_table_of_a_study_tells_its_runs_apart(tmp_path):
+    paths = [archive(tmp_path / f"{number}.h5", friction=friction, options=(
+        f'-load_path "normal_force={force}" -scene_residual_friction {friction} '
+        f"-archive_file {number}.h5 -load_stop none"))
+        for number, (friction, force) in enumerate([(0.5, 1), (0.5, 2), (0.25, 2)])]
+    table = tabular.tabulate(paths, TableOptions(rows="last"))
+    assert list(table.columns) == ["archive", "scene_residual_friction", "load_path", "point",
+                                   "event", "leg", "normal_force"]
+    assert table.columns["scene_residual_friction"].tolist() == [0.5, 0.5, 0.25]
+    assert table.columns["load_path"].tolist() == [f"normal_force={force}" for force in (1, 2, 2)]
+    assert list(tabular.tabulate(paths[:1], TableOptions()).columns) == [
+        "point", "event", "leg", "normal_force"]
+    assert tabular.tabulate(paths, TableOptions(columns="load_stop", rows="last")).columns[
+        "load_stop"].tolist() == ["none"] * 3
+
+
+def test_columns_that_some_archives_lack_are_empty_there(tmp_path):
+    paths = [archive(tmp_path / "a.h5"), archive(tmp_path / "b.h5", more=["stiffness"])]
+    for columns in ("", "stiffness,point"):
+        table = tabular.tabulate(paths, TableOptions(columns=columns, rows="last"))
+        assert table.columns["stiffness"].tolist() == [None, 3.0]
+        assert table.notes == [f"{paths[0]}: no column stiffness, its cells are empty"]
+        at = list(table.columns).index("stiffness")
+        assert [row[at] for row in lines(tabular.as_csv(table))] == ["stiffness", "", "3.0"]
+    with pytest.raises(InputError, match="no column stifness: did you mean stiffness"):
+        tabular.tabulate(paths, TableOptions(columns="stifness"))
+
+
+def test_archives_that_cannot_be_read_or_are_not_complete_are_named(tmp_path):
+    good, under_way = archive(tmp_path / "a.h5"), archive(tmp_path / "b.h5", finished=False)
+    broken, absent = tmp_path / "broken.h5", tmp_path / "absent.h5"
+    broken.write_bytes(good.read_bytes()[:900])
+    table = tabular.tabulate([absent, good, broken, under_way],
+                             TableOptions(rows="last", columns="archive,complete"))
+    assert table.columns["archive"].tolist() == [str(good), str(under_way)]
+    assert table.columns["complete"].tolist() == [1, 0]
+    assert [str(absent) in table.unread[0], str(broken) in table.unread[1]] == [True, True]
+    assert len(table.unread) == 2 and str(under_way) in table.notes[0]
+    with pytest.raises(ArchiveError, match="absent.h5.*broken.h5"):
+        tabular.tabulate([absent, broken], TableOptions())
 
 
 def test_parquet_holds_values_and_units(tmp_path):

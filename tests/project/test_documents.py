@@ -5,8 +5,6 @@ Blocks of ``sh``, ``opts`` and ``python`` are run page by page, in an empty fold
 what they print.
 """
 
-import importlib.machinery
-import importlib.util
 import os
 import re
 import shlex
@@ -16,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from programs import load
 
 import contactsnes
 from contactsnes import Scene, table
@@ -211,12 +210,7 @@ def test_lines_are_short(page):
 
 
 def test_the_page_of_options_is_up_to_date():
-    path = str(ROOT / "scripts" / "options-page")
-    loader = importlib.machinery.SourceFileLoader("options_page", path)
-    script = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    loader.exec_module(script)
-    sys.dont_write_bytecode = before
+    script = load(ROOT / "scripts" / "options-page")
     same = script.PAGE.read_text(encoding="utf-8") == script.page()
     assert same, "docs/options.md is out of date: run scripts/options-page"
 

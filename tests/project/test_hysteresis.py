@@ -1,12 +1,11 @@
 """The script of adhesive loops on a tiny cell: what it measures, its limit, and where it writes."""
 
-import importlib.machinery
-import importlib.util
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import load
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -15,14 +14,8 @@ pytestmark = pytest.mark.usefixtures("kept_options")
 
 @pytest.fixture(scope="module")
 def script(tmp_path_factory):
-    """The script as a module, without bytecode beside it, with a small cell and large steps,
-    writing elsewhere."""
-    loader = importlib.machinery.SourceFileLoader("hysteresis_script",
-                                                  str(ROOT / "scripts" / "hysteresis"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    loader.exec_module(module)
-    sys.dont_write_bytecode = before
+    """The script as a module, with a small cell and large steps, writing elsewhere."""
+    module = load(ROOT / "scripts" / "hysteresis")
     folder = tmp_path_factory.mktemp("hysteresis")
     module.PERIOD = 40.0
     module.STEP = 0.4

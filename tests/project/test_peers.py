@@ -1,28 +1,18 @@
 """The comparison with other codes, as far as it goes without them; marked slow, with them."""
 
 import csv
-import importlib.machinery
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import load
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "peers"
 
 
-def load():
-    """The script as a module."""
-    loader = importlib.machinery.SourceFileLoader("peers_script", str(SCRIPT))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    sys.modules[loader.name] = module
-    loader.exec_module(module)
-    return module
-
-
-peers = load()
+peers = load(SCRIPT)
 
 
 pytestmark = pytest.mark.usefixtures("kept_options")

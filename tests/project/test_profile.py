@@ -1,11 +1,9 @@
 """Where the time of a run goes: the layers of scripts/benchmark --profile."""
 
-import importlib.machinery
-import importlib.util
-import sys
 from pathlib import Path
 
 import pytest
+from programs import load
 
 from contactsnes.kernels import library
 
@@ -14,19 +12,9 @@ TINY = ["-scene_points", "128", "-scene_period", "10", "-scene_normal_maugis", "
         "normal_displacement=0.5; tangential_displacement=0.2"]
 
 
-def script(name):
-    """A script as a module, without bytecode beside it."""
-    loader = importlib.machinery.SourceFileLoader(f"{name}_script", str(SCRIPTS / name))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    loader.exec_module(module)
-    sys.dont_write_bytecode = before
-    return module
-
-
 @pytest.fixture(scope="module")
 def layers():
-    return script("layers.py")
+    return load(SCRIPTS / "layers.py")
 
 
 def test_time_is_that_of_the_innermost_function(layers):
@@ -52,7 +40,7 @@ def test_time_is_that_of_the_innermost_function(layers):
 
 
 def test_a_profile_tells_of_every_layer_that_a_run_has(layers):
-    benchmark = script("benchmark")
+    benchmark = load(SCRIPTS / "benchmark")
     found = benchmark.profiled(TINY, repeats=1)
     assert set(found) <= {layers.IMPORTS, layers.REST, *layers.EARLY, *layers.LAYERS,
                           "start: PETSc"}

@@ -1,14 +1,13 @@
 """scripts/rough on coarse grids: the challenge pressed, pulled off, and sheared to gliding; tables
 and figures."""
 
-import importlib.machinery
-import importlib.util
 import sys
 from pathlib import Path
 
 import numpy as np
 import petsc4py
 import pytest
+from programs import load
 
 petsc4py.init([])
 
@@ -20,10 +19,7 @@ pytestmark = pytest.mark.usefixtures("kept_options")
 def script():
     """The script as a module."""
     sys.path.insert(0, str(ROOT / "scripts"))
-    loader = importlib.machinery.SourceFileLoader("rough_script", str(ROOT / "scripts/rough"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    yield module
+    yield load(ROOT / "scripts/rough")
     sys.path.remove(str(ROOT / "scripts"))
 
 

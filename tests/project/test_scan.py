@@ -1,13 +1,12 @@
 """The scan of parameters on tiny scenes: what it tries, what it counts, and what it says of
 failures."""
 
-import importlib.machinery
-import importlib.util
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import load
 
 from contactsnes.commands.session import solver_options
 from contactsnes.compare.methods import entries
@@ -19,12 +18,8 @@ TINY = {"points": 128, "period": 10.0, "normal_maugis": 2.0, "residual_friction"
 
 @pytest.fixture(scope="module")
 def scan():
-    """The script as a module, without bytecode beside it, with tiny scenes."""
-    loader = importlib.machinery.SourceFileLoader("scan_script", str(ROOT / "scripts" / "scan"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    loader.exec_module(module)
-    sys.dont_write_bytecode = before
+    """The script as a module, with tiny scenes."""
+    module = load(ROOT / "scripts" / "scan")
     module.SCENES = {"cold": (TINY, "normal_displacement=1", "", None),
                      "warm": (TINY, "normal_displacement=1",
                               "normal_force=1; tangential_displacement=1", (0.5, 0.5))}

@@ -1,13 +1,12 @@
 """scripts/sphere on coarse grids: paths to gliding, pull-off after shear, tables and figure."""
 
-import importlib.machinery
-import importlib.util
 import sys
 from pathlib import Path
 
 import numpy as np
 import petsc4py
 import pytest
+from programs import load
 
 petsc4py.init([])
 
@@ -18,10 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def script():
     """The script as a module."""
     sys.path.insert(0, str(ROOT / "scripts"))
-    loader = importlib.machinery.SourceFileLoader("sphere_script", str(ROOT / "scripts/sphere"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    yield module
+    yield load(ROOT / "scripts/sphere")
     sys.path.remove(str(ROOT / "scripts"))
 
 

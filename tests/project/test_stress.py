@@ -3,14 +3,13 @@ unnamed."""
 
 import csv
 import dataclasses
-import importlib.machinery
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from programs import load
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "stress"
 SAMPLE = ("cold_force:-5", "start:overlap 30", "start:nan 1", "random:2", "random:46")
@@ -18,14 +17,8 @@ SAMPLE = ("cold_force:-5", "start:overlap 30", "start:nan 1", "random:2", "rando
 
 @pytest.fixture(scope="module")
 def stress():
-    """The script as a module, without bytecode beside it."""
-    loader = importlib.machinery.SourceFileLoader("stress", str(SCRIPT))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("stress", loader))
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    sys.modules["stress"] = module
-    loader.exec_module(module)
-    sys.dont_write_bytecode = before
-    return module
+    """The script as a module."""
+    return load(SCRIPT)
 
 
 @pytest.fixture(scope="module")

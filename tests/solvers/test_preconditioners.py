@@ -11,7 +11,7 @@ from contactsnes.contact.force_form import ForceForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.scene.settings import Scene
-from contactsnes.solvers.core_zone import CoreOptions, CoreZone, _inverse, core_weight
+from contactsnes.solvers.core_zone import CoreOptions, CoreZone, core_weight, inverse
 from contactsnes.solvers.preconditioners import ArcElimination, ZonedStiffness
 
 CONTROLS = [(DISPLACEMENT,), (FORCE,), (DISPLACEMENT, DISPLACEMENT), (FORCE, DISPLACEMENT),
@@ -344,5 +344,5 @@ def test_forms_share_circles_without_harm():
 def test_means_without_a_response_stay(size):
     """Nor where what responds is so little that one over it overflows."""
     with np.errstate(all="raise"):
-        np.testing.assert_array_equal(_inverse(np.full((size, size), 1e-320), 0.0),
+        np.testing.assert_array_equal(inverse(np.full((size, size), 1e-320), 0.0),
                                       np.zeros((size, size)))

@@ -88,6 +88,14 @@ def test_a_solve_keeps_the_vectors_that_it_is_said_to_take(tmp_path):
     assert memory_of_solve(10 ** 6, 0) > 8 * 2 * (restart / 2) * 10 ** 6
 
 
+def test_memory_is_that_of_the_method(options):
+    default = memory_of_solve(10 ** 6, 10 ** 6)
+    assert memory_of_solve(10 ** 6, 10 ** 6, "bcgs") < memory_of_solve(10 ** 6, 10 ** 6, "gmres")
+    options(ksp_type="gmres")
+    assert (memory_of_solve(10 ** 6, 10 ** 6) == memory_of_solve(10 ** 6, 10 ** 6, "gmres")
+            < 0.8 * default)
+
+
 @pytest.mark.parametrize("given, found", [
     ({"snes_type": "newtontr"}, ["type: newtontr"]),
     ({"snes_linesearch_type": "bt"}, ["type: newtonls", "type: bt"]),
@@ -251,7 +259,7 @@ def test_what_was_spent_is_counted_once():
     assert {name: value for name, value in made.account().items()
             if name != "wall_time"} == dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                                       "function_evaluations", "jacobian_products",
-                                                      "transforms"), 0)
+                                                      "transforms", "transforms_single"), 0)
 
 
 # The two forms

@@ -11,6 +11,7 @@ class Flat(Shape):
     name, meaning = "flat", "0"
     even = uniform = (0, 1)
     uses_radius = False
+    by_nodes = True
 
     def gap(self, coordinates, scene):
         """0."""

@@ -13,6 +13,7 @@ class Parabola(Shape):
     even = (0, 1)
     convex = True
     apart = True
+    by_nodes = True
 
     def curvature(self, scene):
         """1 in every direction."""

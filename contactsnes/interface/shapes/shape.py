@@ -32,6 +32,8 @@ class Shape(Declared):
     apart : whether a contact that reaches the edge of the cell, where the body meets its neighbour,
         is refused
     gridded : whether it is known on one grid only, that of ``points``
+    by_nodes : whether its gap at a node hangs on that node's place alone, so that parts of a cell
+        may be asked for
     uses_radius : whether a scene in SI needs a radius for it: its gap, or a default of it, is in
         units of the radius of curvature
     parabola : dimension of the interface -> c such that the gap is nowhere below c |x|^2/2, on an
@@ -43,6 +45,7 @@ class Shape(Declared):
     uniform = ()
     apart = False
     gridded = False
+    by_nodes = False
     uses_radius = True
     parabola = {}
 

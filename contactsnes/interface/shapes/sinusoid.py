@@ -13,6 +13,7 @@ class Sinusoid(Shape):
     amplitude: float = option(None, "A of the sinusoid", "u_n,r", kind="number", above=0,
                               default_text="(L/2 pi)^2, of curvature 1")
     even = (0, 1)
+    by_nodes = True
 
     @property
     def uses_radius(self):

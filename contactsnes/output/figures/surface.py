@@ -29,7 +29,7 @@ def draw_surface(paths, coordinates, gap, units, title, asked):
     plane = gap.ndim == 2
     place = np.unravel_index(np.argmin(gap), gap.shape)
     with matplotlib.rc_context(settings(asked.style)):
-        figure = Figure((WIDTH, (1.6 if plane else 1.0) * WIDTH), layout="constrained")
+        figure = Figure((WIDTH, (1.6 if plane else 1.0) * WIDTH), layout="compressed")
         figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
         stack = figure.subplots(2 + plane, 1, height_ratios=[2.6, 1, 1] if plane else [1.6, 1])
         if plane:

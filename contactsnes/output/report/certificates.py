@@ -13,17 +13,26 @@ MISSING = 0.01
 def rows(record):
     """Certificates: [what, value, whether it is fine], values as HTML."""
     worst, unresolved = float(np.max(record["residual_norm"])), _count(record["resolved"] == 0)
-    missing = float(np.nanmax(np.abs(record["energy_imbalance"]), initial=0.0))
-    work = float(np.nanmax(np.abs(record["external_work"]), initial=0.0))
-    unit = symbol(record.units["external_work"])
     found = [["the path was followed to its end", "yes" if record.complete else "no",
               bool(record.complete)],
              ["largest residual_norm, ranges of the law", number(worst, 2), worst < 1e-6],
              ["points that the grid does not resolve", str(unresolved), not unresolved],
-             ["missing in the balance of energies", f"{number(missing, 2)} of {number(work, 3)} "
-              f"{unit}", missing <= MISSING * work or work == 0.0], *_stability(record),
-             *_errors(record)]
+             _balance(record), *_stability(record), *_errors(record)]
     return found
+
+
+def _balance(record):
+    """What the balance of energies leaves, of the points that have a potential: at others the work
+    on the interface is what the balance leaves, and nothing is tested."""
+    told, tested = "missing in the balance of energies", np.isfinite(record["interfacial_energy"])
+    if not tested.any():
+        return [told, "not known: the law has no potential there", True]
+    missing, work = (float(np.nanmax(np.abs(record[name][tested]), initial=0.0))
+                     for name in ("energy_imbalance", "external_work"))
+    text = f"{number(missing, 2)} of {number(work, 3)} {symbol(record.units['external_work'])}"
+    if not tested.all():
+        text += f", of the {_count(tested)} points where the law has a potential"
+    return [told, text, missing <= MISSING * work or work == 0.0]
 
 
 def _count(mask):

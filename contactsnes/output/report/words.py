@@ -84,6 +84,12 @@ def scene_rows(record):
     return rows
 
 
+NUMBERS = {"normal_maugis": "normal Maugis parameter",
+           "tangential_maugis": "tangential Maugis parameter",
+           "residual_friction": "residual friction"}
+"""Attributes of a scene that its headline tells, in words."""
+
+
 def headline(record):
     """The scene in a sentence."""
     scene = record.scene
@@ -91,8 +97,7 @@ def headline(record):
     body = f"Poisson ratio {number(scene['poisson'])}" if "poisson" in scene else ""
     words = [f"{scene.get('geometry', 'a shape')} on a flat, interface {where}",
              f"law {scene.get('law', '')}",
-             *(f"{name.replace('_', ' ')} {number(scene[name])}"
-               for name in ("normal_maugis", "tangential_maugis", "residual_friction")
+             *(f"{words} {number(scene[name])}" for name, words in NUMBERS.items()
                if name in scene), body]
     return html.escape("; ".join(filter(None, words)))
 

@@ -1,0 +1,103 @@
+"""How a command begins: MPI where a launcher has started several processes, PETSc, and what several
+processes cannot do together."""
+
+import os
+import sys
+
+from .. import __version__
+from ..options.database import database
+from ..options.fields import InputError
+from ..system.devices import checksum
+from ..system.processes import launched, missing, world
+
+SHARED = ("run", "info")
+"""Commands that several processes can do together."""
+
+
+def assemble(command):
+    """Be one of the processes that a launcher has started for a command; InputError where they
+    cannot do it together."""
+    size, rank = launched()
+    if size == 1:
+        return
+    if missing():
+        _refuse(size, rank, "to share out a scene takes mpi4py and mpi4py-fft (scripts/setup "
+                "--mpi), and without them it is solved by one: start contactsnes without mpirun "
+                "or srun, or with -n 1")
+    world.join()
+    if world.size != size:
+        _refuse(size, rank, f"MPI knows of {world.size}: mpi4py belongs to another MPI than the "
+                "launcher; take the mpirun of the MPI that mpi4py is built with, or one process")
+    if command not in SHARED:
+        raise InputError(f"started as {size} processes, but contactsnes {command} is done by one: "
+                         "start it without mpirun or srun, or with -n 1")
+
+
+def _refuse(size, rank, why):
+    """InputError in the first of several processes; the others end without a word."""
+    if rank:
+        # a launcher that sees another status would end the first one before it has spoken
+        sys.exit(0)
+    raise InputError(f"started as {size} processes, but {why}")
+
+
+def begin_petsc(words):
+    """Initialise PETSc with an argument list; InputError for options that it refuses, or processes
+    that are not ours."""
+    import petsc4py
+
+    if world.size == 1:
+        # One process needs no daemon of Open MPI, which takes a good part of a second to start, nor
+        # to look for networks, which takes a fifth.
+        os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+        os.environ.setdefault("OMPI_MCA_pml", "ob1")
+    try:
+        # Unused options are our own business: PETSc would list those that a sentence on bad input
+        # leaves unread. Signals are, too: PETSc's handlers would abort.
+        petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
+    except RuntimeError as error:
+        raise InputError(
+            f"PETSc does not start with these options ({error}); it says why above") from None
+    here = sys.modules["petsc4py.PETSc"].COMM_WORLD
+    if here.getSize() != world.size:
+        _refuse(max(here.getSize(), world.size), max(here.getRank(), world.rank),
+                f"PETSc knows of {here.getSize()} and mpi4py of {world.size}: both have to belong "
+                "to the MPI of the launcher; else start contactsnes without mpirun or srun")
+
+
+def refuse_lines(scene):
+    """InputError for a scene that several processes cannot share out.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    what = ("a line" if scene.dimension == 1 else "an isolated contact" if scene.isolated else "")
+    if world.size > 1 and what:
+        raise InputError(f"started as {world.size} processes, but {what} is solved by one: start "
+                         "contactsnes without mpirun or srun, or take a plane with a period "
+                         "(-scene_dimension 2)")
+
+
+def refuse_differences():
+    """InputError where processes have other options, files of the scene or versions of this
+    program."""
+    given = database()
+    mine = {"contactsnes": __version__, **{f"-{name}": value for name, value in given.items()},
+            **{f"the file of -{name}": checksum(path)
+               for name, path in _files_of_scene(given).items()}}
+    first, *others = world.everywhere(mine)
+    for rank, other in enumerate(others, start=2):
+        for name in {**first, **other}:
+            if first.get(name) != other.get(name):
+                raise InputError(f"process {rank} of {world.size} differs from the first one: "
+                                 f"{name} is {other.get(name, 'not given')} there and "
+                                 f"{first.get(name, 'not given')} in the first; give all "
+                                 "the same options and files")
+
+
+def _files_of_scene(given):
+    """Name -> path of the options of a scene that name a file, or something within one."""
+    paths = {name: path for name, value in given.items() if name.startswith("scene_")
+             for path in (value, value.rpartition(":")[0]) if path and os.path.isfile(path)}
+    return paths

@@ -1,0 +1,110 @@
+"""What of a cell's fields, waves and unknowns is in this process: all of it, but in `slabs`."""
+
+import numpy as np
+
+from .contours import first_largest
+
+
+class Fields:
+    """Fields over the cell of a grid in one process, of which nothing is elsewhere.
+
+    A class that has it has ``shape`` and ``spacings`` of the cell.
+    """
+
+    @property
+    def local_shape(self):
+        """Shape of a field over the cell, as far as it is in this process."""
+        return self.shape
+
+    def with_rows(self, field, reach):
+        """A field over the cell (..., *grid) with rows around what is here: nothing is missing."""
+        return field
+
+    def without_rows(self, field, reach):
+        """The same without them."""
+        return field
+
+    def part_of(self, field):
+        """What is here of a whole field over the cell (..., *grid): all."""
+        return field
+
+    half = None
+    """Grid of every other node, where that is shared out among processes, too."""
+
+    def every_other(self, field):
+        """A field over the cell (..., *grid) at every other node."""
+        return field[(..., *[slice(None, None, 2)] * len(self.shape))]
+
+    @property
+    def first_column(self):
+        """Number of the first column of half spectra that is here."""
+        return 0
+
+    def quantiles(self, field, parts):
+        """Values below which parts of a field over the cell lie, about."""
+        return np.quantile(field, parts)
+
+    def convex(self, gap, test):
+        """Whether a gap over the cell is convex within it, by a test of arrays."""
+        return test(gap)
+
+    def edge(self, field, axis):
+        """The first nodes of a field over the cell along an axis."""
+        return np.take(field, [0], axis)
+
+    def highest(self, field):
+        """The first node of the largest value of a field over the cell, a tuple of int."""
+        return np.unravel_index(np.argmax(field), field.shape)
+
+    def place(self, node):
+        """Coordinates of a node, beta."""
+        return [(i - n // 2) * h for i, n, h in zip(node, self.shape, self.spacings)]
+
+    def joined(self, rows):
+        """What all processes have of an array, one after the other along its first axis."""
+        return rows
+
+    def rows_to_first(self, field):
+        """A field (..., *grid) of all processes in the first of them, None in the others."""
+        return field
+
+    def first_largest(self, field):
+        """The largest size of values (components, *grid), with the sign of the first about as
+        large."""
+        return np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
+
+    def to_first(self, values):
+        """Values (..., nodes) of all processes in the first of them, None in the others."""
+        return values
+
+    def together(self, parts):
+        """Sums of what the parts of the cell have, in all processes."""
+        return parts
+
+    def any(self, mask):
+        """Whether ``mask`` holds anywhere."""
+        return bool(np.any(mask))
+
+    # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
+    def scalars(self, tail, count):
+        """Scalars among unknowns, from what stands behind the nodes, so many."""
+        return tail
+
+    def held(self, scalars):
+        """Of scalars those that are kept here: all."""
+        return scalars
+
+    # Waves, of which half are kept.
+    def zero_wave(self, spectrum):
+        """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
+        return spectrum[(..., *[slice(0, 1)] * len(self.shape))]
+
+    def waves_at(self, spectrum, columns):
+        """Columns of half spectra (..., *half spectrum), by their numbers."""
+        return spectrum[..., columns]
+
+    def waves_twice(self):
+        """How many waves each column of the cell's half spectrum stands for: interior ones two."""
+        columns = np.full(self.shape[-1] // 2 + 1, 2.0)
+        columns[[0, -1]] = 1.0
+        return columns

@@ -1,0 +1,62 @@
+"""A circulant operator on the cell, by its symbols, and its kernels."""
+
+import math
+
+import numpy as np
+
+from .cell import Transform
+
+
+class Operator:
+    """A circulant operator on the cell: blocks {(i, j): half spectrum}, those left out zero, and
+    their kernels on demand.
+
+    The blocks carry the factor 1/size that unnormalised transforms need.
+    """
+
+    def __init__(self, grid, symbols):
+        self.grid = grid
+        self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
+        self._kernels = {}
+
+    def kernel(self, key):
+        """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
+        0."""
+        if key not in self._kernels:
+            plan = Transform(self.grid, self.grid.shape, 1)
+            plan.spectrum[0] = self.blocks[key]
+            plan.backward()
+            self._kernels[key] = plan.real[0]
+        return self._kernels[key]
+
+    def on_window(self, key, window):
+        """The block on the padded circle of a window."""
+        shape = window.circle()
+        if shape == self.grid.shape:
+            return self.blocks[key]
+        symbol = self.between(key, window.shape, shape, (0,) * len(shape))
+        # An even block stays even on the circle.
+        return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
+
+    def between(self, key, extents, circle, offset):
+        """The block on a circle for the response of a box of given extents to another, ``offset``
+        nodes before it.
+
+        Parameters
+        ----------
+        key : (i, j), components of the block
+        extents : nodes of either box in each direction
+        circle : points of the circle in each direction
+        offset : nodes from the second box to the first in each direction
+        """
+        lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
+                                 np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
+                for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
+        plan = Transform(self.grid, circle, 1)
+        plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
+                                                 for lag, total in zip(lags, self.grid.shape)))]
+        for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
+            if m < total:
+                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
+        plan.forward()
+        return plan.spectrum[0] / math.prod(circle)

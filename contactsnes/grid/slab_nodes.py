@@ -1,0 +1,102 @@
+"""Windows of some of the nodes of a slab (`slabs`), and values of one such window at the nodes of
+another."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .active import Nodes, widened
+
+NEARBY = 32
+"""Rows beyond its own among which a process looks for the nearest known node first."""
+
+
+class SlabNodes(Nodes):
+    """Some of this process's rows' nodes, as `active.Nodes` of the cell.
+
+    Parameters
+    ----------
+    hull : slabs.Slab
+    places : array of int, the nodes' numbers among this process's, ascending
+
+    Attributes
+    ----------
+    total : nodes in all processes
+    """
+
+    def __init__(self, hull, places):
+        super().__init__(hull, places)
+        self.total = int(hull.grid.together(self.size))
+
+    def __eq__(self, other):
+        """Whether these are the same nodes, in all processes."""
+        if self is other or type(self) is not type(other):
+            return self is other
+        return not self.grid.any(not np.array_equal(self.places, other.places))
+
+    def __hash__(self):
+        return hash((self.hull, self.total))
+
+    @property
+    def numbers(self):
+        """Numbers of the nodes in what is here of fields over the cell, array (nodes,)."""
+        return self.places
+
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return self.places.astype(np.int64) + self.start[0] * self.grid.shape[1]
+
+    @property
+    def indices(self):
+        """What picks the nodes from what is here of a field over the cell, in their order."""
+        return np.unravel_index(self.places, self.shape)
+
+    @property
+    def on_circle(self):
+        """Numbers of the nodes in a transform's rows."""
+        return self.places
+
+    def filled(self, values):
+        """Values (..., nodes of the box) from those at these nodes, elsewhere that of the nearest
+        one."""
+        everywhere = SlabNodes(self.hull, np.arange(self.hull.size))
+        return nearest_known(values, self, everywhere)
+
+    def rim(self):
+        """Mask of the nodes with a neighbour in the cell that is none of these."""
+        known = np.zeros(self.shape, dtype=bool)
+        known[self.indices] = True
+        return widened(self.grid, ~known, 1)[self.indices]
+
+
+def nearest_known(field, source, window):
+    """Values of a field at nodes, where it is not known those of the nearest known node.
+
+    Parameters
+    ----------
+    field : array (components, nodes of the source)
+    source, window : SlabNodes
+    """
+    grid, rows = source.grid, source.grid.rows
+    reach = min(NEARBY, rows.fewest)
+    here = np.full((1 + len(field), *source.shape), np.nan)
+    here[(slice(None), *source.indices)] = np.concatenate([np.ones((1, source.size)), field])
+    wide = rows.around(here, reach, reach)
+    across = np.array(window.indices)
+    across[0] += reach
+    found = wide[(slice(1, None), *across)]
+    missing = np.flatnonzero(np.isnan(wide[(0, *across)]))
+    if not grid.any(missing.size):
+        return found
+    known = np.array(np.nonzero(wide[0] == 1.0))
+    values, offset = wide[(slice(1, None), *known)], np.array([[rows.first - reach], [0]])
+    places, wanted = known + offset, across[:, missing] + offset
+    if grid.any(missing.size and not known.size):
+        # No node is known nearby: all processes tell all that they know.
+        places = np.concatenate(grid.comm.allgather(np.array(source.indices)
+                                                    + [[rows.first], [0]]), axis=1)
+        values = np.concatenate(grid.comm.allgather(field), axis=1)
+    if missing.size:
+        shape = np.array(grid.shape)[:, None]
+        tree = cKDTree((places % shape).T, boxsize=grid.shape)
+        found[:, missing] = values[:, tree.query((wanted % shape).T)[1]]
+    return found

@@ -1,0 +1,299 @@
+"""The cell of a plane in slabs of rows, one a process (MPI): who has which rows, rows of others,
+transforms, and reductions over all processes.
+
+Every process does the same with its own nodes; what is one number for the whole contact is the same
+on all. Sums of the processes are added in their order by each of them, so that all decide alike.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from .cell import Grid
+from .convexity import convex_in_rows
+from .rows import Rows, to_first
+from .slab import Slab, SlabTransform
+
+PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
+"""Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
+plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
+begins to know of threads)."""
+
+GATHERED = 2 ** 14
+"""Nodes of a coarser grid up to which every process has all of them in any case."""
+SAMPLED = 256
+"""Rows and columns, about, of which a quantile is taken."""
+
+
+class Slabs(Grid):
+    """The periodic grid of a plane whose rows belong to several processes.
+
+    Parameters
+    ----------
+    shape : points in each direction, two even numbers
+    periods : period in each direction, beta
+    comm : communicator (mpi4py) of the processes
+    counter : as of `cell.Grid`
+
+    Attributes
+    ----------
+    rows : Rows, who has which
+    """
+
+    def __init__(self, shape, periods, comm, counter=None):
+        from mpi4py_fft import PFFT
+        from mpi4py_fft.pencil import Subcomm
+
+        self._make, self.comm, self._plans = PFFT, comm, {}
+        self._columns = Subcomm(comm, [1, 0, 1])
+        self.shape = tuple(shape)
+        plan = self.plan(1)
+        mine = plan.local_slice(False)[1]
+        self.waves = plan.local_slice(True)[1:]
+        self.columns = Rows(comm, self.waves[1].start, self.waves[1].stop - self.waves[1].start,
+                            shape[1] // 2 + 1)
+        self.rows = Rows(comm, mine.start, mine.stop - mine.start, self.shape[0])
+        super().__init__(shape, periods, counter)
+
+    @property
+    def local_shape(self):
+        """Rows and columns of this process."""
+        return self.rows.count, self.shape[1]
+
+    def plan(self, count, single=False):
+        """Transforms of so many arrays, on memory that all such transforms use in turn.
+
+        Parameters
+        ----------
+        count : int
+        single : bool, whether they are in single precision
+        """
+        if (count, single) not in self._plans:
+            self._plans[count, single] = self._make(
+                self._columns, (count, *self.shape), axes=(1, 2),
+                dtype=np.float32 if single else float, **PLANS)
+        return self._plans[count, single]
+
+    def _whole(self):
+        """The window of all nodes that are here."""
+        return Slab(self)
+
+    @property
+    def transform(self):
+        """What makes transforms over the cell."""
+        return SlabTransform
+
+    def coordinates(self):
+        """Coordinates of this process's nodes, beta, to broadcast."""
+        return self.whole.coordinates()
+
+    def wavevectors(self, shape=None):
+        """Wave numbers of this process's part of the half spectrum, 1/beta, to broadcast.
+
+        Parameters
+        ----------
+        shape : points in each direction; slabs know those of the cell only
+        """
+        if shape is not None and tuple(shape) != self.shape:
+            raise ValueError("slabs have waves of the whole cell only")
+        first, second = super().wavevectors()
+        return first[self.waves[0]], second[:, self.waves[1]]
+
+    def symbols(self, make, components, shape=None):
+        """Blocks of a body on this process's waves.
+
+        Parameters
+        ----------
+        make : `Body.compliance` or `Body.stiffness`
+        components : int
+        shape : as of `wavevectors`
+        """
+        first, second = super().wavevectors()
+        last = self.waves[1].stop == second.size
+        # What blocks there are hangs on the longest waves, which one process has: all take them.
+        columns = np.r_[0:2, self.waves[1]]
+        blocks = make((first[self.waves[0]], second[:, columns]), components, last_even=last)
+        return {key: np.ascontiguousarray(block[:, 2:]) for key, block in blocks.items()}
+
+    def zero_wave(self, spectrum):
+        """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
+        view: else one without values."""
+        here = self.waves[0].start == 0 and self.waves[1].start == 0
+        return spectrum[..., :here, :here]
+
+    # Reductions over the nodes of all processes.
+    def together(self, parts):
+        """Sums over processes of numbers, an array of any shape: the same on all of them."""
+        return np.add.reduce(self.comm.allgather(np.asarray(parts, dtype=float)), axis=0)
+
+    def joined(self, rows):
+        """What all processes have of an array, one after the other along its first axis."""
+        return np.concatenate(self.comm.allgather(rows))
+
+    def rows_to_first(self, field):
+        """A field (..., rows, columns) of all processes in the first of them, None in the
+        others."""
+        return self.rows.to_first(field)
+
+    def alone(self):
+        """The grid of the same cell in one process."""
+        return Grid(self.shape, self.periods)
+
+    def first_largest(self, field):
+        """The largest size of values (components, rows, columns), with the sign of the first about
+        as large."""
+        largest = self.maximum(np.abs(field))
+        firsts = self.comm.allgather([next(iter(part[np.abs(part) >= 0.999 * largest]), 0.0)
+                                      for part in field])
+        first = next(value for component in zip(*firsts) for value in component if value)
+        return np.copysign(largest, first)
+
+    def noise(self, count, seed):
+        """Random numbers (count, rows, columns), each row's its own."""
+        return np.stack([np.random.default_rng((seed, row)).standard_normal(
+            (count, self.shape[1])) for row in self.rows.numbers], axis=1)
+
+    def to_first(self, values):
+        """Values (..., nodes) of all processes in the first of them, None in the others."""
+        return to_first(self.comm, values, -1)
+
+    def largest(self, number):
+        """The largest of a number a process."""
+        return max(self.comm.allgather(float(number)))
+
+    def any(self, mask):
+        """Whether a mask holds anywhere."""
+        return any(self.comm.allgather(bool(np.any(mask))))
+
+    def sum(self, values):
+        """Sum over the nodes (last axis)."""
+        return self.together(np.add.reduce(values, axis=-1))
+
+    def mean(self, values):
+        """Mean over the whole cell of values that vanish off the given nodes (last axis)."""
+        return self.sum(values) / self.size
+
+    def maximum(self, values, where=True, initial=-np.inf):
+        """Largest value over all nodes and components.
+
+        Parameters
+        ----------
+        values : array (components, nodes)
+        where : mask of what counts, to broadcast
+        initial : float, what is found where nothing counts
+        """
+        return self.largest(super().maximum(values, where, initial))
+
+    def minimum(self, values, where=True, initial=np.inf):
+        """Smallest value over all nodes and components.
+
+        Parameters
+        ----------
+        values : array (components, nodes)
+        where : mask of what counts, to broadcast
+        initial : float, what is found where nothing counts
+        """
+        return -self.largest(-super().minimum(values, where, initial))
+
+    def inner(self, first, second):
+        """Inner product over nodes and components."""
+        return float(self.together(np.vdot(first, second)))
+
+    def parseval(self, spectrum):
+        """Sum over nodes and arrays of the squares of fields with these half spectra."""
+        return float(self.together(np.sum(self.waves_twice() * (
+            np.square(spectrum.real) + np.square(spectrum.imag))))) / self.size
+
+    def spectral_inner(self, first, second):
+        """Real inner product of half spectra of the cell (arrays, *half spectrum)."""
+        products = first.real * second.real + first.imag * second.imag
+        return float(self.together(np.sum(self.waves_twice() * products)))
+
+    def waves_at(self, spectrum, columns):
+        """Columns of half spectra (..., *half spectrum), by their numbers, whoever has them."""
+        found = self.columns.at(np.ascontiguousarray(np.moveaxis(spectrum, -1, -2)), columns)
+        return np.moveaxis(found, -2, -1)
+
+    def waves_twice(self):
+        """How many waves each column of the half spectrum stands for."""
+        numbers = np.arange(self.waves[1].start, self.waves[1].stop)
+        return np.where((numbers == 0) | (numbers == self.shape[1] // 2), 1.0, 2.0)
+
+    def count(self, mask):
+        """Number of nodes where ``mask`` holds."""
+        return int(self.together(np.count_nonzero(mask)))
+
+    # Fields over the cell, of which every process has its rows.
+    def with_rows(self, field, reach):
+        """A field over the cell (..., rows, columns) with rows on either side."""
+        return self.rows.around(field, reach, reach)
+
+    def without_rows(self, field, reach):
+        """The same without them."""
+        return field[..., reach:field.shape[-2] - reach, :]
+
+    def part_of(self, field):
+        """This process's rows of a whole field over the cell (..., *grid)."""
+        return field[..., self.rows.first:self.rows.first + self.rows.count, :]
+
+    def every_other(self, field):
+        """A field over the cell at every other node: this process's rows of ``half`` or, where
+        that is none, a whole one."""
+        if self.half is None:
+            return self.rows.all(field[..., self.rows.first % 2::2, ::2])
+        return self.rows.at(field[..., ::2], 2 * self.half.rows.numbers)
+
+    @cached_property
+    def half(self):
+        """Slabs of every other node; None where all of these are no more than a process has nodes
+        now, and every process may have them."""
+        if self.size // 4 * self.comm.size <= max(self.size, GATHERED * self.comm.size):
+            return None
+        return Slabs([n // 2 for n in self.shape], self.periods, self.comm, self.counter)
+
+    @property
+    def first_column(self):
+        """Number of the first column of half spectra that is here."""
+        return self.waves[1].start
+
+    def quantiles(self, field, parts):
+        """Values below which parts of a field over the cell lie, about: of some rows and
+        columns."""
+        strides = [max(1, n // SAMPLED) for n in self.shape]
+        sample = field[self.rows.numbers % strides[0] == 0, ::strides[1]]
+        return np.quantile(np.concatenate(self.comm.allgather(sample)), parts)
+
+    def edge(self, field, axis):
+        """The first row or column of a field over the cell, as far as it is here."""
+        return field[:self.rows.first == 0] if axis == 0 else field[:, :1]
+
+    def highest(self, field):
+        """The first node of the largest value of a field over the cell, a tuple of int."""
+        node = np.unravel_index(np.argmax(field), field.shape)
+        tops = self.comm.allgather((field[node], (int(node[0]) + self.rows.first, int(node[1]))))
+        return max(tops, key=lambda top: top[0])[1]
+
+    def convex(self, gap, test):
+        """Whether a gap over the cell is convex within it (`interface.gap.is_convex`, which is not
+        asked)."""
+        return convex_in_rows(self, gap)
+
+    # Scalars among the unknowns: the last process has them.
+    @property
+    def has_scalars(self):
+        """Whether scalars among unknowns are kept here."""
+        return self.comm.rank == self.comm.size - 1
+
+    def scalars(self, tail, count):
+        """Numbers that the end of the last process's part of an unknown holds.
+
+        Parameters
+        ----------
+        tail : array, this process's end: of ``count`` numbers on the last one, else empty
+        count : int
+        """
+        return self.together(tail if self.has_scalars else np.zeros(count))
+
+    def held(self, scalars):
+        """Of scalars those that are kept here: all or none."""
+        return scalars if self.has_scalars else scalars[:0]

@@ -1,0 +1,197 @@
+/* Products with symbols in single precision for fields over a plane: two rows are transformed as one of
+   complex numbers, whose FFTs take vectors of a processor as real ones do not, and columns block by block,
+   there, times the symbol and back while the block is in the processor's cache.
+
+   Rows a and b are one, z = a + i b, so that a wave of them is A = (Z(k) + conj Z(-k)) / 2 and
+   B = (Z(k) - conj Z(-k)) / 2i. Symbols are column after column. */
+#include "kernels.h"
+#include <string.h>
+
+enum { COLUMNS = 8 }; /* of a block: a line of the cache in a row */
+
+static float *field_of(const Transform *t, long field)
+{
+    return (float *)t->real + field * t->shape[0] * t->shape[1];
+}
+
+/* a row's numbers are every other one from here on */
+static float *row_of(const Transform *t, long field, long row)
+{
+    return field_of(t, field) + (row / 2) * 2 * t->shape[1] + row % 2;
+}
+
+long packed_place(const Transform *t, long row, long column)
+{
+    return (row / 2) * 2 * t->shape[1] + row % 2 + 2 * column;
+}
+
+/* zeros beyond a box in the pairs of rows that are transformed */
+void packed_clear_beyond(const Transform *t, const long *shape)
+{
+    const long c = t->shape[1];
+    for (long i = 0; i < t->count; i++) {
+        for (long j = 0; j < shape[0] && shape[1] < c; j += 2)
+            memset(row_of(t, i, j) + 2 * shape[1], 0, 2 * (c - shape[1]) * sizeof(float));
+        for (long k = 0; k < c && shape[0] % 2; k++) row_of(t, i, shape[0])[2 * k] = 0.0f;
+    }
+}
+
+CLONES void packed_put_row(const Transform *t, long field, long row, const double *restrict weight,
+                           const double *restrict x, long n)
+{
+    float *restrict r = row_of(t, field, row);
+    if (weight)
+        for (long k = 0; k < n; k++) r[2 * k] = weight[k] * x[k];
+    else
+        for (long k = 0; k < n; k++) r[2 * k] = x[k];
+}
+
+CLONES void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
+                            const double *scale, const double *own, double *out, long n)
+{
+    const float *restrict r = row_of(t, field, row);
+    for (long k = 0; k < n; k++)
+        out[k] = (r[2 * k] - mean) * factor * (scale ? scale[k] : 1.0) + own[k];
+}
+
+CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict outside,
+                             const double *restrict back, double *restrict x, long n)
+{
+    const float *restrict r = row_of(t, field, row);
+    for (long k = 0; k < n; k++) x[k] = outside[k] * x[k] + back[k] * r[2 * k];
+}
+
+/* waves of some columns of a field's rows, a column after the other, zero beyond the rows used */
+CLONES static void gather(const Transform *t, long field, long first, long columns, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    float *restrict to = t->block + field * COLUMNS * 2 * r;
+    for (long p = 0; p < (used + 1) / 2; p++) {
+        const float *restrict z = field_of(t, field) + p * 2 * c;
+        for (long k = 0; k < columns; k++) {
+            const long here = 2 * (first + k), there = here ? 2 * c - here : 0;
+            const float a = z[here], b = z[here + 1], d = z[there], e = z[there + 1];
+            float *restrict o = to + 2 * (k * r + 2 * p);
+            o[0] = 0.5f * (a + d);
+            o[1] = 0.5f * (b - e);
+            o[2] = 0.5f * (b + e);
+            o[3] = 0.5f * (d - a);
+        }
+    }
+    const long filled = used + used % 2;
+    for (long k = 0; k < columns; k++)
+        memset(to + 2 * (k * r + filled), 0, 2 * (r - filled) * sizeof *to);
+    memset(to + 2 * columns * r, 0, 2 * (COLUMNS - columns) * r * sizeof *to);
+}
+
+CLONES static void scatter(const Transform *t, long field, long first, long columns, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    const float *restrict from = t->block + field * COLUMNS * 2 * r;
+    for (long p = 0; p < (used + 1) / 2; p++) {
+        float *restrict z = field_of(t, field) + p * 2 * c;
+        for (long k = 0; k < columns; k++) {
+            const long here = 2 * (first + k), there = 2 * c - here;
+            const float *restrict o = from + 2 * (k * r + 2 * p);
+            if (here == 0 || here == c) { /* rows are real: so are these waves of theirs */
+                z[here] = o[0];
+                z[here + 1] = o[2];
+                continue;
+            }
+            z[here] = o[0] - o[3];
+            z[here + 1] = o[1] + o[2];
+            z[there] = o[0] + o[3];
+            z[there + 1] = o[2] - o[1];
+        }
+    }
+}
+
+CLONES static void times(float *restrict x, const float *restrict s, long n)
+{
+    for (long k = 0; k < n; k++) {
+        x[2 * k] *= s[k];
+        x[2 * k + 1] *= s[k];
+    }
+}
+
+CLONES static void add_times_columns(float *restrict x, const float *restrict s, const float *restrict y,
+                                     long n, int is_complex, float sign)
+{
+    if (!is_complex)
+        for (long k = 0; k < n; k++) {
+            x[2 * k] += s[k] * y[2 * k];
+            x[2 * k + 1] += s[k] * y[2 * k + 1];
+        }
+    else
+        for (long k = 0; k < n; k++) {
+            const float a = s[2 * k], b = sign * s[2 * k + 1], u = y[2 * k], v = y[2 * k + 1];
+            x[2 * k] += a * u - b * v;
+            x[2 * k + 1] += a * v + b * u;
+        }
+}
+
+/* the blocks, or their transpose, times the waves of some columns */
+static void couple(const Response *r, long first, long columns, int transposed)
+{
+    const Transform *t = r->transform;
+    const long rows = t->shape[0], n = columns * rows, m = r->boxes, wide = 2 * COLUMNS * rows;
+    float *x = t->block, *product = r->product;
+    memcpy(product, x, t->count * wide * sizeof *x);
+    memset(x, 0, t->count * wide * sizeof *x);
+    for (long i = 0; i < r->components; i++)
+        for (long j = 0; j < r->components; j++) {
+            const long numbers = r->is_complex[i][j] ? 2 : 1;
+            const float *s = r->symbol[i][j];
+            if (!s) continue;
+            for (long a = 0; a < m; a++)
+                for (long b = 0; b < m; b++) {
+                    const float *own = s + ((a * m + b) * t->waves + first * rows) * numbers;
+                    const long to = transposed ? j * m + b : i * m + a;
+                    const long from = transposed ? i * m + a : j * m + b;
+                    add_times_columns(x + to * wide, own, product + from * wide, n, r->is_complex[i][j],
+                                      transposed ? -1.0f : 1.0f);
+                }
+        }
+}
+
+/* Fields on their circle times the blocks of a response or, without one, each times its symbol of some
+   that stand in a row; only `used` rows are filled, and asked for. */
+void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+                     int transposed)
+{
+    const long r = t->shape[0], c = t->shape[1], waves = c / 2 + 1, pairs = (used + 1) / 2;
+    for (long i = 0; i < t->count; i++)
+        for (long p = 0; p < pairs; p++) {
+            float *z = field_of(t, i) + p * 2 * c;
+            libraries.execute_rows(t->forward, z, z);
+        }
+    for (long first = 0; first < waves; first += COLUMNS) {
+        const long columns = waves - first < COLUMNS ? waves - first : COLUMNS;
+        for (long i = 0; i < t->count; i++) gather(t, i, first, columns, used);
+        libraries.execute_single(t->columns);
+        if (response && response->product) couple(response, first, columns, transposed);
+        else
+            for (long i = 0; i < t->count; i++) {
+                const float *s = response ? response->symbol[i][i] : symbol + i * t->waves;
+                times(t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
+            }
+        libraries.execute_single(t->columns_back);
+        for (long i = 0; i < t->count; i++) scatter(t, i, first, columns, used);
+    }
+    for (long i = 0; i < t->count; i++)
+        for (long p = 0; p < pairs; p++) {
+            float *z = field_of(t, i) + p * 2 * c;
+            libraries.execute_rows(t->backward, z, z);
+        }
+}
+
+/* the symbol 1 / gain / (1 + C D), column after column */
+void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
+                   float *symbol)
+{
+    const long rows = t->shape[0], waves = t->shape[1] / 2 + 1;
+    for (long j = 0; j < rows; j += COLUMNS)
+        for (long k = 0; k < waves; k++)
+            for (long i = j; i < rows && i < j + COLUMNS; i++)
+                symbol[k * rows + i] = 1.0 / gain / (compliance[i * waves + k] * stiffness + 1.0);
+}

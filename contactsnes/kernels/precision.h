@@ -1,0 +1,311 @@
+/* Transforms of fields on a circle, what goes to them and comes back, and products with symbols, in the
+   precision REAL: included once for each, by `transforms.c`, which says what OF and EXECUTE are. What is
+   not on a circle is of doubles always.
+
+   Real transforms of fields on a circle, and cosine transforms of even ones made from real FFTs:
+   FFTW's own cosine transforms take several times as long.
+
+   Open rows (the field goes on oddly beyond the last point, FFTW's REDFT01 and REDFT10) by Makhoul,
+   IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980); their waves stay in the order of his FFT:
+   even numbers upwards, then odd ones downwards. Closed rows (REDFT00) by an FFT of all of their period. */
+
+CLONES static void OF(open_forward)(const Line *l, REAL *x)
+{
+    const long n = l->points;
+    REAL *restrict z = l->half;
+    const REAL *restrict w = l->turn;
+    z[0] = x[0];
+    z[1] = 0.0;
+    for (long k = 1; k <= n / 2; k++) { /* (x_k - i x_(n-k)) exp(i pi k / 2n) */
+        const REAL u = x[k], v = x[n - k], c = w[2 * k], s = w[2 * k + 1];
+        z[2 * k] = u * c + v * s;
+        z[2 * k + 1] = u * s - v * c;
+    }
+    EXECUTE(l->to_row);
+    memcpy(x, l->row, n * sizeof *x);
+}
+
+CLONES static void OF(open_backward)(const Line *l, REAL *x)
+{
+    const long n = l->points;
+    const REAL *restrict z = l->half, *restrict w = l->turn;
+    memcpy(l->row, x, n * sizeof *x);
+    EXECUTE(l->to_half);
+    x[0] = 2 * z[0];
+    for (long k = 1; k <= n / 2; k++) { /* 2 Re and -2 Im of exp(-i pi k / 2n) V_k */
+        const REAL c = w[2 * k], s = w[2 * k + 1], re = z[2 * k], im = z[2 * k + 1];
+        x[n - k] = 2 * (s * re - c * im);
+        x[k] = 2 * (c * re + s * im);
+    }
+}
+
+/* by its mirror image: shorter FFTs have been made of half as many points, but lose digits */
+CLONES static void OF(closed_row)(const Line *l, REAL *x)
+{
+    const long m = l->points - 1;
+    REAL *restrict y = l->row;
+    const REAL *restrict z = l->half;
+    memcpy(y, x, (m + 1) * sizeof *x);
+    for (long k = 1; k < m; k++) y[2 * m - k] = x[k];
+    EXECUTE(l->to_half);
+    for (long k = 0; k <= m; k++) x[k] = z[2 * k];
+}
+
+/* the same of a field that is odd about both ends, at which it vanishes */
+CLONES static void OF(closed_odd_row)(const Line *l, REAL *x)
+{
+    const long m = l->points - 1;
+    REAL *restrict y = l->row;
+    const REAL *restrict z = l->half;
+    y[0] = y[m] = 0.0;
+    for (long k = 1; k < m; k++) {
+        y[k] = x[k];
+        y[2 * m - k] = -x[k];
+    }
+    EXECUTE(l->to_half);
+    for (long k = 1; k < m; k++) x[k] = -z[2 * k + 1];
+    x[0] = x[m] = 0.0;
+}
+
+/* x_(n-j) in place of x_j; x_0, which vanishes, stays */
+static void OF(turn_round)(REAL *x, long n)
+{
+    for (long i = 1, j = n - 1; i < j; i++, j--) {
+        const REAL other = x[i];
+        x[i] = x[j];
+        x[j] = other;
+    }
+    x[0] = 0.0;
+}
+
+/* An open row of a field that is odd, and goes on evenly beyond the last point: by the cosines of what
+   begins there, sin(w j) = (-1)^k cos(w (n - j)) with w = pi (k + 1/2) / n. */
+static void OF(open_odd_row)(const Line *l, REAL *x, int back)
+{
+    const long n = l->points;
+    if (!back) {
+        OF(turn_round)(x, n);
+        OF(open_forward)(l, x);
+    }
+    for (long k = (n + 1) / 2; k < n; k++) x[k] = -x[k]; /* waves of odd number */
+    if (back) {
+        OF(open_backward)(l, x);
+        OF(turn_round)(x, n);
+    }
+}
+
+static void OF(rows)(const Line *l, REAL *x, long count, int back, long odd)
+{
+    for (long j = 0; j < count; j++, x += l->points) {
+        if (odd && l->closed) OF(closed_odd_row)(l, x);
+        else if (odd) OF(open_odd_row)(l, x, back);
+        else if (l->closed) OF(closed_row)(l, x);
+        else if (back) OF(open_backward)(l, x);
+        else OF(open_forward)(l, x);
+    }
+}
+
+/* b (columns x wide) = transpose of a (rows x columns), 16 by 16 */
+static void OF(transpose)(const REAL *restrict a, long rows, long columns, REAL *restrict b, long wide)
+{
+    for (long i = 0; i < rows; i += 16)
+        for (long j = 0; j < columns; j += 16) {
+            const long last = i + 16 < rows ? i + 16 : rows, end = j + 16 < columns ? j + 16 : columns;
+            for (long l = j; l < end; l++)
+                for (long k = i; k < last; k++) b[l * wide + k] = a[k * columns + l];
+        }
+}
+
+static void OF(transpose_back)(const REAL *restrict b, long rows, long columns, REAL *restrict a,
+                           long wide)
+{
+    for (long i = 0; i < rows; i += 16)
+        for (long j = 0; j < columns; j += 16) {
+            const long last = i + 16 < rows ? i + 16 : rows, end = j + 16 < columns ? j + 16 : columns;
+            for (long k = i; k < last; k++)
+                for (long l = j; l < end; l++) a[k * columns + l] = b[l * wide + k];
+        }
+}
+
+/* real to spectrum; in the plane only the first `used` rows of an even field hold anything */
+static void OF(forward)(const Transform *t, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    if (!t->even) EXECUTE(t->forward);
+    else
+        for (long i = 0; i < t->count; i++) {
+            REAL *x = (REAL *)t->real + i * r * c, *s = (REAL *)t->spectrum + i * r * c;
+            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 0, t->odd[i][1]);
+            if (r == 1) continue;
+            OF(transpose)(x, used, c, s, r);
+            for (long j = 0; j < c && used < r; j++)
+                memset(s + j * r + used, 0, (r - used) * sizeof *s);
+            OF(rows)(&t->line[0], s, c, 0, t->odd[i][0]);
+        }
+}
+
+/* spectrum to real, of an even field in the plane the first `used` rows only */
+static void OF(backward)(const Transform *t, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    if (!t->even) EXECUTE(t->backward);
+    else
+        for (long i = 0; i < t->count; i++) {
+            REAL *x = (REAL *)t->real + i * r * c, *s = (REAL *)t->spectrum + i * r * c;
+            if (r > 1) {
+                OF(rows)(&t->line[0], s, c, 1, t->odd[i][0]);
+                OF(transpose_back)(s, used, c, x, r);
+            }
+            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 1, t->odd[i][1]);
+        }
+}
+
+static REAL *OF(row_of)(const Transform *t, long field, long row)
+{
+    return (REAL *)t->real + (field * t->shape[0] + row) * t->shape[1];
+}
+
+static void OF(clear_beyond)(const Transform *t, const long *shape)
+{
+    const long c = t->shape[1];
+    for (long i = 0; i < t->count; i++) {
+        for (long j = 0; j < shape[0] && shape[1] < c; j++)
+            memset(OF(row_of)(t, i, j) + shape[1], 0, (c - shape[1]) * sizeof(REAL));
+        if (shape[0] < t->shape[0] && !t->even)
+            memset(OF(row_of)(t, i, shape[0]), 0, (t->shape[0] - shape[0]) * c * sizeof(REAL));
+    }
+}
+
+CLONES static void OF(put_row)(const Transform *t, long field, long row, const double *restrict weight,
+                               const double *restrict x, long n)
+{
+    REAL *restrict r = OF(row_of)(t, field, row);
+    if (weight)
+        for (long k = 0; k < n; k++) r[k] = weight[k] * x[k];
+    else
+        for (long k = 0; k < n; k++) r[k] = x[k];
+}
+
+static void OF(put_nodes)(const Transform *t, long field, const int *at, const int *node,
+                          const double *weight, const double *x, long n)
+{
+    REAL *r = OF(row_of)(t, field, 0);
+    memset(r, 0, t->shape[0] * t->shape[1] * sizeof *r);
+    for (long k = 0; k < n; k++) r[at[k]] = node ? weight[k] * x[node[k]] : x[k];
+}
+
+CLONES static void OF(take_row)(const Transform *t, long field, long row, double mean, double factor,
+                                const double *scale, const double *own, double *out, long n)
+{
+    const REAL *restrict r = OF(row_of)(t, field, row);
+    if (scale)
+        for (long k = 0; k < n; k++) out[k] = (r[k] - mean) * factor * scale[k] + own[k];
+    else
+        for (long k = 0; k < n; k++) out[k] = (r[k] - mean) * factor + own[k];
+}
+
+static void OF(take_nodes)(const Transform *t, long field, const int *at, double mean, double factor,
+                           const double *own, double *out, long n)
+{
+    const REAL *restrict r = OF(row_of)(t, field, 0);
+    for (long k = 0; k < n; k++) out[k] = (r[at[k]] - mean) * factor + own[k];
+}
+
+CLONES static void OF(blend_row)(const Transform *t, long field, long row, const double *restrict outside,
+                                 const double *restrict back, double *restrict x, long n)
+{
+    const REAL *restrict r = OF(row_of)(t, field, row);
+    for (long k = 0; k < n; k++) x[k] = outside[k] * x[k] + back[k] * r[k];
+}
+
+static void OF(blend_nodes)(const Transform *t, long field, const int *at, const int *node,
+                            const double *outside, const double *back, double *x, long n)
+{
+    const REAL *r = OF(row_of)(t, field, 0);
+    for (long k = 0; k < n; k++) x[node[k]] = outside[k] * x[node[k]] + back[k] * r[at[k]];
+}
+
+/* the spectrum of a field times a real symbol, in place */
+CLONES static void OF(filter)(const Transform *t, long field, const void *symbol)
+{
+    const long n = t->waves;
+    REAL *restrict x = (REAL *)t->spectrum + (t->even ? n : 2 * n) * field;
+    const REAL *restrict s = symbol;
+    for (long k = 0; k < n && t->even; k++) x[k] *= s[k];
+    for (long k = 0; k < n && !t->even; k++) {
+        x[2 * k] *= s[k];
+        x[2 * k + 1] *= s[k];
+    }
+}
+
+/* the symbol 1 / gain / (1 + C D) of compliances C, D the stiffness */
+CLONES static void OF(invert)(long n, const double *restrict compliance, double stiffness, double gain,
+                              void *symbol)
+{
+    REAL *restrict s = symbol;
+    for (long k = 0; k < n; k++) s[k] = 1.0 / gain / (compliance[k] * stiffness + 1.0);
+}
+
+/* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
+CLONES static void OF(add_times)(REAL *restrict x, const REAL *restrict s, const REAL *restrict y, long n,
+                                 int is_complex, REAL sign)
+{
+    if (!is_complex)
+        for (long k = 0; k < n; k++) {
+            x[2 * k] += s[k] * y[2 * k];
+            x[2 * k + 1] += s[k] * y[2 * k + 1];
+        }
+    else
+        for (long k = 0; k < n; k++) {
+            const REAL a = s[2 * k], b = sign * s[2 * k + 1], u = y[2 * k], v = y[2 * k + 1];
+            x[2 * k] += a * u - b * v;
+            x[2 * k + 1] += a * v + b * u;
+        }
+}
+
+static void OF(couple)(const Response *r, int transposed)
+{
+    Transform *t = r->transform;
+    const long n = t->waves, m = r->boxes;
+    REAL *x = t->spectrum, *product = r->product;
+    memcpy(product, x, 2 * t->count * n * sizeof *x);
+    memset(x, 0, 2 * t->count * n * sizeof *x);
+    for (long i = 0; i < r->components; i++)
+        for (long j = 0; j < r->components; j++) {
+            const REAL *s = r->symbol[i][j];
+            const long wide = r->is_complex[i][j] ? 2 * n : n;
+            if (!s) continue;
+            for (long a = 0; a < m; a++)
+                for (long b = 0; b < m; b++)
+                    if (transposed)
+                        OF(add_times)(x + 2 * (j * m + b) * n, s + (a * m + b) * wide,
+                                      product + 2 * (i * m + a) * n, n, r->is_complex[i][j], -1);
+                    else
+                        OF(add_times)(x + 2 * (i * m + a) * n, s + (a * m + b) * wide,
+                                      product + 2 * (j * m + b) * n, n, r->is_complex[i][j], 1);
+        }
+}
+
+/* The blocks, or their transpose, times spectra of even and odd fields, whose numbers are real. */
+CLONES static void OF(couple_real)(const Response *r, int transposed)
+{
+    Transform *t = r->transform;
+    const long n = t->waves;
+    memcpy(r->product, t->spectrum, t->count * n * sizeof(REAL));
+    memset(t->spectrum, 0, t->count * n * sizeof(REAL));
+    for (long i = 0; i < r->components; i++)
+        for (long j = 0; j < r->components; j++) {
+            const REAL *restrict s = r->symbol[i][j];
+            const REAL *restrict y = (REAL *)r->product + (transposed ? i : j) * n;
+            REAL *restrict x = (REAL *)t->spectrum + (transposed ? j : i) * n;
+            for (long k = 0; k < n && s; k++) x[k] += s[k] * y[k];
+        }
+}
+
+static void OF(multiply)(const Response *r, int transposed)
+{
+    if (r->product && r->transform->even) OF(couple_real)(r, transposed);
+    else if (r->product) OF(couple)(r, transposed);
+    else
+        for (long i = 0; i < r->components; i++) OF(filter)(r->transform, i, r->symbol[i][i]);
+}

@@ -1,0 +1,65 @@
+"""The archive of a run in several processes: the first one has the file."""
+
+from ..system.processes import world
+
+NODAL = ("displacement", "window_nodes")
+"""Of a state what has an entry a node: large."""
+
+
+class SharedArchive:
+    """An archive that the first process keeps, with what a run asks of an `archive.Archive`; what
+    goes wrong there is raised in all.
+
+    Parameters
+    ----------
+    make : function without arguments that returns the Archive
+
+    Attributes
+    ----------
+    points, complete, path, runs : as of an Archive
+    """
+
+    def __init__(self, make):
+        self._kept = None
+
+        def keep():
+            self._kept = make()
+
+        self._in_first(keep)
+
+    def append(self, *point, **active):
+        """Add a point, of which the first process has everything: `Archive.append`."""
+        self._in_first(lambda: self._kept.append(*point, **active))
+
+    def settle(self):
+        """Write what waits: `Archive.settle`."""
+        self._in_first(lambda: self._kept.settle())
+
+    def finish(self):
+        """Mark the archive as complete: `Archive.finish`."""
+        self._in_first(lambda: self._kept.finish())
+
+    def remove(self):
+        """Remove the file: `Archive.remove`."""
+        self._in_first(lambda: self._kept.remove())
+
+    def states(self):
+        """States of the last points, `Archive.states`: what is of each node in the first process,
+        None in the others."""
+        kept = []
+
+        def told():
+            kept.extend(self._kept.states())
+            return [{name: None if name in NODAL else value for name, value in state.items()}
+                    for state in kept]
+
+        states = world.first(told)
+        return kept or states
+
+    def _in_first(self, act):
+        """Act in the first process; what has come of the archive is known to all."""
+        def acted():
+            act()
+            return self._kept.points, self._kept.complete, self._kept.path, self._kept.runs
+
+        self.points, self.complete, self.path, self.runs = world.first(acted)

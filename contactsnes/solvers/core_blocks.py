@@ -1,0 +1,190 @@
+"""Blocks of the core-zone preconditioner: one component on circles around its core, in each box."""
+
+import math
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from ..grid.cell import clear_padding
+from ..grid.transfer import extent
+
+
+class CoreBlock:
+    """One component of the core zone: M^-1 r = a S (a r) + (1 - a^2) r with S = 1 / (1 + C D) on a
+    circle around the core.
+
+    Of several boxes each has a circle of its own, all of one size.
+
+    Parameters
+    ----------
+    form : DisplacementForm, linearised
+    component : int
+    weight : array (nodes), a^2, 0 to 1
+    mean_tangent : array (boxes), D, dimensionless
+    pad : float >= 1, extent of the circle over that of the core
+    """
+
+    def __init__(self, form, component, weight, mean_tangent, pad):
+        window = form.window
+        self.boxes = (len(window.parts), *window.shape)
+        extents = self._find(window, weight)
+        # Few sizes, so that transforms and symbols are made once and found again.
+        circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
+                       for extent, total in zip(extents, window.limits))
+        self.transform, compliance = form.contact.circle(component, form.components, circle,
+                                                         window.even, len(window.parts),
+                                                         window.of(component) if window.even
+                                                         else None)
+        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
+        # stands for the rest.
+        if window.grid.any(window.grid.zero_wave(compliance) == 0.0):
+            compliance = compliance.copy()
+            window.grid.zero_wave(compliance)[...] = 2.0 * window.grid.maximum(compliance)
+        self.compliance = compliance
+        self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, len(self.boxes))))
+        self.symbol += 1.0
+        np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
+        self._quick = None
+        self._lay_out(window, extents)
+
+    def circle(self, single):
+        """(transform, symbol) of the circle, perhaps in single precision."""
+        if not single:
+            return self.transform, self.symbol
+        if self._quick is None:
+            self._quick = self.symbol.astype(np.float32)
+        return self.transform.single, self._quick
+
+    def _find(self, window, weight):
+        """Take the core's nodes with their weights; its extents."""
+        box = weight.reshape(self.boxes)
+        parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
+        parts = [slice(0, part.stop) if window.even else part for part in parts]
+        if window.grid.comm is not None:  # the circle is the cell
+            parts = [slice(0, n) for n in window.shape]
+        self.core = (slice(None), *parts)
+        self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
+        return self.root.shape[1:] if window.grid.comm is None else window.limits
+
+    def _lay_out(self, window, extents):
+        """Find the core's place on the circle."""
+        self.inside = (slice(None), *(slice(0, n) for n in self.root.shape[1:]))
+
+    def apply(self, field, single=False):
+        """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
+        core, (plan, symbol) = field.reshape(self.boxes)[self.core], self.circle(single)
+        inner = plan.real[self.inside]
+        np.multiply(self.root, core, out=inner, casting="same_kind")
+        # Other blocks, with cores of other extents, use the same circle.
+        clear_padding(plan.real, inner.shape[1:])
+        plan.forward()
+        plan.spectrum *= symbol
+        plan.backward()
+        inner *= self.root
+        core *= self.outside
+        core += inner
+
+
+class ScatteredBlock(CoreBlock):
+    """A core block of some nodes of a box, `active.Nodes`: scattered on the circle and gathered
+    again."""
+
+    def _find(self, window, weight):
+        """Take the core's nodes with their weights; its extents."""
+        self.core = np.flatnonzero(weight)
+        self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]
+        nodes = np.array(np.unravel_index(window.places[self.core], window.shape))
+        if window.grid.comm is not None:  # the circle is the cell
+            self._nodes = nodes
+            return window.limits
+        self._nodes = nodes - nodes.min(axis=1, keepdims=True)
+        return tuple(int(line) + 1 for line in self._nodes.max(axis=1))
+
+    def _lay_out(self, window, extents):
+        """Find the core's place on the circle."""
+        self.inside = np.ravel_multi_index(self._nodes, self.transform.real.shape[1:])
+
+    def apply(self, field, single=False):
+        """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
+        core, (plan, symbol) = field[self.core], self.circle(single)
+        plan.real[...] = 0.0
+        circle = plan.real.reshape(-1)
+        circle[self.inside] = self.root * core
+        plan.forward()
+        plan.spectrum *= symbol
+        plan.backward()
+        field[self.core] = self.outside * core + self.root * circle[self.inside]
+
+
+class CoupledBlock:
+    """A core block of several boxes that know of each other as a whole: M^-1 r = B^-1 (r - w), w_b
+    = sum of k_bc F_c.
+
+    B is the core block, F_c the sum of the law's linear response D M^-1 r in a box, k the kernel at
+    the boxes' offsets; on its diagonal, by how much a box in the cell gives way more than on its
+    circle, which is the same at all small lags.
+
+    Parameters
+    ----------
+    form : DisplacementForm, linearised, on a window of several boxes
+    component : int
+    block : CoreBlock of the component
+    single : bool, whether it is set up in single precision
+    """
+
+    def __init__(self, form, component, block, single=False):
+        self.block, self.by_box = block, (len(form.window.parts), -1)
+        self.tangent = form.tangent[component, component]
+        kernel = form.contact.operator(form.components).kernel((component, component))
+        start = np.array(form.window.start)
+        between = kernel[tuple(np.moveaxis((start[:, None] - start[None]) % form.grid.shape, -1,
+                                           0))]
+        np.fill_diagonal(between, kernel.flat[0] - self._at_no_lag())
+        column = np.ones(form.nodes)
+        block.apply(column, single)
+        self.column = column.reshape(self.by_box)
+        # Where a box only pulls, its response is negative, and what is inverted may come near to
+        # singular.
+        self.inverse = inverse(np.eye(len(start)) + between * self._response(column),
+                                0.1) @ between
+
+    def _at_no_lag(self):
+        """The circle's kernel at lag 0: the mean of its symbol over all waves, of which a half
+        spectrum has one column or two once."""
+        compliance, circle = self.block.compliance, self.block.transform
+        once = compliance[..., :1].sum() + (compliance[..., -1:].sum() if circle.shape[-1] % 2 == 0
+                                            else 0.0)
+        return (2.0 * compliance.sum() - once) / circle.gain
+
+    def _response(self, field):
+        """Sum of D field over each box."""
+        return np.einsum("bn,bn->b", self.tangent.reshape(self.by_box), field.reshape(self.by_box))
+
+    def apply(self, field, single=False):
+        """Replace a field (nodes) by M^-1 field."""
+        self.block.apply(field, single)
+        means = self.inverse @ self._response(field)
+        field.reshape(self.by_box)[...] -= means[:, None] * self.column
+
+
+def inverse(matrix, floor):
+    """Inverse of a small matrix, its singular values at least ``floor``.
+
+    Without a floor, where nothing responds (a body off the flat, or sliding everywhere), means are
+    left as they are.
+    """
+    if matrix.size == 0:
+        return matrix
+    if floor == 0.0:
+        # of tractions far beyond the law's range: one over them may be infinite
+        if np.max(np.abs(matrix)) < 1e-100:
+            return np.zeros_like(matrix)
+        return 1.0 / matrix if matrix.size == 1 else np.linalg.pinv(matrix, rcond=1e-13)
+    left, values, right = np.linalg.svd(matrix)
+    return (right.T / np.maximum(values, floor)) @ left.T
+
+
+def _rounded(extent):
+    """The extent rounded up to a sixteenth of its power of two."""
+    unit = 2 ** max(math.frexp(extent)[1] - 5, 0)
+    return math.ceil(extent / unit) * unit

@@ -1,0 +1,89 @@
+"""In which precision a linear solve multiplies and preconditions: in single where it is asked for
+no more than that holds, and where that pays.
+
+Residuals are doubles always, and what a solve leaves out the next one finds: a Newton iteration
+with such solves is its own iterative refinement (Higham, Accuracy and Stability of Numerical
+Algorithms, chapter 12).
+"""
+
+import math
+import weakref
+
+SAFE = 1e-5
+"""Relative tolerance asked of a linear solve down to which its products are in single precision,
+whose rounding is 6e-8: what is lost in them stays far below."""
+
+PATIENCE = 60
+"""Iterations after which a solve goes on in double precision: a cycle of FGMRES, which then finds
+its residual anew."""
+
+LEAST = 2 ** 14
+"""Points of the circle that a product transforms from which single precision pays (measured)."""
+
+
+def is_large(form):
+    """Whether single precision pays for the products of a form that has it."""
+    return math.prod(form.convolution.transform.shape) >= LEAST
+
+
+def pays(form, wanted):
+    """Whether solves of a form may be in single precision by ``-contact_linear_precision``."""
+    return form.has_single and (wanted == "single" or (wanted == "auto" and is_large(form)))
+
+
+def trusted(form, warm):
+    """Whether a solve of a form is one whose way rounding does not decide: from near by, or on a
+    fine grid of a body with one contact. From afar Newton's method is chaotic."""
+    return warm or (form.has_single and form.contact.convex and is_large(form))
+
+
+class Precision:
+    """Chooses the precision of the solves of a SNES in Python's contexts; the library does the same
+    (`choose` in petsc.c).
+
+    Parameters
+    ----------
+    snes : SNES whose solves may be in single precision, or None
+
+    Attributes
+    ----------
+    allowed : whether they may be so from now on
+    turned : number of solves that went on in double precision
+    """
+
+    def __init__(self, snes=None):
+        self._snes = snes and weakref.ref(snes)
+        self.allowed = snes is not None
+        self._single, self.turned = False, 0
+
+    def _ksp(self):
+        """The KSP of the solves, None where these are in double precision."""
+        snes = self._snes() if self.allowed and self._snes else None
+        return snes and snes.getKSP()
+
+    def begin(self):
+        """Choose for a solve that begins; whether it is in single precision."""
+        ksp = self._ksp()
+        if ksp is None:
+            return False
+        relative, absolute = ksp.getTolerances()[:2]
+        right = ksp.getRhs()
+        self._single = bool(right) and (relative >= SAFE or absolute >= SAFE * right.norm())
+        return self._single
+
+    def now(self):
+        """Whether what comes next in a solve is in single precision."""
+        ksp = self._ksp()
+        if ksp is None:
+            return False
+        count = ksp.getIterationNumber()
+        if count == 0:
+            return self.begin()
+        if self._single and count >= PATIENCE:
+            self._single = False
+            self.turned += 1
+        return self._single
+
+
+DOUBLE = Precision()
+"""That of solves which are to be exact."""

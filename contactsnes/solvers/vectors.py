@@ -1,0 +1,39 @@
+"""PETSc's vectors and matrices of a form: in one process, or shared out as the nodes of its grid
+are."""
+
+from petsc4py import PETSc
+
+
+def communicator(form):
+    """The processes that a form's nodes belong to."""
+    return PETSc.COMM_SELF if form.grid.comm is None else form.grid.comm
+
+
+def create_vector(form, array=None):
+    """A Vec of unknowns of a form, or of a vector like them, on an array if one is given: this
+    process's part.
+
+    Parameters
+    ----------
+    form : of the equations
+    array : array of the form's size, optional
+    """
+    comm, sizes = communicator(form), (form.size, PETSc.DETERMINE)
+    if array is not None:
+        return PETSc.Vec().createWithArray(array, size=sizes, comm=comm)
+    return (PETSc.Vec().createSeq(form.size) if form.grid.comm is None
+            else PETSc.Vec().createMPI(sizes, comm=comm))
+
+
+def create_operator(form, context):
+    """A Mat of a form's size whose products are a context's.
+
+    Parameters
+    ----------
+    form : of the equations
+    context : with ``mult``
+    """
+    sizes = form.size, PETSc.DETERMINE
+    matrix = PETSc.Mat().createPython((sizes, sizes), context, comm=communicator(form))
+    matrix.setUp()
+    return matrix

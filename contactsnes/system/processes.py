@@ -1,0 +1,183 @@
+"""The processes of MPI that a command was started in: one, or several that share out one scene.
+
+Of several, the first one speaks and writes files. All do the same in step; one that fails where the
+others go on would leave them waiting for ever, so that whoever ends for a reason waits a moment for
+the others to end, too, and else ends them.
+"""
+
+import os
+import sys
+import time
+from importlib.util import find_spec
+
+import numpy as np
+
+LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
+            ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
+                                                       "MV2_COMM_WORLD_RANK"),
+            ("PALS_SIZE", "PALS_RANKID"), ("ALPS_APP_PES", "ALPS_APP_PE"))
+"""Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are,
+and which it is."""
+
+NEEDED = ("mpi4py", "mpi4py_fft")
+"""Packages without which no scene can be shared out."""
+
+PATIENCE = 5.0
+"""Seconds that a process which has failed waits for the others to fail as well."""
+
+SHORT = 0.3
+"""The same after an interrupt: the launcher kills all processes a second after it."""
+
+
+def launched():
+    """How many processes a launcher says that it has started, and which this one is; (1, 0) without
+    one."""
+    for names in LAUNCHED:
+        size, rank = (_count(name) for name in names)
+        if size > 1:
+            return size, rank
+    return 1, 0
+
+
+def _count(name):
+    """The number in a variable of the environment, 0 where there is none."""
+    text = os.environ.get(name, "")
+    return int(text) if text.isascii() and text.isdigit() else 0
+
+
+def missing():
+    """The packages of `NEEDED` that are not there."""
+    return [name for name in NEEDED if find_spec(name) is None]
+
+
+class Noted:
+    """Standard error that remembers what was said; of any process but the first, it says nothing.
+
+    Parameters
+    ----------
+    stream : text stream
+    speaks : bool
+    """
+
+    def __init__(self, stream, speaks):
+        self._stream, self._speaks, self.lines = stream, speaks, [""]
+
+    def write(self, text):
+        """Note, and write where this process speaks."""
+        *ended, rest = (self.lines.pop() + text).split("\n")
+        self.lines += [*ended, rest]
+        return self._stream.write(text) if self._speaks else len(text)
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def errors(self):
+        """The lines that are no warnings."""
+        return [line for line in self.lines if line and ": warning: " not in line]
+
+
+class World:
+    """The processes of this command; one, until `join`.
+
+    Attributes
+    ----------
+    size : int, how many
+    rank : int, which one this is; 0 is the first
+    neighbours : int, how many of them are on this machine
+    """
+
+    def __init__(self):
+        self.size, self.rank, self.neighbours = 1, 0, 1
+        self._world = self._talk = self._ends = self._said = None
+
+    def join(self):
+        """Be one of the processes that MPI knows of (mpi4py); all but the first fall silent."""
+        import mpi4py
+
+        mpi4py.rc.threads = False  # nothing here needs them, and some networks are slower with them
+        from mpi4py import MPI
+
+        self._world = MPI.COMM_WORLD
+        self.size, self.rank = self._world.size, self._world.rank
+        machine = self._world.Split_type(MPI.COMM_TYPE_SHARED)
+        self.neighbours = machine.size
+        machine.Free()
+        # Their own: what somebody has left unfinished in another one is not in the way.
+        self._talk, self._ends = self._world.Dup(), self._world.Dup()
+        self._said = sys.stderr = Noted(sys.stderr, not self.rank)
+        if self.rank:
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, 1)  # PETSc writes there as well
+            os.close(null)
+
+    def first(self, act):
+        """What a function of no arguments returns or raises in the first process, in all of them;
+        the others do not call it."""
+        if self.size == 1:
+            return act()
+        result = error = None
+        if not self.rank:
+            try:
+                result = act()
+            except Exception as raised:
+                error = raised
+        result, error = self._talk.bcast((result, error))
+        if error is not None:
+            raise error
+        return result
+
+    def everywhere(self, value):
+        """The values that all processes have, in their order: a list."""
+        return [value] if self.size == 1 else self._talk.allgather(value)
+
+    def meet(self, stage, status, patience=PATIENCE, speak=lambda: None):
+        """Wait for all processes at the same stage of their end; end them all where some do not
+        come in time.
+
+        Parameters
+        ----------
+        stage : int
+        status : int, exit status of this process; 0 waits for ever
+        patience : float, seconds
+        speak : function that says why this process has failed, before it ends all
+        """
+        if self.size == 1:
+            return
+        stages, until = np.empty(self.size, dtype="i8"), time.monotonic() + patience
+        request = self._ends.Iallgather(np.array([stage], dtype="i8"), stages)
+        while not request.Test():
+            if status and time.monotonic() > until:
+                speak()
+                self._abort(status)
+            time.sleep(0.002)
+        if (stages != stage).any():
+            speak()
+            self._abort(status or 1)
+
+    def _abort(self, status):
+        """End all processes, after the last words of this one."""
+        sys.stdout.flush()
+        if self.rank:
+            os.write(2, "".join(f"{line} (process {self.rank + 1} of {self.size})\n"
+                                for line in self._said.errors()).encode())
+        sys.stderr.flush()
+        self._world.Abort(status)
+
+    def over(self, status):
+        """The exit status of all processes, when they have come to their end; the first one says
+        what others have met with alone."""
+        if self.size == 1:
+            return status
+        self.meet(2, status)
+        ends = self.everywhere((status, self._said.errors()))
+        if not self.rank:
+            sys.stderr.write("".join(
+                f"{line} (process {rank} of {self.size})\n"
+                for rank, (_, errors) in enumerate(ends[1:], start=2)
+                for line in errors if line not in ends[0][1]))
+            sys.stderr.flush()
+        return max(status for status, _ in ends)
+
+
+world = World()
+"""Those of this program: MPI itself has one world."""

@@ -1,0 +1,154 @@
+"""What goes wrong in one of several processes ends all of them, with the sentence and status of a
+run in one process, and every point before it in the archive."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from ranks import Started, program, together
+
+from contactsnes.output.reading import read
+
+PLANE = ("-scene_dimension", "2", "-scene_points", "32", "-scene_period", "20",
+         "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-archive_file", "run.h5",
+         "-load_start", "normal_displacement=-3", "-load_path", "normal_displacement=1")
+FAILING = """
+import sys
+from contactsnes.commands import cli, run
+from contactsnes.system.processes import world
+accept = run.Run._accept
+
+def failing(self, point):
+    if self.progress.points == 3 and world.rank in {ranks}:
+        raise {error}
+    accept(self, point)
+
+run.Run._accept = failing
+sys.exit(cli.main(["run", *{words!r}]))"""
+
+
+def failed(size, ranks, error, folder, words=PLANE):
+    """A run in which some processes fail at the fourth point."""
+    return program(size, FAILING.format(ranks=ranks, error=error, words=words), folder)
+
+
+@together
+@pytest.mark.parametrize("ranks", [(0,), (1,), (0, 1)])
+def test_memory_that_lacks_in_some_processes(ranks, tmp_path):
+    done = failed(2, ranks, "MemoryError('1 TB')", tmp_path)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert len(done.told) == 1 and "Traceback" not in done.stderr, done.stderr
+    assert all(words in done.told[0] for words in ("not enough memory (1 TB)", "3 points are in",
+                                                   "-archive_resume"))
+    assert ("process 2 of 2" in done.told[0]) == (ranks == (1,))
+    assert read(tmp_path / "run.h5").points == 3
+
+
+@together
+@pytest.mark.parametrize("ranks", [(1,), (0, 1, 2)])
+def test_a_defect_in_some_processes(ranks, tmp_path):
+    """What is neither solver nor user is shown with its traceback, once."""
+    done = failed(3, ranks, "RuntimeError('something is wrong')", tmp_path)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.stderr.count("RuntimeError: something is wrong") == 1, done.stderr
+    assert read(tmp_path / "run.h5").points == 3
+
+
+LAW = """
+import os
+from contactsnes.interface.laws.modified import Modified
+
+class Failing(Modified):
+    def evaluate(self, *arguments):
+        if "BROKEN" in os.environ:
+            raise ValueError("no traction")
+        return super().evaluate(*arguments)
+"""
+BREAKING = """
+import os, sys
+from contactsnes.commands import cli, run
+from contactsnes.system.processes import world
+accept = run.Run._accept
+
+def breaking(self, point):
+    accept(self, point)
+    if self.progress.points == 3 and world.rank == 1:
+        os.environ["BROKEN"] = "1"
+
+run.Run._accept = breaking
+sys.exit(cli.main(["run", *{words!r}]))"""
+
+
+@together
+def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
+    """The error passes through PETSc, while the other process waits for a sum."""
+    (tmp_path / "law.py").write_text(LAW)
+    done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "ValueError: no traction" in done.stderr and "process 2 of 2" in done.stderr
+    assert read(tmp_path / "run.h5").points == 3
+
+
+@together
+def test_a_full_disk(tmp_path):
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (140000, 140000))\n"
+    words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
+    done = program(2, limit + FAILING.format(ranks=(), error="None", words=words), tmp_path)
+    assert done.returncode == 1, done.stdout + done.stderr
+    points = read(tmp_path / "run.h5").points
+    assert len(done.told) == 1 and points, done.stderr
+    assert "cannot be written (File too large)" in done.told[0]
+    assert f"{points} points are in" in done.told[0]
+
+
+def started(folder, size=2):
+    """A long run that has at least two points."""
+    run = Started(size, ["-m", "contactsnes", "run", *PLANE, "-continuation_largest_step", "0.001",
+                         "-continuation_initial_step", "0.001"], folder, {})
+    path, until = folder / "run.h5", time.monotonic() + 120.0
+    while time.monotonic() < until and not (path.exists() and read(path).points > 1):
+        time.sleep(0.1)
+    return run
+
+
+def members(pid):
+    """Processes of the command that a launcher has started."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            status = (path / "stat").read_text(encoding="ascii", errors="replace")
+            words = (path / "cmdline").read_bytes()
+        except OSError:
+            continue
+        if int(status.rpartition(")")[2].split()[1]) == pid and b"contactsnes" in words:
+            found.append(int(path.name))
+    return found
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc here")
+
+
+@together
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_launcher(number, tmp_path):
+    run = started(tmp_path)
+    run.process.send_signal(number)
+    done, archive = run.ended(60.0), read(tmp_path / "run.h5")
+    assert done.returncode != 0 and "Traceback" not in done.stderr, done.stderr
+    assert archive.points > 1 and not archive.complete
+    assert all(f"{archive.points} points are in" in line for line in done.told), done.stderr
+
+
+@together
+@needs_proc
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_a_process_that_is_killed(number, tmp_path):
+    run = started(tmp_path)
+    own = sorted(members(run.process.pid))
+    assert len(own) == 2
+    os.kill(own[1], number)
+    done = run.ended(60.0)
+    assert done.returncode == 128 + number and "Traceback" not in done.stderr, done.stderr
+    assert read(tmp_path / "run.h5").points > 1 and not members(run.process.pid)

@@ -1,0 +1,116 @@
+"""Several processes of the command: what they say, and what they cannot do together."""
+
+import re
+
+import pytest
+from ranks import SIZES, command, program, together
+
+from contactsnes.commands import starting
+from contactsnes.options.fields import InputError
+
+PLANE = ("-scene_dimension", "2", "-scene_points", "32", "-scene_period", "20",
+         "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-load_path",
+         "normal_displacement=0.5")
+
+
+def refused(done, *words):
+    """Assert that bad input was answered by one sentence with these words, once."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert len(done.told) == 1 and "Traceback" not in done.stderr, done.stderr
+    assert all(word in done.told[0] for word in words), done.told
+
+
+@together
+@pytest.mark.parametrize("size", SIZES)
+def test_what_one_process_does_is_refused(size, tmp_path):
+    refused(command(size, "plot", "run.h5", folder=tmp_path), f"{size} processes", "plot")
+    refused(command(size, "run", "-load_path", "normal_displacement=1", folder=tmp_path),
+            f"{size} processes", "a line")
+    refused(command(size, "run", *PLANE, "-scene_period", "inf", folder=tmp_path), "isolated")
+
+
+@together
+def test_bad_input_is_told_once(tmp_path):
+    refused(command(2, "run", *PLANE, "-scene_pionts", "32", folder=tmp_path), "scene_points")
+    refused(command(2, "run", "absent.opts", folder=tmp_path), "absent.opts")
+
+
+@together
+def test_info_tells_the_memory_of_each_process(tmp_path):
+    """Of each of two it is half of what one takes, up to rounding."""
+    told = {}
+    for size in (1, 2):
+        done = command(size, "info", *PLANE, "-scene_points", "512", folder=tmp_path)
+        assert done.returncode == 0 and done.stdout.count("Unknowns\n") == 1, done.stderr
+        told[size] = re.search(r"(\d+) MB( a process)? on the whole", done.stdout)
+    assert told[1][2] is None and told[2][2] == " a process"
+    assert abs(2 * int(told[2][1]) - int(told[1][1])) <= 2
+
+
+@together
+def test_memory_is_that_of_all_machines(tmp_path):
+    """Two processes on one machine share its memory: together they have no more than one has."""
+    text = """
+from contactsnes.system.processes import world
+from contactsnes.branch.memory import memory
+alone = memory()
+world.join()
+assert world.neighbours == world.size == 2
+assert 0.8 * alone < memory() < 1.2 * alone
+"""
+    assert program(2, text, tmp_path).returncode == 0
+
+
+@together
+def test_help_is_told_once(tmp_path):
+    done = command(2, "run", "-help", folder=tmp_path)
+    assert done.returncode == 0 and done.stdout.count("Scene: ") == 1
+
+
+@together
+@pytest.mark.parametrize("file, more, words", [
+    ("here", ["-snes_atol", "1e-7"], ["process 2", "-snes_atol", "1e-7"]),
+    ("there", [], ["process 2", "file of -scene_geometry_file"])])
+def test_processes_that_differ_are_named(file, more, words, tmp_path):
+    """A file of options or heights may be an old copy on another machine."""
+    for folder, height in (("here", 0.0), ("there", 1.0)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "heights.txt").write_text(f"0 0\n0 {height}\n")
+    text = f"""
+import os, sys
+from contactsnes.commands.cli import main
+from contactsnes.system.processes import launched
+second = launched()[1] == 1
+os.chdir({file!r} if second else "here")
+sys.exit(main(["run", *{PLANE!r}, "-scene_geometry", "file", "-scene_geometry_file",
+               "heights.txt", *({more!r} if second else [])]))"""
+    refused(program(2, text, tmp_path), *words)
+
+
+def test_a_launcher_without_packages_is_refused(monkeypatch):
+    monkeypatch.setattr(starting, "launched", lambda: (2, 0))
+    monkeypatch.setattr(starting, "missing", lambda: ["mpi4py"])
+    with pytest.raises(InputError, match="2 processes.*mpi4py"):
+        starting.assemble("run")
+    monkeypatch.setattr(starting, "launched", lambda: (2, 1))
+    with pytest.raises(SystemExit) as stop:
+        starting.assemble("run")
+    assert stop.value.code == 0
+
+
+def test_processes_that_mpi_does_not_know_of_are_refused(monkeypatch):
+    """A launcher of another MPI than mpi4py's starts processes that are each alone."""
+    monkeypatch.setattr(starting, "launched", lambda: (2, 0))
+    monkeypatch.setattr(starting, "missing", lambda: [])
+    monkeypatch.setattr(starting.world, "join", lambda: None)
+    with pytest.raises(InputError, match="MPI knows of 1"):
+        starting.assemble("run")
+
+
+def test_files_of_a_scene_are_found(tmp_path):
+    law = tmp_path / "law.py"
+    law.write_text("")
+    given = {"scene_law": f"{law}:Law", "scene_geometry_file": str(law), "archive_file": str(law),
+             "scene_points": "32"}
+    assert starting._files_of_scene(given) == {"scene_law": str(law),
+                                               "scene_geometry_file": str(law)}
