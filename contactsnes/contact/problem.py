@@ -228,8 +228,7 @@ class Contact:
         gap = (state.displacement if half is None else state.once).copy()
         gap[0] += self.gap_on(state.window if half is None else half)
         traction = self.law.traction(gap)
-        for array in (gap, traction):
-            array.flags.writeable = False
+        gap.flags.writeable = traction.flags.writeable = False
         return gap, traction
 
     def _gap_on(self, nodes):
