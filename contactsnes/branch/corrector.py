@@ -1,7 +1,6 @@
 """The corrector: from a guess, controls and loads to a converged point, whatever the method."""
 
 import time
-from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -117,8 +116,8 @@ class Corrector:
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
             if imbalance is not None:
-                return replace(self._point(form, state, imbalance, iterations),
-                               softest=form.ritz.smallest)
+                return self._point(form, state, imbalance,
+                                   iterations).changed(softest=form.ritz.smallest)
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 
@@ -264,9 +263,8 @@ class Corrector:
         """The Point of a state that passes the test of convergence; NotConverged for one that does
         not."""
         contact = self.contact
-        grid = self.contact.grid
         components = form.components
-        gap, traction = contact.evaluated(state)
+        grid, gap, traction = states.at_nodes(contact, state)
         tolerance = self.snes.getTolerances()[1]
         deepest = grid.minimum(gap[0])
         if not imbalance.norm <= tolerance:
@@ -277,8 +275,9 @@ class Corrector:
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
-        forces = factor * grid.sum(traction)
-        far = state.means + contact.rigid_compliance(components) * grid.mean(traction)
+        total = (grid if state.half is None else state.half).sum(traction)
+        forces = factor * total
+        far = state.means + contact.rigid_compliance(components) * total / grid.size
         displacements = contact.signs(components) * far / ranges + contact.datum
         for i, control in enumerate(form.controls):
             if control != APPROACH:

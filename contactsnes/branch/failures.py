@@ -1,7 +1,6 @@
 """Which points the grid resolves, and what stops a branch, in words."""
 
 import re
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -82,7 +81,7 @@ class Resolution:
         self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
                    alternating)
         self.last = point
-        return replace(point, resolved=int(point.resolved and not (jumped or pinned or coarse)))
+        return point.changed(resolved=int(point.resolved and not (jumped or pinned or coarse)))
 
     def _tell(self, point, jumped, sharpened, crowded, pinned, sheared, alternating):
         """Say why a point is not resolved.
@@ -132,7 +131,7 @@ class Resolution:
 def steepest(contact, point):
     """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
     along its own direction."""
-    gap, _ = contact.evaluated(point.state)
+    _, gap, _ = states.at_nodes(contact, point.state)
     parts = np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)
     return float(contact.grid.maximum(np.concatenate([_steepness(contact, part) for part in parts]),
                                       initial=0.0))
@@ -160,18 +159,45 @@ def _steepness(contact, gap):
 def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
-    window, grid = point.state.window, contact.grid
+    window, half, grid = point.state.window, point.state.half, contact.grid
     found, reach = 0.0, len(ALTERNATING) // 2
-    for component in contact.evaluated(point.state)[1]:
-        boxes = window.box(component).reshape(-1, *window.parts[0].shape)
-        wide, largest = grid.with_rows(boxes, reach), grid.maximum(np.abs(component), initial=0.0)
+    halved = half is not None and min(half.shape) > reach + 1
+    for i, component in enumerate(contact.evaluated(point.state, half if halved else None)[1]):
+        boxes = (half.box(component)[None] if halved else grid.with_rows(
+            window.box(component).reshape(-1, *window.parts[0].shape), reach))
+        largest = grid.maximum(np.abs(component), initial=0.0)
         for axis, (extent, total) in enumerate(zip(window.parts[0].extents, grid.shape), start=1):
-            # A window that fills a direction closes on itself; beyond others the law does not act.
-            mode = "wrap" if extent == total else "constant"
-            aside = grid.maximum(np.abs(grid.without_rows(
-                ndimage.convolve1d(wide, ALTERNATING, axis, mode=mode), reach)))
+            if halved:
+                waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1,
+                                 half.closed[axis - 1])
+            else:
+                # A window that fills a direction closes on itself; beyond others the law does not
+                # act.
+                mode = "wrap" if extent == total else "constant"
+                waves = grid.without_rows(ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode),
+                                          reach)
+            aside = grid.maximum(np.abs(waves), initial=0.0)
             found = max(found, aside / max(largest, TRACTIONLESS))
     return found
+
+
+def _of_half(boxes, axis, sign, closed):
+    """The eighth difference along an axis of boxes that begin in the middle of even fields or odd
+    ones.
+
+    Parameters
+    ----------
+    boxes : array (1, *box)
+    axis : int
+    sign : 1 (even) or -1 (odd)
+    closed : whether the boxes end where the cell closes on itself, with images there, too
+    """
+    reach, across = len(ALTERNATING) // 2, (slice(None),) * axis
+    lines = [sign * boxes[(*across, slice(reach, 0, -1))], boxes]
+    if closed:
+        lines.append(sign * boxes[(*across, slice(-2, -2 - reach, -1))])
+    waves = ndimage.convolve1d(np.concatenate(lines, axis), ALTERNATING, axis, mode="constant")
+    return waves[(*across, slice(reach, reach + boxes.shape[axis]))]
 
 
 def slips(contact, point):
@@ -179,8 +205,9 @@ def slips(contact, point):
     resolved, too."""
     if len(point.state.displacement) == 1:
         return False
-    touching = states.normal_gap(contact, point.state) < contact.scene.contact_threshold
-    slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+    _, gap, _ = states.at_nodes(contact, point.state)
+    touching = gap[0] < contact.scene.contact_threshold
+    slip = np.linalg.norm(gap[1:], axis=0)
     return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > contact.law.slip_peak)
 
 

@@ -34,8 +34,7 @@ class Neighbours:
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""
         known = [point.state for point in points]
-        half = self.symmetry.halves(known[-1])
-        return self.symmetry.mirrored(follow_edge(self.contact, known, weights, half))
+        return self.symmetry.mirrored(follow_edge(self.contact, known, weights))
 
     def missed(self, guess, state, largest=False):
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean
@@ -66,8 +65,7 @@ class Neighbours:
         ----------
         guess, last, state : as of `strayed`
         """
-        return acceptance.doubtful(self.contact, *self._alike(guess, last, state),
-                                   self.symmetry.half_of)
+        return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
 
     def detached(self, guess, last, state, back):
         """Whether the tangent at a state hardly leads back to the last one
@@ -78,8 +76,7 @@ class Neighbours:
         guess, last, state : as of `strayed`
         back : State, foretold from ``state`` for where ``last`` is
         """
-        return acceptance.detached(self.contact, *self._alike(guess, last, state), back,
-                                   self.symmetry.half_of)
+        return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
 
     def _alike(self, *found):
         """States with the components of the last of them."""

@@ -153,12 +153,13 @@ class Tracer(Corrector, Neighbours, Ends):
         change = self._linear(self.snes, form,
                               form.load_derivative(-direction, np.empty(form.size)), 1e-3)
         moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
-        field = form.displacement(moved)
+        field, half, law = form.displacement(moved), state.half, self.contact.law
+        away = field[0] - state.displacement[0]
         # In the regularised gap a long step into overlap stays bounded.
-        law, way = self.contact.law, field[0] - state.displacement[0]
-        for values in zip(*(np.array_split(each, 1 + len(gap) // PART) for each in (gap, way))):
+        given = (gap, away) if half is None else (half.fold(gap), half.fold(away))
+        for values in zip(*(np.array_split(each, 1 + len(given[0]) // PART) for each in given)):
             values[1][...] = law.regularised_step(*values, law.moving_stiffness)
-        field[0] = state.displacement[0] + way
+        field[0] = state.displacement[0] + (away if half is None else half.unfold(given[1]))
         moved = form.pack(field, form.scalars(moved))
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
@@ -170,7 +171,7 @@ class Tracer(Corrector, Neighbours, Ends):
                 / max(self.contact.grid.count(near), 1))
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
-        return states.State(form.window, form.displacement(moved), means)
+        return states.State(form.window, form.displacement(moved), means, state.half)
 
     def stiffness(self, point):
         """dW/dD at a point, w_n,r/u_n,r or R phi_n/u_n,r, other loads held as they are controlled

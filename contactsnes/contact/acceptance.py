@@ -3,8 +3,10 @@ beyond a jump."""
 
 import numpy as np
 
+from ..kernels.laws import kernel_of
 from .energies import weights
-from .states import onto, way
+from .state import alike
+from .states import near_either
 
 STRAYS = 0.35
 SHARE = 0.15
@@ -63,7 +65,7 @@ def strayed(contact, guess, last, found):
     return float(grid.maximum(aside - allowed, initial=-STRAYS))
 
 
-def doubtful(contact, guess, last, found, half=None):
+def doubtful(contact, guess, last, found):
     """Whether nodes release so much energy on the way that a jump may be a part of it
     (``_suspects``).
 
@@ -71,13 +73,11 @@ def doubtful(contact, guess, last, found, half=None):
     ----------
     contact : Contact
     guess, last, found : as of `strayed`
-    half : function (window, components) -> EvenWindow of it where all states are even, else None;
-        optional
     """
-    return _suspects(contact, *_compared(contact, guess, last, found, half)) is not None
+    return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 
-def detached(contact, guess, last, found, back, half=None):
+def detached(contact, guess, last, found, back):
     """Whether the branch where a step ended hardly leads back to where it began, for the nodes that
     are doubtful.
 
@@ -86,17 +86,11 @@ def detached(contact, guess, last, found, back, half=None):
     contact : Contact
     guess, last, found : State, predicted, where the step began, and where it ended
     back : State, predicted by the tangent at ``found`` for where ``last`` is
-    half : as of `doubtful`
     """
-    compared = _compared(contact, guess, last, found, half)
-    nodes, released = _suspects(contact, *compared)
-    window = max(guess.window, found.window, key=lambda window: window.total)
-    folded = half(window, len(found.displacement)) if half else None
-    returned = onto(found, window) - onto(back, window)
-    returned = folded.fold(returned) if folded else returned
-    grid, _, change, *_ = compared
-    change = change * nodes
-    return released > ABRUPT or (np.sum(grid.sum(returned * change))
+    nodes, released = _suspects(contact, *_compared(contact, guess, last, found, back))
+    grid, _, (_, ended, began, returned) = alike(contact, [guess, found], [last, back])
+    change = (ended - began) * nodes
+    return released > ABRUPT or (np.sum(grid.sum((ended - returned) * change))
                                  < LEFT * np.sum(grid.sum(change * change)))
 
 
@@ -122,18 +116,20 @@ def _suspects(contact, grid, gap, change, aside, allowed):
     return None
 
 
-def _compared(contact, guess, last, found, half=None):
+def _compared(contact, guess, last, found, *others):
     """Grid that sums over nodes, gaps before a step, their changes, how far they are from the guess
-    where the law acts, and how far they may be; of even states at half of the nodes."""
-    window = max(guess.window, found.window, key=lambda window: window.total)
-    aside, near = way(contact, guess, found, window)
-    gap, change = onto(last, window).copy(), onto(found, window) - onto(last, window)
-    gap[0] += window.take(contact.initial_gap)
-    grid, folded = contact.grid, half(window, len(change)) if half else None
-    if folded:
-        grid, (gap, change, aside, near) = folded.grid, map(folded.fold, (gap, change, aside, near))
-    return grid, gap, change, np.abs(aside) * near, STRAYS + SHARE * np.minimum(np.abs(change),
-                                                                                LONG)
+    where the law acts, and how far they may be; of even states (``others``, too) at half of the
+    nodes."""
+    grid, nodes, (foretold, ended, began, *_) = alike(contact, [guess, found], [last, *others])
+    aside, change, gap = ended - foretold, ended - began, began.copy()
+    np.abs(aside, out=aside)
+    aside *= near_either(contact, nodes, foretold, ended)
+    gap[0] += contact.gap_on(nodes)
+    allowed = np.abs(change)
+    np.minimum(allowed, LONG, out=allowed)
+    allowed *= SHARE
+    allowed += STRAYS
+    return grid, gap, change, aside, allowed
 
 
 def _made_or_lost(grid, begin, end):
@@ -172,6 +168,9 @@ def _works(contact, gap, change):
     beyond that is of third order in the step on a smooth branch, but the energy that a jump
     dissipates where its barrier, a softening law, is crossed.
     """
+    kernel = kernel_of(contact.law)
+    if kernel is not None:
+        return kernel.works(gap, change, weights(contact, len(change)), (PLACES, SHARES, TRIFLE))
     way = gap[:, None] + PLACES[:, None] * change[:, None]
     tractions = contact.law.traction(way.reshape(len(gap), -1)).reshape(way.shape)
     weighted = weights(contact, len(change))[:, None] * change

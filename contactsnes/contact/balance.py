@@ -99,10 +99,13 @@ class Balance:
         self.contact = contact
         self._form = None
         self._proved = None
+        self._mirrored = None, False  # the last window asked for, and whether its gap is even
 
     def __call__(self, state, controls, load, solver):
         """The Imbalance of a state under controlled values, ranges of the law, that a form of the
         ``solver`` led to."""
+        if self._halved(state, solver):
+            return self._of_half(state, load, solver)
         form = self._form_on(state.window, tuple(controls), solver)
         form.set_load(load)
         unknown = form.pack(state.displacement, state.means[form.forced])
@@ -115,6 +118,27 @@ class Balance:
         field = np.abs(form.displacement(residual))
         return Imbalance(form.grid.norm(residual),
                          float(form.grid.maximum(field, where=acts, initial=0.0)), closest)
+
+    def _halved(self, state, solver):
+        """Whether the half of a state tells of all of its nodes: it is made of that alone, as the
+        gap is, on a window on which halves have been tried."""
+        if (state.half is None or not isinstance(solver, EvenForm)
+                or self._proved != (state.window, solver.components)):
+            return False
+        if self._mirrored[0] != state.window:
+            gap = self.contact.gap_on(state.window)
+            self._mirrored = state.window, asymmetry(state.window, gap[None]) <= ROUNDING
+        return self._mirrored[1]
+
+    def _of_half(self, state, load, solver):
+        """The Imbalance of a state whose half tells of all of its nodes."""
+        solver.set_load(load)
+        unknown = solver.pack(state.displacement, state.means[solver.forced])
+        residual = solver.residual(unknown, np.empty(solver.size))
+        acts = solver.gap(unknown)[0] < self.contact.law.range
+        field = np.abs(solver.half.displacement(solver.plain(residual)))
+        return Imbalance(solver.grid.norm(residual),
+                         float(solver.grid.maximum(field, where=acts, initial=0.0)))
 
     def _form_on(self, window, controls, solver):
         """The displacement form at all nodes of a window: the solver's, if it has that, or one that

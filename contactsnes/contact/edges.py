@@ -9,10 +9,10 @@ from scipy import ndimage
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.contours import crossings
-from ..grid.splines import spline
 from ..grid.transfer import extent
 from ..grid.windows import Window
-from .states import NEAR, State, combined, normal_gap, onto, wider
+from .state import State, alike, onto, spread, weighted
+from .states import NEAR, combined, normal_gap, wider
 
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
@@ -94,12 +94,11 @@ def followed_places(contact, states):
             for end, front in zip(ends, fronts)]
 
 
-def follow_edge(contact, states, weights, half=False):
+def follow_edge(contact, states, weights):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place;
     None without such a spot.
 
-    With ``half``, only from the middle of the last window onwards in each direction, elsewhere at
-    fixed places. Of several spots each is followed in a box of its own.
+    Of even states their half is extrapolated, of several spots each in a box of its own.
 
     The edge moves by a good part of its cohesive length in a step, so that gaps at fixed places
     change abruptly where gaps at a fixed distance from the edge hardly do. So do the fronts of slip
@@ -110,14 +109,14 @@ def follow_edge(contact, states, weights, half=False):
     contact : Contact
     states : list of State, oldest first
     weights : numbers, one a state
-    half : bool
     """
     window = states[-1].window
     if isinstance(window, Nodes):
         return _follow_on_nodes(contact, states, weights)
-    ahead = _follow_spot(contact, states, weights, half)
+    ahead = _follow_spot(contact, states, weights)
     # Spots of a rough plane merge and appear, and few are round.
-    if ahead is not None or half or contact.scattered or contact.grid.comm is not None:
+    if (ahead is not None or states[-1].half is not None or contact.scattered
+            or contact.grid.comm is not None):
         return ahead
     return _follow_spots(contact, states, weights)
 
@@ -133,12 +132,13 @@ def _follow_on_nodes(contact, states, weights):
     return ahead and State(window, ahead.displacement[:, window.places], ahead.means)
 
 
-def _follow_spot(contact, states, weights, half=False):
+def _follow_spot(contact, states, weights):
     """The same for the one spot of a window of one box."""
     known = followed_places(contact, states)
     if known is None:
         return None
-    window = states[-1].window
+    last = states[-1]
+    window = last.window
     # Places of all states in nodes from the first one of the last window; a wider window begins
     # before it.
     places = np.array([one + _nodes_between(window, state.window)[:, None]
@@ -151,29 +151,38 @@ def _follow_spot(contact, states, weights, half=False):
         places, target = places[..., [0, -1]], target[:, [0, -1]]
     if np.any(np.diff(target) < 4.0):
         return None
-    part, here = _near_part(contact, states[-1])
-    if half:
-        part = here = tuple(slice(count // 2, line.stop)
-                            for line, count in zip(part, window.shape))
-    far = sum(weight * onto(state, window) for state, weight in zip(states, weights))
-    far[0] += window.take(contact.initial_gap)
-    window.box(far)[(slice(None), *here)] = sum(weight * _stretched(contact, state, window, place,
-                                                                    target, part)
-                                                for state, weight, place in zip(states, weights,
-                                                                                places))
+    _, nodes, known = alike(contact, [last], states[:-1])
+    initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
+    part, inside = _near_part(contact, nodes, known[0][0] + initial)
+    far[0] += initial
+    nodes.box(far)[(slice(None), *inside)] = weighted(
+        [_stretched(contact, state, window, place, target, part)
+         for state, place in zip(states, places)], weights)
     # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0, out=far[0])
-    far[0] -= window.take(contact.initial_gap)
-    return State(window, far, sum(weight * state.means for state, weight in zip(states, weights)))
+    np.maximum(far[0], contact.grid.minimum(known[0][0] + initial) - 1.0, out=far[0])
+    far[0] -= initial
+    return spread(nodes, far, weighted([state.means for state in states], weights))
 
 
-def _near_part(contact, state):
-    """The part of a state's box where the law acts, two nodes wider: slices of what is here of it,
-    and the same in what is here."""
-    window = state.window.parts[0]
-    near = state.window.box(normal_gap(contact, state)) < NEAR
-    return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
-                            for axis in range(near.ndim)))
+def _near_part(contact, nodes, gap):
+    """The part of a window's box where the law acts on a normal gap at some of its nodes, two nodes
+    wider: slices of the box, and the same in the box of the nodes.
+
+    Parameters
+    ----------
+    contact : Contact
+    nodes : Window, or EvenWindow, whose box begins in the middle of the window's
+    gap : array (nodes), delta_n
+    """
+    near = nodes.box(gap) < NEAR
+    if not nodes.even:
+        window = nodes.parts[0]
+        return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
+                                for axis in range(near.ndim)))
+    stops = [min(extent(near, axis).stop + 2, count) for axis, count in enumerate(near.shape)]
+    return (tuple(slice(count // 2, count // 2 + stop)
+                  for stop, count in zip(stops, nodes.full.shape)),
+            tuple(slice(0, stop) for stop in stops))
 
 
 def _follow_spots(contact, states, weights):
@@ -214,10 +223,10 @@ def carried(contact, change, origin, state):
              else followed_places(contact, [origin, state]))
     if known is None:
         return fixed
-    part, _ = _near_part(contact, state)
+    part, _ = _near_part(contact, window, normal_gap(contact, state))
     places = known[0] + _nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
-    change.displacement[0] -= change.window.take(contact.initial_gap)
+    change.displacement[0] -= contact.gap_on(change.window)
     change = wider(change, window)
     window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, change, window,
                                                                       places, known[1], part,
@@ -262,9 +271,9 @@ def _stretched(contact, state, window, places, target, part, widened=False):
         sources.append(source - known[-1].start)
     kept = state.window
     field = kept.cut(kept.box(state.displacement), known)
-    field[0] += kept.cut(kept.box(kept.take(contact.initial_gap)), known)
+    field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
     for axis, places in enumerate(sources, start=1):
-        field = spline(field, places, axis)
+        field = contact.kernels.spline(field, places, axis)
     return field
 
 

@@ -18,14 +18,12 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
-import math
-from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from .states import onto
+from .states import at_nodes, onto
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -79,12 +77,10 @@ def stored(contact, point):
     rigid compliance included. The second is zero where the surfaces are apart, nan where the law
     has no potential (`laws.Law.potential`).
     """
-    gap, tractions = contact.evaluated(point.state)
-    parts, grid = weights(contact, len(gap)), contact.grid
-    work = [grid.inner(traction, field) for traction, field in zip(tractions,
-                                                                   point.state.displacement)]
+    grid, gap, tractions = at_nodes(contact, point.state)
+    parts, work = weights(contact, len(gap)), grid.sum(tractions * point.state.once)
     elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point)
-                             - grid.node_area * np.array(work))
+                             - grid.node_area * work)
     if len(gap) > 1:
         acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
         gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
@@ -135,18 +131,19 @@ def line_rule(places, first):
     """
     points, shares = gauss(len(places))
     half = 0.5 * (places[-1] - places[first])
-    # numbers so few that arrays of them would take longer
-    points, places = (places[first] + half * (1.0 + points)).tolist(), list(map(float, places))
-    basis, slopes = [], []
-    for i, own in enumerate(places):
-        others = places[:i] + places[i + 1:]
-        apart = [own - other for other in others]
-        factors = [[(point - other) / below for other, below in zip(others, apart)]
-                   for point in points]
-        basis.append([math.prod(row) for row in factors])
-        slopes.append([sum(math.prod(row[:j] + row[j + 1:]) / below
-                           for j, below in enumerate(apart)) for row in factors])
-    return np.array(basis), half * shares * np.array(slopes)
+    points = places[first] + half * (1.0 + points)
+    own = np.arange(len(places))
+    apart = np.subtract.outer(places, places)
+    apart[own, own] = 1.0
+    factors = np.subtract.outer(points, places) / apart[:, None]  # by polynomial, point, place
+    factors[own, :, own] = 1.0
+    slopes = np.zeros(factors.shape[:2])
+    for j in own:
+        without = factors.copy()
+        without[:, :, j] = 1.0 / apart[:, j, None]
+        without[j] = 0.0
+        slopes += without.prod(axis=2)
+    return factors.prod(axis=2), half * shares * slopes
 
 
 class PathEnergies:
@@ -167,15 +164,15 @@ class PathEnergies:
     def completed(self, point):
         """The point with its energies, and its works since the path began."""
         elastic, interfacial = stored(self.contact, point)
-        point = replace(point, elastic_energy=elastic, interfacial_energy=interfacial)
+        point = point.changed(elastic_energy=elastic, interfacial_energy=interfacial)
         entry = self._entry(point)
         if not self.trail:
-            point = replace(point, **dict.fromkeys(WORKS, 0.0))
+            point = point.changed(**dict.fromkeys(WORKS, 0.0))
         else:
             last = self.trail[-1]
             if self._same(entry, last):
-                return replace(point, smooth_steps=last.point.smooth_steps,
-                               **{name: getattr(last.point, name) for name in WORKS})
+                return point.changed(smooth_steps=last.point.smooth_steps,
+                                     **{name: getattr(last.point, name) for name in WORKS})
             out_of_range = point.event == "fold" and not (point.in_contact or point.tangents)
             point = self._after_jump(entry, last) if point.event == "jump" else \
                 self._after_release(entry, last) if out_of_range else self._after_step(entry, last)
@@ -216,7 +213,7 @@ class PathEnergies:
             if abs(left - interface - point.viscous_work) > point.viscous_work:
                 interface = left - point.viscous_work
         lost = left - interface
-        point = replace(point, jump_balance=balance)
+        point = point.changed(jump_balance=balance)
         return self._summed(point, before, external, interface, lost)
 
     def _after_release(self, entry, last):
@@ -243,7 +240,7 @@ class PathEnergies:
         forces = np.array([other.forces for other in entries]).T @ basis
         displacements = np.array([other.displacements for other in entries]).T @ slopes
         external = weights(self.contact, len(forces)) @ np.sum(forces * displacements, axis=1)
-        point, before = replace(entry.point, smooth_steps=steps), entries[first].point
+        point, before = entry.point.changed(smooth_steps=steps), entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)
@@ -262,6 +259,6 @@ class PathEnergies:
     def _summed(self, point, before, external, interface, lost):
         """The point with the works of an earlier one and those done since."""
         imbalance = external - (point.elastic_energy - before.elastic_energy) - interface - lost
-        return replace(point, **{name: float(getattr(before, name) + part)
-                                 for name, part in zip(WORKS, (external, interface, lost,
-                                                               imbalance))})
+        return point.changed(**{name: float(getattr(before, name) + part)
+                                for name, part in zip(WORKS, (external, interface, lost,
+                                                              imbalance))})

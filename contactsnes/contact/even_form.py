@@ -136,7 +136,9 @@ class EvenForm:
         """Mean displacements of the force-controlled components, ranges of the law."""
         return unknown[self.count:]
 
-    state = DisplacementForm.state
+    def state(self, unknown):
+        """The State of an unknown, as of `DisplacementForm`."""
+        return self.half.state(self.plain(unknown))
 
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in memory of the form."""

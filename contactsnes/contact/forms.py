@@ -19,7 +19,7 @@ from ..grid.boxes import convolution
 from ..grid.precision import in_single
 from ..kernels.forms import twin
 from .problem import APPROACH, FORCE
-from .states import State
+from .state import spread
 
 
 class DisplacementForm:
@@ -135,11 +135,10 @@ class DisplacementForm:
 
     def state(self, unknown):
         """The State of an unknown: its displacements, and means by the load and the tractions."""
-        displacement = self.displacement(unknown).copy()
         traction = self.contact.law.traction(self.gap(unknown))
         means = self.far - self.rigid_compliance * self.grid.mean(traction)
         means[self.forced] = self.scalars(unknown)
-        return State(self.window, displacement, means)
+        return spread(self.window, self.displacement(unknown), means)
 
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in ``work``."""

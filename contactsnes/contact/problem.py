@@ -28,7 +28,6 @@ APPROACH = "approach"
 """Control of the mean surface itself, without the rigid compliance of the body: what a cold start
 holds."""
 
-
 SUPPORT = 2
 """Nodes about one in contact that an interpolation of the edge of contact there may ask for."""
 ROOM = 3.0
@@ -85,6 +84,7 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.evaluated = lru_cache(maxsize=2)(self._evaluated)
+        self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
@@ -222,15 +222,20 @@ class Contact:
         U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def _evaluated(self, state):
-        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
-        changed: the last states are asked for by whatever tells of a point."""
-        gap = state.displacement.copy()
-        gap[0] += state.window.take(self.initial_gap)
+    def _evaluated(self, state, half=None):
+        """(gap, traction) of a state on its window, or on its half, arrays (components, nodes) that
+        are not to be changed: the last states are asked for by whatever tells of a point."""
+        gap = (state.displacement if half is None else state.once).copy()
+        gap[0] += self.gap_on(state.window if half is None else half)
         traction = self.law.traction(gap)
-        for array in (gap, traction):
-            array.flags.writeable = False
+        gap.flags.writeable = traction.flags.writeable = False
         return gap, traction
+
+    def _gap_on(self, nodes):
+        """The initial gap at nodes of the cell, delta_n, not to be changed."""
+        gap = nodes.take(self.initial_gap)
+        gap.flags.writeable = False
+        return gap
 
     def extended(self, state):
         """Displacement over the whole cell (components, *grid) of a state on a window, by one
@@ -241,10 +246,8 @@ class Contact:
         components, window = len(state.displacement), state.window
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.local_shape).copy()
-        gap = state.displacement.copy()
-        gap[0] += window.take(self.initial_gap)
         cell = np.zeros((components, *self.grid.local_shape))
-        window.put(self.law.traction(gap), cell)
+        window.put(self.evaluated(state)[1], cell)
         flat = cell.reshape(components, -1)
         Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
@@ -255,13 +258,11 @@ class Contact:
         """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as
         `extended`, but one transform back only."""
         window, blocks = state.window, self.operator(len(state.displacement)).blocks
-        gap = state.displacement.copy()
-        gap[0] += window.take(self.initial_gap)
-        sources = [i for i in range(len(gap)) if (0, i) in blocks]
+        sources = [i for i in range(len(state.displacement)) if (0, i) in blocks]
         there, back = (self.grid.transform(self.grid, self.grid.shape, count)
                        for count in (len(sources), 1))
         there.real[...] = 0.0
-        window.put(self.law.traction(gap)[sources], there.real)
+        window.put(self.evaluated(state)[1][sources], there.real)
         there.forward()
         back.spectrum[0] = sum(blocks[0, i] * spectrum
                                for i, spectrum in zip(sources, there.spectrum))
@@ -283,7 +284,6 @@ class Contact:
         that an interpolation of the edge of contact asks for, with room for it to move."""
         touching = normal_gap < self.scene.contact_threshold + ROOM
         return (normal_gap < self.law.range) | widened(self.grid, touching, SUPPORT)
-
 
 def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError

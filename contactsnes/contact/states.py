@@ -4,30 +4,18 @@ A state is a displacement on a window with its means over the cell, in ranges of
 here solves.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
-from ..grid.nearest import nearest
 from ..grid.roots import bracketed_root
 from .problem import APPROACH, FORCE, SUPPORT
+from .state import State, alike, onto, spread, weighted
 
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
 below 1e-5 of its peak."""
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """Displacements on a window, array (components, nodes), and their means over the cell
-    (components). A state is equal to itself only, so that what is made of it can be kept with
-    it."""
-
-    window: object
-    displacement: np.ndarray
-    means: np.ndarray
 
 
 def undeformed(contact, controls, load):
@@ -109,14 +97,21 @@ def within_range(contact, state):
 
 def normal_gap(contact, state):
     """Normal gap on the state's window (nodes), delta_n."""
-    return state.displacement[0] + state.window.take(contact.initial_gap)
+    return state.displacement[0] + contact.gap_on(state.window)
 
 
-def onto(state, window):
-    """The state on another window; where it was not known, its nearest known displacement."""
-    if window == state.window:
-        return state.displacement
-    return nearest(state.displacement, state.window, window)
+def _at_rim(contact, state):
+    """Smallest normal gap on the border of a state's window, delta_n."""
+    nodes = state.nodes
+    rim = nodes.rim()
+    return contact.grid.minimum(state.once[0, rim] + contact.gap_on(nodes)[rim])
+
+
+def at_nodes(contact, state):
+    """Grid that sums, gap and traction (components, nodes), not to be changed, at the nodes of a
+    state, each once."""
+    grid = contact.grid if state.half is None else state.half.grid
+    return (grid, *contact.evaluated(state, state.half))
 
 
 def fitted(contact, state, afresh=False):
@@ -130,11 +125,10 @@ def fitted(contact, state, afresh=False):
     afresh : bool
     """
     window, reach = state.window, contact.law.range
-    gap = normal_gap(contact, state)
-    rim = window.rim()
-    closest = contact.grid.minimum(gap, where=rim)
-    idle = len(window.parts) > 1 and gap.reshape(len(window.parts),
-                                                 -1).min(axis=1).max() > 1.2 * reach
+    closest = _at_rim(contact, state)
+    idle = (len(window.parts) > 1
+            and normal_gap(contact, state).reshape(len(window.parts),
+                                                   -1).min(axis=1).max() > 1.2 * reach)
     if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
         return state
     cell = contact.extended(state)
@@ -161,13 +155,12 @@ def covers(contact, state, closest=None):
     """
     if state.window.is_whole:
         return True
-    gap = normal_gap(contact, state)
     if isinstance(state.window, Nodes):
-        touching = gap < contact.scene.contact_threshold
+        touching = normal_gap(contact, state) < contact.scene.contact_threshold
         if closest is None:
             closest = contact.grid.minimum(contact.gap_outside(state))
         return closest >= contact.law.certain and state.window.surround(touching, SUPPORT)
-    if contact.grid.minimum(gap, where=state.window.rim()) < contact.law.certain:
+    if _at_rim(contact, state) < contact.law.certain:
         return False
     if contact.convex:
         return True
@@ -195,12 +188,12 @@ def combined(contact, states, weights):
     states : list of State
     weights : numbers, one a state
     """
-    window = states[-1].window
-    displacement = sum(weight * onto(state, window) for state, weight in zip(states, weights))
-    floor = contact.grid.minimum(normal_gap(contact, states[-1])) - 1.0
-    np.maximum(displacement[0], floor - window.take(contact.initial_gap), out=displacement[0])
-    return State(window, displacement, sum(weight * state.means
-                                           for state, weight in zip(states, weights)))
+    _, nodes, known = alike(contact, states[-1:], states[:-1])
+    displacement = weighted([*known[1:], known[0]], weights)
+    gap = contact.gap_on(nodes)
+    floor = contact.grid.minimum(known[0][0] + gap) - 1.0
+    np.maximum(displacement[0], floor - gap, out=displacement[0])
+    return spread(nodes, displacement, weighted([state.means for state in states], weights))
 
 
 def distance(contact, first, second):
@@ -228,14 +221,13 @@ def missed(contact, guess, found, largest=False):
     guess, found : State
     largest : whether the largest at a node, not the root mean square
     """
-    change, near = way(contact, guess, found, max(guess.window, found.window,
-                                                  key=lambda window: window.total))
+    grid, nodes, (begin, end) = alike(contact, [guess, found])
+    change, near = end - begin, near_either(contact, nodes, begin, end)
     np.multiply(change, near, out=change)
     if largest:
-        return float(contact.grid.maximum(np.abs(change), initial=0.0))
-    return float(np.sqrt(contact.grid.inner(change,
-                                            change) / max(len(change) * contact.grid.count(near),
-                                                          1)))
+        return float(grid.maximum(np.abs(change), initial=0.0))
+    squares = np.sum(grid.sum(change * change))
+    return float(np.sqrt(squares / max(len(change) * grid.count(near), 1)))
 
 
 def way(contact, first, last, window):
@@ -249,7 +241,12 @@ def way(contact, first, last, window):
     window : Window
     """
     begin, end = onto(first, window), onto(last, window)
-    return end - begin, np.minimum(begin[0], end[0]) + window.take(contact.initial_gap) < 10.0
+    return end - begin, near_either(contact, window, begin, end)
+
+
+def near_either(contact, nodes, begin, end):
+    """Nodes where the law acts on either of two displacements (gap below 10)."""
+    return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < 10.0
 
 
 def chord(contact, first, last, window):

@@ -1,17 +1,21 @@
 """When states are taken for even or odd about the apex: where the contact and its loads are, and
 the method allows it, until a state is not."""
 
+from dataclasses import replace
+from functools import cache, partial
+
 import numpy as np
 
 from ..grid.boxes import cost
-from ..grid.even import EvenWindow, asymmetry, centred, lone
+from ..grid.even import EvenWindow, asymmetry, centred, lone, unlike
 from ..grid.parity import obstacle
 from ..grid.parity import parities as parities_of
 from ..options.fields import InputError
 from .even_form import EvenForm
 from .force_form import FORMS
 from .forms import DisplacementForm
-from .states import State, normal_gap, onto
+from .state import State, onto, spread
+from .states import normal_gap
 
 EVEN = 1e-6
 """Largest difference of mirror images in a state that counts as even or odd, ranges of the law."""
@@ -39,6 +43,7 @@ class Symmetry:
         self._half = None  # the last window of states made even
         self._loaded = frozenset()  # tangential components on which loads have acted
         self.wanted = settings.symmetry != "off" and method_obstacle(settings, method) is None
+        self._told = cache(partial(_told, contact))
 
     def loaded_by(self, *loads):
         """Take notice of loads (components) that act from now on."""
@@ -47,13 +52,12 @@ class Symmetry:
 
     def holds(self, components):
         """Whether states with so many components are taken for even or odd."""
-        return self.wanted and obstacle(self.contact, components, self._loaded) is None
+        return self.wanted and self._told(components, self._loaded)[0]
 
     def parities(self, components):
         """Those of so many components, of `parity.parities`; None where states are not taken for
         even or odd."""
-        return (parities_of(self.contact.operator(components), components, self._loaded)
-                if self.holds(components) else None)
+        return self._told(components, self._loaded)[1] if self.wanted else None
 
     def plain(self, components):
         """Whether all of so many components are taken for even in all directions."""
@@ -63,9 +67,18 @@ class Symmetry:
     def checked(self, state):
         """The state; if it is not even where it should be, no state is taken for even from now
         on."""
-        if self.holds(len(state.displacement)) and not self._is_even(state):
+        count = len(state.displacement)
+        if not self.holds(count) or self._is_known(state):
+            return state
+        if not self._is_even(state):
             self.leave("the state is not even about the apex")
-        return state
+            return state
+        return replace(state, half=self.half_of(state.window, count))
+
+    def _is_known(self, state):
+        """Whether a state is one of those that are even or odd as states are taken now."""
+        return (state.half is not None
+                and state.half.parities == unlike(self.parities(len(state.displacement))))
 
     def _is_even(self, state):
         """Whether mirror images in a state are alike, and the law acts where there is one only
@@ -87,26 +100,27 @@ class Symmetry:
     def centred(self, state):
         """The state on a centred window, if it is taken for even: half of one box, in place of
         several where that is cheaper."""
-        self.checked(state)
+        state = self.checked(state)
+        if state.half is not None:
+            return state
         window = centred(state.window) if self.holds(len(state.displacement)) else state.window
         if (len(window.parts) < len(state.window.parts) and not self.asked
             and 2.0 * cost(state.window) < cost(window)):
             self.leave("boxes around the spots cost less than half of one window")
             return state
-        return state if window == state.window else State(window, onto(state, window), state.means)
-
-    def halves(self, state):
-        """Whether a state is taken for even, on a window about the apex."""
-        return self.holds(len(state.displacement)) and centred(state.window) == state.window
+        if window == state.window:
+            return state
+        return State(window, onto(state, window), state.means,
+                     self.half_of(window, len(state.displacement)))
 
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node
         have no mirror image."""
-        if state is None or not self.holds(len(state.displacement)):
+        if state is None or not self.holds(len(state.displacement)) or self._is_known(state):
             return state
         window = centred(state.window)
         half = self._folded(window, len(state.displacement))
-        return State(window, half.unfold(half.fold(onto(state, window))), state.means)
+        return spread(half, half.fold(onto(state, window)), state.means)
 
     def half_of(self, window, components):
         """The EvenWindow of a window on which states with so many components are taken for even;
@@ -124,6 +138,18 @@ class Symmetry:
     def form(self, components):
         """The class of displacement forms for states with so many components."""
         return EvenForm if self.holds(components) else DisplacementForm
+
+
+def _told(contact, components, loaded):
+    """(whether states with so many components are even or odd, their parities where they are).
+
+    Parameters
+    ----------
+    contact, components, loaded : as of `parity.obstacle`
+    """
+    if obstacle(contact, components, loaded) is not None:
+        return False, None
+    return True, parities_of(contact.operator(components), components, loaded)
 
 
 def method_obstacle(settings, method):

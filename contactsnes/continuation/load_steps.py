@@ -108,7 +108,7 @@ class LoadSteps:
             raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
                                f"its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
-        point = replace(point, leg=self.leg.number, position=target)
+        point = point.changed(leg=self.leg.number, position=target)
         bifurcations.probe(self.system, self.leg, self.history, point)
         return point
 

@@ -82,7 +82,7 @@ class NaturalSteps(LoadSteps):
             step, failures = point.position - position, 0
             shortest = min(step, self.leg.initial)
             step = max(shortest, grown(step, point.spent["last_iterations"], self.leg.largest))
-            yield from self._arrive(replace(point, step=step), critical)
+            yield from self._arrive(point.changed(step=step), critical)
             if self.stopped:
                 return
             step = self.history[-1][1].step
@@ -161,8 +161,8 @@ class NaturalSteps(LoadSteps):
 
     def _accept(self, point):
         """The one place where a point of a leg is accepted."""
-        point = replace(point if point.stable >= 0 else self.certify(point), origin=self.leg.start)
-        point = replace(point, spent=self.system.account())
+        point = point if point.stable >= 0 else self.certify(point)
+        point = point.changed(origin=self.leg.start, spent=self.system.account())
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 

@@ -134,6 +134,16 @@ class Point:
     mode: object = None
     units: dict = field(default_factory=dict)
 
+    def changed(self, **values):
+        """The point with other values of some attributes: ``dataclasses.replace``, which looks at
+        each of them, takes twenty times as long."""
+        unknown = values.keys() - vars(self).keys()
+        if unknown:
+            raise TypeError(f"a point has no {', '.join(sorted(unknown))}")
+        made = object.__new__(type(self))
+        vars(made).update(vars(self), **values)
+        return made
+
     def __repr__(self):
         """Place, loads in the units of the scene (controlled ones marked), and what is special."""
         told = []

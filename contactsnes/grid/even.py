@@ -7,6 +7,7 @@ Sums over nodes are those of even fields: of squares and of products of two odd 
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -101,6 +102,11 @@ class EvenGrid(Grid):
         return int(np.sum(self.weights, where=mask))
 
 
+def unlike(parities):
+    """Parities, or None where all components are even in all directions."""
+    return parities if parities and any(-1 in signs for signs in parities) else None
+
+
 def _flat(axes, shape):
     """Flat indices into a box of a shape of the nodes at given places along each direction."""
     return np.ravel_multi_index(np.ix_(*axes), shape).reshape(-1)
@@ -121,8 +127,7 @@ class EvenWindow:
 
     def __init__(self, full, parities=None):
         cell = full.grid
-        odd = parities is not None and any(-1 in signs for signs in parities)
-        self.parities = parities if odd else None
+        self.parities = unlike(parities)
         self.full, self.start = full, tuple(n // 2 for n in cell.shape)
         self.shape = tuple(n // 2 + 1 for n in full.shape)
         self.size = math.prod(self.shape)
@@ -130,7 +135,6 @@ class EvenWindow:
         self.limits = tuple(n // 2 + 1 for n in cell.shape)
         folded = [(n // 2 + np.arange(count)) % n for n, count in zip(full.shape, self.shape)]
         self._folded = _flat(folded, full.shape)
-        self._unfolded = _flat([np.abs(np.arange(n) - n // 2) for n in full.shape], self.shape)
         weights = np.ones(())
         for n, closed in zip(self.shape, self.closed):
             line = np.full(n, 2.0)
@@ -142,6 +146,38 @@ class EvenWindow:
 
     box, parts, total = Window.box, Window.parts, Window.total
 
+    def __eq__(self, other):
+        """Whether these are the same nodes of the same window, alike in sign."""
+        return self is other or (type(self) is type(other) and self.full == other.full
+                                 and self.parities == other.parities)
+
+    def __hash__(self):
+        return hash((self.full, self.parities))
+
+    @cached_property
+    def indices(self):
+        """What picks these nodes from a field over the cell."""
+        if not any(self.closed):
+            return tuple(slice(first, first + n) for first, n in zip(self.start, self.shape))
+        return np.ix_(*((first + np.arange(n)) % total
+                        for first, n, total in zip(self.start, self.shape, self.full.grid.shape)))
+
+    def sum(self, values):
+        """Sums over all nodes of arrays (components, nodes), those of odd components being 0."""
+        found = self.grid.sum(values)
+        for i, signs in enumerate(self.parities or ()):
+            if -1 in signs:
+                found[i] = 0.0
+        return found
+
+    def rim(self):
+        """Mask of the nodes on the border of the full window, as `windows.Window.rim`."""
+        mask = np.zeros(self.shape, dtype=bool)
+        for axis, closed in enumerate(self.closed):
+            if not closed:
+                np.moveaxis(mask, axis, 0)[-1] = True
+        return mask.reshape(-1)
+
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""
         return values.take(self._folded, axis=-1)
@@ -149,7 +185,13 @@ class EvenWindow:
     def unfold(self, values):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for
         arrays (components, nodes) alone."""
-        found = values.take(self._unfolded, axis=-1)
+        found = self.box(values)
+        for axis, n in enumerate(self.full.shape, start=-len(self.shape)):
+            # from the apex outwards and back
+            inwards = (..., slice(None, 0, -1), *[slice(None)] * (-1 - axis))
+            outwards = (..., slice(0, n - n // 2), *[slice(None)] * (-1 - axis))
+            found = np.concatenate([found[inwards], found[outwards]], axis)
+        found = found.reshape(*values.shape[:-1], self.full.size)
         for field, signs in zip(found, self.parities or () if found.ndim > 1 else ()):
             for axis, (n, odd) in enumerate(zip(self.full.shape, signs)):
                 if odd < 0:
@@ -167,4 +209,5 @@ class EvenWindow:
 
     def take(self, field):
         """Values (..., nodes) of a field (..., *grid) at these nodes."""
-        return self.fold(self.full.take(field))
+        picked = field[(..., *self.indices)]
+        return np.ascontiguousarray(picked).reshape(*picked.shape[:-len(self.shape)], self.size)

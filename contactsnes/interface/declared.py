@@ -6,6 +6,7 @@ import pkgutil
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 
 from ..options.fields import InputError, Options
 
@@ -37,10 +38,11 @@ class Declared(Options):
                 raise TypeError(f"{cls.__name__}.{name} is not made by option(...)")
 
     @classmethod
+    @lru_cache(maxsize=64)
     def declared(cls):
         """Name -> field of every option that the class declares."""
         fields = dataclasses.fields(cls) if dataclasses.is_dataclass(cls) else ()
-        return {field.name: field for field in fields}
+        return MappingProxyType({field.name: field for field in fields})
 
 
 class Registry:

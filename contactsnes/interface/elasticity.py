@@ -116,15 +116,19 @@ def layer_compliance(wavenumber, poisson, height):
     ----------
     wavenumber, poisson, height : as of `layer_stiffness`
     """
-    q = np.asarray(wavenumber, dtype=float)
-    k, sinh, cosh, _, minus, plus, shear = _layer_terms(q, poisson, height)
-    scale = 1 / (q * ((3 - 4 * poisson) * sinh**2 + 4 * (1 - poisson) ** 2 + k**2))
-    return Surface(
-        normal=2 * scale * minus,
-        longitudinal=2 * scale * plus,
-        transverse=2 / (1 - poisson) / q * (sinh / cosh),
-        coupling=scale * shear / (1 - poisson),
-    )
+    shape, q = np.shape(wavenumber), np.ravel(np.asarray(wavenumber, dtype=float))
+    # most waves of a tall layer are those of a half-space
+    found = [2 / q, 2 / q, 2 / (1 - poisson) / q, (1 - 2 * poisson) / (1 - poisson) / q]
+    thin = q * height < _THICK
+    if thin.any():
+        q = q[thin]
+        k, sinh, cosh, _, minus, plus, shear = _layer_terms(q, poisson, height)
+        scale = 1 / (q * ((3 - 4 * poisson) * sinh**2 + 4 * (1 - poisson) ** 2 + k**2))
+        for block, values in zip(found, (2 * scale * minus, 2 * scale * plus,
+                                         2 / (1 - poisson) / q * (sinh / cosh),
+                                         scale * shear / (1 - poisson))):
+            block[thin] = values
+    return Surface(*(block.reshape(shape)[()] for block in found))
 
 
 def rigid_stiffness(poisson, height):

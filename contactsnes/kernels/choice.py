@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
+from ..grid.splines import spline
 from . import library
 
 
@@ -27,6 +28,7 @@ class Interpreted:
 
     compiled = False
     even, law_reason = Cosines, None
+    spline = staticmethod(spline)
 
     def __init__(self, reason):
         self.reason = reason
@@ -64,9 +66,10 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache):
-        from . import fftw, transforms
+        from . import fftw, splines, transforms
 
         self._cache, self.law_reason = cache, None
+        self.spline = splines.spline
         fftw.remember(cache)
         self._kinds = transforms.Real, transforms.Cosines
         self._kept = lru_cache(maxsize=24)(self._make)

@@ -158,17 +158,19 @@ void linearise(Form *f, const double *unknown)
 CLONES static void stiffen(const Form *f, const double *vector, double *sum)
 {
     const long n = f->nodes, m = f->components;
-    for (long i = 0; i < m; i++) {
-        double *restrict w = f->work + i * n;
-        const double *restrict d = f->tangent + i * m * n, *restrict z = f->unscale;
-        for (long k = 0; k < n; k++) w[k] = d[k] * vector[k];
-        for (long j = 1; j < m; j++) {
-            const double *restrict e = d + j * n, *restrict v = vector + j * n;
-            for (long k = 0; k < n; k++) w[k] += e[k] * v[k];
+    memset(sum, 0, m * sizeof *sum);
+    for (long at = 0; at < n; at += PART)
+        for (long i = 0; i < m; i++) {
+            const long part = n - at < PART ? n - at : PART;
+            double *restrict w = f->work + i * n + at;
+            const double *restrict d = f->tangent + i * m * n + at, *restrict v = vector + at;
+            const double *restrict z = f->unscale;
+            for (long k = 0; k < part; k++) w[k] = d[k] * v[k];
+            for (long j = 1; j < m; j++)
+                for (long k = 0; k < part; k++) w[k] += d[j * n + k] * v[j * n + k];
+            for (long k = 0; k < part && z; k++) w[k] *= z[at + k];
+            sum[i] += total(w, f->weight ? f->weight + at : 0, part);
         }
-        for (long k = 0; k < n && z; k++) w[k] *= z[k];
-        sum[i] = total(w, f->weight, n);
-    }
 }
 
 int product(Form *f, const double *vector, double *out)

@@ -59,6 +59,23 @@ class LawKernel:
         self(gap, gap, slope)
         return gap[0], slope[0, 0]
 
+    def works(self, gap, change, parts, rule):
+        """What each node releases on a straight way, and what linear springs do there, array (2,
+        nodes), as `acceptance.released`.
+
+        Parameters
+        ----------
+        gap, change : arrays (components, nodes), ranges of the law
+        parts : weights of the components
+        rule : (places, shares, trifle) of the quadrature
+        """
+        places, shares, trifle = rule
+        gap, change = (np.ascontiguousarray(array, dtype=float) for array in (gap, change))
+        found = np.empty((2, gap.shape[1]))
+        shared().works(self._reference, *gap.shape, address(gap), address(change), address(parts),
+                       len(places), address(places), address(shares), trifle, address(found))
+        return found
+
     def __deepcopy__(self, memory):
         return self
 

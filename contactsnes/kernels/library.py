@@ -12,7 +12,7 @@ from . import structures
 
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "precision.h", "transforms.c", "packed.c", "forms.c", "motion.c",
-           "core_zone.c", "petsc.c", "laws.c", "library.c")
+           "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -127,7 +127,10 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "motion_sums": [_pointer, _pointer, _pointer], "motion_squares": [_pointer],
          "arc_linearise": [_pointer, _pointer, _pointer],
          "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
-         "pseudo_inverse": [_pointer, _long, _double, _pointer]}
+         "pseudo_inverse": [_pointer, _long, _double, _pointer],
+         "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
+         "works": [_pointer, _long, _long, _pointer, _pointer, _pointer, _long, _pointer, _pointer,
+                   _double, _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
 RETURNED = {"motion_squares": _double}

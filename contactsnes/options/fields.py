@@ -8,6 +8,7 @@ import difflib
 import math
 import operator
 import re
+from functools import lru_cache
 from typing import ClassVar
 
 
@@ -169,6 +170,12 @@ def checked(name, value, rule):
     return values if len(values) > 1 else values[0]
 
 
+@lru_cache(maxsize=1024)
+def _default(name, field):
+    """`checked` of a field's default, which most values are."""
+    return checked(name, field.default, field.metadata)
+
+
 COMMON = []
 """Dataclasses of options that every command knows, in the order of the help; whoever owns them
 declares them."""
@@ -219,10 +226,11 @@ class Options:
 
     def __post_init__(self):
         for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
+            value, name = getattr(self, field.name), self.option_name(field.name)
             if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, checked(self.option_name(field.name), value,
-                                                             field.metadata))
+                object.__setattr__(self, field.name, _default(name, field)
+                                   if value is field.default
+                                   else checked(name, value, field.metadata))
 
     def __repr__(self):
         """What makes the instance: the values that are no defaults."""

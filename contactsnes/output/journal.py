@@ -118,12 +118,28 @@ def entries(path, key, first):
     if not content.startswith(heading):
         return []
     place, found = len(heading), []
-    while place + ENTRY.size <= len(content):
-        point, size, sum_ = ENTRY.unpack_from(content, place)
-        data = content[place + ENTRY.size:place + ENTRY.size + size]
-        if len(data) < size or zlib.crc32(data) != sum_:
+    while place < len(content):
+        point, arrays, place = entry(content, place)
+        if arrays is None:
             break
-        place += ENTRY.size + size
         if point == first + len(found):
-            found.append(decoded(data))
+            found.append(arrays)
     return found
+
+
+def entry(content, place=0):
+    """(point, arrays, place behind it) of the entry at a place of some bytes; no arrays, but None,
+    of one that is not whole.
+
+    Parameters
+    ----------
+    content : bytes
+    place : int
+    """
+    if place + ENTRY.size > len(content):
+        return 0, None, place
+    point, size, sum_ = ENTRY.unpack_from(content, place)
+    data = content[place + ENTRY.size:place + ENTRY.size + size]
+    if len(data) < size or zlib.crc32(data) != sum_:
+        return point, None, place
+    return point, decoded(data), place + ENTRY.size + size

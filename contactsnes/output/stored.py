@@ -8,10 +8,13 @@ import numpy as np
 
 from . import active, checksums
 from .files import ArchiveError
-from .journal import beside, entries
+from .journal import beside, encoded, entries, entry
 
 STATES = 4
 """States that are kept: what a predictor may extrapolate from."""
+
+ZIPPED = b"PK"
+"""How the states of older programs begin: they are .npz files."""
 
 SLOTS = STATES + 1
 """One more, so that a new state never overwrites one that counts."""
@@ -127,20 +130,22 @@ def packed(first, points):
 
 
 def pack(point, state):
-    """The state of a point as bytes: point, size, and an .npz file (which has a checksum)."""
-    arrays = {name: np.asarray(value) for name, value in state.items()}
-    for name, array in arrays.items():
-        if array.dtype.hasobject:
-            raise ArchiveError(f"The state {name!r} is neither an array nor a number nor a string.")
-    buffer = io.BytesIO(bytes(16))
-    buffer.seek(16)
-    np.savez(buffer, **arrays)
-    packed = np.frombuffer(buffer.getvalue(), "u1").copy()
+    """The state of a point as bytes: point, size, and an entry of a journal, which has a checksum;
+    ArchiveError for a state of objects."""
+    data = encoded(point, state)
+    packed = np.empty(16 + len(data), "u1")
     packed[:16].view("<i8")[:] = point, packed.size
+    packed[16:] = np.frombuffer(data, "u1")
     return packed
 
 
 def unpack(packed):
-    """The state that `pack` made bytes of."""
-    with np.load(io.BytesIO(packed[16:].tobytes()), allow_pickle=False) as arrays:
-        return {name: array if array.ndim else array.item() for name, array in arrays.items()}
+    """The state that `pack` made bytes of; ArchiveError where they are others."""
+    data = packed[16:].tobytes()
+    if data.startswith(ZIPPED):
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return {name: array if array.ndim else array.item() for name, array in arrays.items()}
+    _, arrays, _ = entry(data)
+    if arrays is None:
+        raise ArchiveError("the checksum of a state is not that of what is stored")
+    return {name: array if array.ndim else array.item() for name, array in arrays.items()}

@@ -1,9 +1,11 @@
 """The journal of an archive: whole entries only, of its archive only."""
 
+import io
+
 import numpy as np
 import pytest
 
-from contactsnes.output import journal
+from contactsnes.output import journal, stored
 from contactsnes.output.files import ArchiveError
 
 KEY = "0123456789abcdef"
@@ -73,3 +75,28 @@ def test_a_removed_journal_begins_anew(tmp_path):
 def test_objects_are_refused(tmp_path):
     with pytest.raises(ArchiveError, match="'bad' is neither"):
         journal.encoded(1, {"bad": np.array([object()])})
+
+
+def test_states_are_what_was_packed():
+    """In an archive: by itself, and by older programs; one that was changed since is refused."""
+    packed = stored.pack(7, arrays(7))
+    assert packed.dtype == "u1" and list(packed[:16].view("<i8")) == [7, packed.size]
+    older = io.BytesIO()
+    np.savez(older, **arrays(7))
+    zipped = np.concatenate([packed[:16], np.frombuffer(older.getvalue(), "u1")])
+    for found in (stored.unpack(packed), stored.unpack(zipped)):
+        assert found["event"] == "fold" and found["leg"] == 2 and found["force"] == 7.0
+        assert same({name: np.asarray(found[name]) for name in ("field", "none")},
+                    {name: arrays(7)[name] for name in ("field", "none")})
+    for place in (16, 24, 40, packed.size - 1):
+        wrong = packed.copy()
+        wrong[place] ^= 1
+        if place == 16:  # (the number of the point, which stands before them, too)
+            assert stored.unpack(wrong)["leg"] == 2
+            continue
+        with pytest.raises(ArchiveError, match="checksum"):
+            stored.unpack(wrong)
+    with pytest.raises(ArchiveError, match="checksum"):
+        stored.unpack(packed[:40])
+    with pytest.raises(ArchiveError, match="neither an array"):
+        stored.pack(1, {"state": object()})

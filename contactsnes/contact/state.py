@@ -1,0 +1,71 @@
+"""A state of a contact on a window, and states on the nodes that they share."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..grid.nearest import nearest
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Displacements on a window, array (components, nodes), and their means over the cell
+    (components). A state is equal to itself only, so that what is made of it can be kept with it.
+    ``half`` is the EvenWindow of one that is taken for even or odd about the apex, else None."""
+
+    window: object
+    displacement: np.ndarray
+    means: np.ndarray
+    half: object = None
+
+    @property
+    def nodes(self):
+        """The window's nodes, each once where others are its mirror images."""
+        return self.window if self.half is None else self.half
+
+    @cached_property
+    def once(self):
+        """Displacements (components, nodes) at these."""
+        return self.displacement if self.half is None else self.half.fold(self.displacement)
+
+
+def onto(state, window):
+    """The state on another window; where it was not known, its nearest known displacement."""
+    if window == state.window:
+        return state.displacement
+    return nearest(state.displacement, state.window, window)
+
+
+def alike(contact, states, others=()):
+    """Grid that sums, nodes, and displacements (components, nodes) of states and others, there:
+    on the largest window of the first, each node once where all are even or odd alike.
+
+    Parameters
+    ----------
+    contact : Contact
+    states, others : lists of State
+    """
+    largest = max(states, key=lambda state: state.window.total)
+    half, every = largest.half, [*states, *others]
+    if half is None or any(state.half is None or state.half.parities != half.parities
+                           for state in every):
+        return (contact.grid, largest.window,
+                [onto(state, largest.window) for state in every])
+    return half.grid, half, [state.once if state.half == half
+                             else half.fold(onto(state, half.full)) for state in every]
+
+
+def weighted(arrays, weights):
+    """Weighted sum of arrays alike."""
+    found = weights[0] * arrays[0]
+    for array, weight in zip(arrays[1:], weights[1:]):
+        found += weight * array
+    return found
+
+
+def spread(nodes, displacement, means):
+    """The state with displacements (components, nodes) at the nodes of a window, each once."""
+    if not nodes.even:
+        return State(nodes, displacement, means)
+    return State(nodes.full, nodes.unfold(displacement), means, nodes)

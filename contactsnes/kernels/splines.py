@@ -1,0 +1,30 @@
+"""Cubic splines in the library."""
+
+import math
+
+import numpy as np
+
+from .library import shared
+from .structures import address
+
+LINES = 8
+"""Lines whose recursions run side by side, as in steps.c."""
+
+
+def spline(values, places, axis):
+    """As `grid.splines.spline`.
+
+    Parameters
+    ----------
+    values, places, axis : as of that
+    """
+    shape = values.shape
+    count = shape[axis]
+    coefficients = np.array(values, dtype=float, order="C")
+    places = np.ascontiguousarray(places, dtype=float)
+    found = np.empty((*shape[:axis], len(places), *shape[axis + 1:]))
+    turned = np.empty(LINES * count)
+    shared().spline(math.prod(shape[:axis]), count, math.prod(shape[axis + 1:]),
+                    address(coefficients), len(places), address(places), address(turned),
+                    address(found))
+    return found

@@ -1,0 +1,115 @@
+/* What is asked of states between two solves: cubic splines of the predictor (grid/splines.py), and
+   what nodes release on the straight way of a step (contact/acceptance.py). */
+#include "kernels.h"
+#include <math.h>
+#include <string.h>
+
+#define POLE (sqrt(3.0) - 2.0) /* of the cubic spline's filter */
+
+/* Coefficients of the splines through `count` rows of `wide` numbers, in place; mirrored at the ends. */
+CLONES static void coefficients(double *restrict c, long count, long wide)
+{
+    const double z = POLE, gain = (1.0 - z) * (1.0 - 1.0 / z);
+    const long reach = 30 < count ? 30 : count; /* z^30 is below rounding */
+    double power = z;
+    for (long k = 0; k < count * wide; k++) c[k] *= gain;
+    if (count > 30)
+        for (long n = 1; n < reach; n++, power *= z)
+            for (long i = 0; i < wide; i++) c[i] += power * c[n * wide + i];
+    else { /* the mirror image goes on for ever: a geometric series of periods */
+        double back = pow(z, (double)(2 * count - 3)), period = pow(z, (double)(2 * count - 2));
+        for (long n = 1; n < count; n++, power *= z, back /= z)
+            for (long i = 0; i < wide; i++)
+                c[i] += (power + (n < count - 1 ? back : 0.0)) * c[n * wide + i];
+        for (long i = 0; i < wide; i++) c[i] /= 1.0 - period;
+    }
+    for (long n = 1; n < count; n++)
+        for (long i = 0; i < wide; i++) c[n * wide + i] += z * c[(n - 1) * wide + i];
+    double *restrict last = c + (count - 1) * wide;
+    for (long i = 0; i < wide; i++)
+        last[i] = (z * (count > 1 ? last[i - wide] : last[i]) + last[i]) * z / (z * z - 1.0);
+    for (long n = count - 2; n >= 0; n--)
+        for (long i = 0; i < wide; i++)
+            c[n * wide + i] = z * (c[(n + 1) * wide + i] - c[n * wide + i]);
+}
+
+enum { LINES = 8 }; /* whose recursions run side by side */
+
+/* The same of LINES lines of `count` numbers, one after the other in memory. */
+CLONES static void filter_lines(double *restrict c, long count, double *restrict turned)
+{
+    for (long l = 0; l < LINES; l++)
+        for (long n = 0; n < count; n++) turned[n * LINES + l] = c[l * count + n];
+    coefficients(turned, count, LINES);
+    for (long l = 0; l < LINES; l++)
+        for (long n = 0; n < count; n++) c[l * count + n] = turned[n * LINES + l];
+}
+
+static long mirrored(long k, long count)
+{
+    if (k < 0) k = -k;
+    return k > count - 1 ? 2 * (count - 1) - k : k;
+}
+
+/* out (outer, wanted, wide) = cubic splines through values (outer, count, wide), count at least 2, at
+   places along the axis in the middle, in nodes (those beyond the ends are theirs); values become
+   coefficients. */
+CLONES void spline(long outer, long count, long wide, double *values, long wanted,
+                   const double *restrict places, double *restrict turned, double *out)
+{
+    long o = 0;
+    for (; wide == 1 && o + LINES <= outer; o += LINES) filter_lines(values + o * count, count, turned);
+    for (; o < outer; o++) coefficients(values + o * count * wide, count, wide);
+    for (long p = 0; p < wanted; p++) {
+        const double end = (double)(count - 1), low = places[p] > 0.0 ? places[p] : 0.0;
+        const double place = low < end ? low : end;
+        const long whole = (long)place, first = whole < count - 2 ? whole : count - 2;
+        const double t = place - (double)first, left = 1.0 - t, square = t * t;
+        const double a = left * left * left / 6.0, b = (4.0 + square * (3.0 * t - 6.0)) / 6.0;
+        const double c = (1.0 + 3.0 * t * (1.0 + t - square)) / 6.0, d = square * t / 6.0;
+        const long before = mirrored(first - 1, count), after = mirrored(first + 2, count);
+        for (o = 0; o < outer; o++) {
+            const double *restrict rows = values + o * count * wide;
+            const double *restrict r = rows + before * wide, *restrict s = rows + first * wide;
+            const double *restrict u = s + wide, *restrict v = rows + after * wide;
+            double *restrict x = out + (o * wanted + p) * wide;
+            for (long i = 0; i < wide; i++) x[i] = a * r[i] + b * s[i] + c * u[i] + d * v[i];
+        }
+    }
+}
+
+enum { SOME = 256, FEW = 16 }; /* nodes at a time, places at most */
+
+/* works (2, nodes): what each node releases on the straight way from gap by change (components, nodes),
+   and what linear springs do, by a quadrature: shares of the tractions at places, the first two of
+   which are the ends. `parts`: weights of the components. */
+void works(const Law *law, long components, long nodes, const double *gap, const double *change,
+           const double *parts, long count, const double *places, const double *shares, double trifle,
+           double *found)
+{
+    double at[MOST * SOME], traction[FEW][MOST * SOME];
+    memset(found, 0, 2 * nodes * sizeof *found);
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        double *restrict released = found + from, *restrict springs = found + nodes + from;
+        for (long p = 0; p < count; p++) {
+            for (long i = 0; i < components; i++)
+                for (long k = 0; k < n; k++)
+                    at[i * n + k] = gap[i * nodes + from + k]
+                        + places[p] * change[i * nodes + from + k];
+            evaluate(law, components, n, at, traction[p], 0);
+        }
+        for (long i = 0; i < components; i++) {
+            const double *restrict way = change + i * nodes + from;
+            for (long k = 0; k < n; k++) {
+                const double weighted = parts[i] * way[k];
+                const double change_of_traction = fabs(traction[1][i * n + k] - traction[0][i * n + k]);
+                double sum = 0.0;
+                for (long p = 0; p < count; p++) sum += shares[p] * traction[p][i * n + k];
+                released[k] += sum * weighted;
+                springs[k] += (change_of_traction > trifle ? change_of_traction : trifle)
+                    * fabs(weighted);
+            }
+        }
+    }
+}
