@@ -203,7 +203,7 @@ def narrow(contact, before, after):
     depths = [grid.maximum(grid.without_rows(
         ndimage.distance_transform_edt(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]],
         NARROW)) for box in boxes]
-    return grid.any(changed) and 2.0 * max(depths) < NARROW
+    return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 
 def explained(error, contact, sheared, modes):

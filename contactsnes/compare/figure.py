@@ -15,8 +15,11 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from ..output.figures.style import STYLE
 from ..output.tables import read_hdf5
 
-WIDTH, PANEL = 17.0 / 2.54, 4.6 / 2.54
-"""Width of the figure and height of a row of panels, inches."""
+WIDTH, PANEL = 17.0 / 2.54, 3.3 / 2.54
+"""Width of the figure and height of a row of panels, inches: with six rows a page of a journal."""
+PRINTED = {**STYLE, "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8,
+           "savefig.dpi": 200}
+"""The style of a figure with letters of 8 points."""
 COLUMNS = 4
 """Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
@@ -47,13 +50,16 @@ def plot_comparison(paths, output, shown=None):
         records.append({**record, "name": attributes["name"]})
     rows = [(record, place) for record in records for place in sorted(record["histories"], key=int)]
     styles = _styles(records, shown)
-    with matplotlib.rc_context(STYLE):
-        below = 0.3 + 0.155 * _tall(styles)
+    with matplotlib.rc_context(PRINTED):
+        below = 0.25 + 0.17 * _tall(styles)
         figure = Figure((WIDTH, len(rows) * PANEL + below), layout="constrained")
         above, foot = figure.subfigures(2, 1, height_ratios=(len(rows) * PANEL, below))
         panels = above.subplots(len(rows), 2, squeeze=False, sharey="row")
-        for line, (record, place) in zip(panels, rows):
+        for number, (line, (record, place)) in enumerate(zip(panels, rows)):
             _draw_row(line, record, place, styles)
+            # One letter a row: its title takes the width of both panels.
+            line[0].set_title(f"({chr(ord('a') + number % 26)})  {line[0].get_title('left')}",
+                              loc="left")
         panels[-1][0].set_xlabel("transforms of the cell")
         panels[-1][1].set_xlabel("time (ms)")
         _legend(foot, styles)
@@ -132,7 +138,7 @@ def _legend(figure, styles):
 def _tall(styles):
     """Rows of the legend."""
     families = len({family for family, _ in styles.values()})
-    em = STYLE["legend.fontsize"] / 72
+    em = PRINTED["legend.fontsize"] / 72
     # A character is about half as wide as it is tall; line and blanks of an entry take the rest.
     columns = min(COLUMNS, int(WIDTH / ((0.55 * max(map(len, styles)) + 4.9) * em)))
     return max(3, -(-(len(styles) + 2 * families) // columns))

@@ -15,7 +15,7 @@ from .targets import ERRORS
 
 COLUMNS = {"stage": "", "method": "", "family": "", "points": "", "found": "", "elsewhere": "",
            "failed": "", "failed_at": "", "reason": "", "transforms": "real FFTs of the cell",
-           "transforms_single": "the same in single precision", "function_evaluations": "",
+           "transforms_single": "real FFTs of the cell", "function_evaluations": "",
            "jacobian_products": "", "nonlinear_iterations": "", "linear_iterations": "",
            "time": "s", "time_low": "s", "time_high": "s",
            "transforms_ratio": "", "time_ratio": "", "time_ratio_low": "", "time_ratio_high": "",

@@ -156,14 +156,26 @@ class EvenForm:
         self.half.linearise(self.plain(unknown))
 
     def apply_jacobian(self, vector, out, single=False):
-        """out = J vector at the last linearisation."""
+        """out = J vector at the last linearisation.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
             return self.kernel.apply_jacobian(vector, out, single)
         return self.scaled(self.half.apply_jacobian(self.plain(vector), out, single))
 
     def apply_transpose(self, vector, out, single=False):
         """out = J^T vector at the last linearisation: the half form's is the adjoint in the inner
-        product with weights."""
+        product with weights.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
             return self.kernel.apply_transpose(vector, out, single)
         return self.scaled(self.half.apply_transpose(self.plain(vector), out, single))

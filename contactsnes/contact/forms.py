@@ -194,7 +194,13 @@ class DisplacementForm:
 
     def apply_jacobian(self, vector, out, single=False):
         """out = J vector at the last linearisation: two transforms of the padded window a
-        component, perhaps in single precision."""
+        component.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
             return self.kernel.apply_jacobian(vector, out, single)
         self._products += 1
@@ -214,8 +220,13 @@ class DisplacementForm:
         return out
 
     def apply_transpose(self, vector, out, single=False):
-        """out = J^T vector at the last linearisation (trust regions ask for it), perhaps in single
-        precision."""
+        """out = J^T vector at the last linearisation (trust regions ask for it).
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         if self.kernel:
             return self.kernel.apply_transpose(vector, out, single)
         self._products += 1

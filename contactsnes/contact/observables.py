@@ -147,9 +147,9 @@ def _told(name, label, unit="", kind="i8", names=()):
 
 def _costs(scene):
     """Rows of what was spent since the last point."""
+    transforms = f"real FFTs of the {'window' if scene.isolated else 'cell'}"
     units = {"nonlinear_iterations": "", "linear_iterations": "", "function_evaluations": "",
-             "transforms": f"real FFTs of the {'window' if scene.isolated else 'cell'}",
-             "transforms_single": "the same in single precision", "wall_time": "s"}
+             "transforms": transforms, "transforms_single": transforms, "wall_time": "s"}
     return {name: Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
                              unit, "f8" if unit else "i8") for name, unit in units.items()}
 

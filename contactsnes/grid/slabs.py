@@ -124,7 +124,10 @@ class Slabs(Grid):
     # Reductions over the nodes of all processes.
     def together(self, parts):
         """Sums over processes of numbers, an array of any shape: the same on all of them."""
-        return np.add.reduce(self.comm.allgather(np.asarray(parts, dtype=float)), axis=0)
+        own = np.array(parts, dtype=float, order="C")
+        every = np.empty((self.comm.size, *own.shape))
+        self.comm.Allgather(own, every)
+        return np.add.reduce(every, axis=0)
 
     def joined(self, rows):
         """What all processes have of an array, one after the other along its first axis."""
@@ -159,11 +162,13 @@ class Slabs(Grid):
 
     def largest(self, number):
         """The largest of a number a process."""
-        return max(self.comm.allgather(float(number)))
+        every = np.empty(self.comm.size)
+        self.comm.Allgather(np.array([number], dtype=float), every)
+        return every.max()
 
     def any(self, mask):
         """Whether a mask holds anywhere."""
-        return any(self.comm.allgather(bool(np.any(mask))))
+        return bool(self.largest(np.any(mask)))
 
     def sum(self, values):
         """Sum over the nodes (last axis)."""

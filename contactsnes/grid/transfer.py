@@ -146,16 +146,21 @@ def smooth(window, values, width):
 
 def _smooth_rows(window, values, width):
     """`smooth` of the whole cell, of which some rows are here."""
-    grid = window.grid
+    grid, box = window.grid, window.box(values)
     reaches = [round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5) for spacing in grid.spacings]
-    blurred = grid.with_rows(window.box(values).astype(float), 3 * reaches[0])
-    first = blurred.ndim - 2
-    for axis, (mode, reach) in enumerate(zip(("nearest", "wrap"), reaches), first):
-        for _ in range(3 if reach else 0):
+    wide, first = grid.with_rows(box, 3 * reaches[0]), box.ndim - 2
+    # as in one process, of what is here and near by
+    part = (slice(None),) * first + tuple(extent(wide != 0.0, axis, 3 * reach + 1)
+                                          for axis, reach in enumerate(reaches, first))
+    blurred, out = wide[part].astype(float), np.zeros(wide.shape)
+    for axis, reach in enumerate(reaches, first):
+        # beyond the rows that are here nothing is that counts for them
+        mode = "wrap" if axis > first and blurred.shape[axis] == grid.shape[1] else "nearest"
+        for _ in range(3 if reach and blurred.size else 0):
             blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
-    blurred = grid.without_rows(blurred, 3 * reaches[0])
-    return np.where(np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0), 0.0,
-                    blurred).reshape(values.shape)
+    blurred[np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0)] = 0.0
+    out[part] = blurred
+    return grid.without_rows(out, 3 * reaches[0]).reshape(values.shape)
 
 
 def refined(grid, values):

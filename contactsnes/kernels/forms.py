@@ -155,14 +155,26 @@ class CompiledForm:
         self.structure.single = single
 
     def apply_jacobian(self, vector, out, single=False):
-        """out = J vector, perhaps in single precision."""
+        """out = J vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         self.set_precision(single)
         call(self.library.product, self.grid.counter, self.reference, address(vector),
              address(out))
         return out
 
     def apply_transpose(self, vector, out, single=False):
-        """out = J^T vector, perhaps in single precision."""
+        """out = J^T vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         self.set_precision(single)
         call(self.library.transposed_product, self.grid.counter, self.reference,
              address(vector), address(out))

@@ -140,7 +140,13 @@ class CompiledZone:
         self.raise_error()
 
     def apply(self, vector, out, single=False):
-        """out = M^-1 vector, arrays of the unknown's size, perhaps in single precision."""
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         self.kernel.set_precision(single)
         call(self.library.precondition, self.form.grid.counter, self.reference, address(vector),
              address(out))

@@ -110,7 +110,13 @@ class CoreZone:
         return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
 
     def apply(self, vector, out, single=False):
-        """out = M^-1 vector, arrays of the form's size, perhaps in single precision."""
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         form = self.form
         np.copyto(out, vector)
         field = out[:form.count].reshape(form.shape)

@@ -81,7 +81,13 @@ class EvenCoreZone:
         self.form, self.inner = form, CoreZone(form.half, options, floor, single)
 
     def apply(self, vector, out, single=False):
-        """out = M^-1 vector, arrays of the form's size, perhaps in single precision."""
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : bool, whether transforms are in single precision
+        """
         return self.form.scaled(self.inner.apply(self.form.plain(vector), out, single))
 
 
@@ -112,8 +118,14 @@ KINDS = {ArcLength: ArcElimination, EvenForm: EvenCoreZone, ForceForm: ZonedStif
 
 
 def zone(form, options, single=False):
-    """The preconditioner of a form at its last linearisation, perhaps set up in single
-    precision."""
+    """The preconditioner of a form at its last linearisation.
+
+    Parameters
+    ----------
+    form : of the equations
+    options : CoreOptions
+    single : bool, whether it is set up in single precision
+    """
     kind = KINDS.get(type(form), CoreZone)
     return kind(form, options, single=True) if single else kind(form, options)
 

@@ -10,7 +10,14 @@ def means(grid, spectrum):
 
 
 def set_means(grid, spectrum, values):
-    """Set the values at q = 0 of spectra (components, *waves), where they are here."""
+    """Set the values at q = 0 of spectra, where they are here.
+
+    Parameters
+    ----------
+    grid : Grid
+    spectrum : array (components, *waves)
+    values : array (components,)
+    """
     grid.zero_wave(spectrum)[...] = np.reshape(values, (-1, *[1] * (spectrum.ndim - 1)))
 
 

@@ -59,8 +59,8 @@ def _residual():
 
     create = snes.create_snes
 
-    def loose(form, prefix="", tolerance=None, **options):
-        found = create(form, prefix, tolerance, **options)
+    def loose(form, prefix="", tolerance=None, *options):
+        found = create(form, prefix, tolerance, *options)
         found.setTolerances(atol=1e-4)
         return found
 

@@ -1,4 +1,4 @@
-"""Errors of the figures: how far curves and markers move when every run is made again on twice the
+"""Errors of the figures: how far curves and markers move when runs are made again on twice the
 points.
 
 Distances are measured on the drawing, in points (1/72 inch), where a line has a width: what moves

@@ -25,6 +25,20 @@ GALLERY = ROOT / "docs" / "gallery.md"
 PAGE = ROOT / "docs" / "incipient-sliding.md"
 MARKS = ("<!-- scripts/paper writes from here -->\n", "<!-- scripts/paper: as far as here -->\n")
 BEGIN, END = "<!-- scripts/reproduce writes from here -->\n", "<!-- as far as here -->\n"
+UNITS = (
+    "Written by `scripts/reproduce`. Lengths are in β, tangential forces in w_t,r, normal "
+    "ones in w_n,r; W is the normal force.")
+ERROR_BARS = (
+    "Each number is told with its error bar: the change on a grid of twice the points, the "
+    "step of the load in which an event lies, or the confidence interval of a fit, whichever "
+    "is largest; numbers without one are exact, and ± ? stands where it is not known: there "
+    "is no run on a finer grid, or none that differs. ρ = τ<sub>∞</sub>/τ<sub>max</sub>.")
+MOVEMENTS = (
+    "Errors of the grid: the runs of these figures are made again on twice the points, but "
+    "for those of eq. 3 at λ<sub>t</sub> = 10, whose rims take too fine grids, and for those "
+    "of residual frictions beside τ<sub>max</sub> and half of it, whose onsets have their own "
+    "errors in the map below; each figure is drawn from these, too, and both drawings are "
+    "compared.")
 CAPTIONS = {
     "figure2": "Figure 2: the traction-separation laws",
     "figure3": "Figure 3: contact area for several thresholds",
@@ -147,36 +161,13 @@ def write(results, runs, movements):
     finer = Finer(results, fixed(runs))
     images = [f"![{caption}]({name}.png)\n\n{caption}. {symbols(BESIDE[name])}"
               for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
-    (HERE / "README.md").write_text("\n".join(["# The paper, figure by figure", "", "Written by "
-                                               "`scripts/reproduce`. Lengths are in β, "
-                                               "tangential forces in w_t,r, normal "
-                                               "ones in w_n,r; W is the "
-                                               "normal force.", "", "## Statements", "",
-                                               "Each number is told with its error "
-                                               "bar: the change on a grid of "
-                                               "twice the points, the step of "
-                                               "the load in which an event lies, "
-                                               "or the confidence interval of a "
-                                               "fit, whichever is largest; numbers "
-                                               "without one are exact, and ± ? stands "
-                                               "where fronts of stiff interfaces, on "
-                                               "grids of 2^15 points and more, were "
-                                               "not made again. ρ = τ<sub>∞</sub>/"
-                                               "τ<sub>max</sub>.", "",
-                                               *statement_table(results, finer), "",
-                                               "## Convergence, errors and cost", "",
-                                               *convergence(results,
-                                                            {run.name: run
-                                                             for run in [*runs,
-                                                                         *runs_beyond()]}.values()),
-                                               "", "Errors of the grid: every run is "
-                                               "made again on twice the points, "
-                                               "every figure drawn from these, and "
-                                               "both drawings compared.", "",
-                                               *figure_table(movements), "",
-                                               *cost.report(results, runs), "", "## Figures", "",
-                                               "\n\n".join(images), "", "## Beyond the figures", "",
-                                               *beyond_figures(results)]), encoding="utf-8")
+    everything = {run.name: run for run in [*runs, *runs_beyond()]}.values()
+    (HERE / "README.md").write_text("\n".join([
+        "# The paper, figure by figure", "", UNITS, "", "## Statements", "", ERROR_BARS, "",
+        *statement_table(results, finer), "", "## Convergence, errors and cost", "",
+        *convergence(results, everything), "", MOVEMENTS, "", *figure_table(movements), "",
+        *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "",
+        "## Beyond the figures", "", *beyond_figures(results)]), encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
     gallery = [f'<img src="../scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">'
                for name in shown]

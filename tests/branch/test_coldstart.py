@@ -20,6 +20,7 @@ from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E4
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.dynamics import jumps
 from contactsnes.grid.cell import Grid  # noqa: E402
+from contactsnes.grid.counter import weighed  # noqa: E402
 from contactsnes.grid.transfer import resampled  # noqa: E402
 from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
@@ -40,6 +41,11 @@ def first(scene, control, value, **form):
     return system, point, system.account()
 
 
+def _both(spent):
+    """Transforms in either precision."""
+    return spent["transforms"] + spent["transforms_single"]
+
+
 @pytest.mark.parametrize("scene, control, value", [
     (PAPER, DISPLACEMENT, 40.0), (PAPER, DISPLACEMENT, 7.3), (PAPER, FORCE, 11.0),
     ({"normal_maugis": 5.0, "points": 2048, "poisson": 0.3, "height": 20.0}, DISPLACEMENT, 9.0),
@@ -57,7 +63,8 @@ def test_the_same_state_as_on_the_grid_itself(scene, control, value):
     _, direct, own = first(scene, control, value, cascade=False, symmetry="off")
     assert states.missed(system.contact, through.state, direct.state, largest=True) < 1e-6
     np.testing.assert_allclose(through.forces, direct.forces, rtol=1e-7, atol=1e-7)
-    assert cost["transforms"] < own["transforms"]
+    # in transforms of either precision: coarse grids are too small for single precision
+    assert _both(cost) < _both(own)
 
 
 @pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 70), (PAPER, 2.8, 40),
@@ -67,7 +74,7 @@ def test_the_same_state_as_on_the_grid_itself(scene, control, value):
                                                 ({**SPHERE, "points": 512}, 6.0, 40)])
 def test_what_a_first_point_costs(scene, value, most):
     _, _, cost = first(scene, DISPLACEMENT, value)
-    assert cost["transforms"] <= most
+    assert weighed(cost) <= most
 
 
 def test_all_that_is_spent_is_counted():
