@@ -155,16 +155,18 @@ class Measurement:
             inside = widest.node_numbers()
             order = np.argsort(inside)
             numbers = order[np.searchsorted(inside, numbers, sorter=order)]
-        order = _images_beside(numbers, widest.shape)
         displacement, traction = np.zeros((2, scene.components, len(numbers)))
         lengths = _sizes(scene, "u") / self.contact.ranges
-        displacement[:self.components] = self.state.displacement[:, acting][:, order]
-        traction[:self.components] = self.traction[:, acting][:, order]
+        displacement[:self.components] = self.state.displacement[:, acting]
+        traction[:self.components] = self.traction[:, acting]
         mean = np.zeros(scene.components)
         mean[:self.components] = self.state.means
-        found = {"nodes": numbers[order], "displacement": displacement * lengths[:, None],
+        found = {"nodes": numbers, "displacement": displacement * lengths[:, None],
                  "traction": traction * _sizes(scene, "p")[:, None]}
         found = {name: self.grid.to_first(values) for name, values in found.items()}
+        if found["nodes"] is not None:  # all are in the first process, whoever has had them
+            order = _images_beside(found["nodes"], widest.extents)
+            found = {name: values[..., order] for name, values in found.items()}
         found["mean"] = mean * lengths
         if self._null_or_leading() is not None:
             found["mode"] = self.grid.rows_to_first(widest.box(widest.take(self._mode())))
