@@ -1,0 +1,88 @@
+"""Branches of several processes against those of one: every observable of their last points, and
+their events."""
+
+import json
+import math
+
+import pytest
+from ranks import SIZES, program, together
+
+CASES = """
+import json, sys
+import petsc4py
+petsc4py.init(["cases", "-snes_atol", "1e-11"])
+from petsc4py import PETSc
+from contactsnes import Branch, Form, Load, Scene, Steps
+from contactsnes.contact import observables
+
+SPHERE = dict(dimension=2, points=(32, 32), period=8.0, normal_maugis=1.0, tangential_maugis=1.0,
+              geometry="sphere", height=float("inf"))
+ROUGH = dict(SPHERE, geometry="rough", rough_on="flat", rough_hurst=0.8, rough_slope=0.5,
+             rough_longest=4.0, rough_shortest=1.0, rough_seed=3)
+CASES = {
+    "force": (SPHERE, Load("normal_displacement=0", "normal_force=1"), {}),
+    "sheared layer": (dict(SPHERE, height=3.0, poisson=0.3),
+                      Load("normal_displacement=0", "tangential_displacement_x=1"),
+                      dict(initial_step=0.25, largest_step=0.5)),
+    "pull-off": (dict(SPHERE, normal_maugis=4.0),
+                 Load("normal_displacement=0", "normal_displacement=-3"), {}),
+    "stability": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.2"),
+                  dict(stability="eigenvalue")),
+    "rough": (ROUGH, Load("normal_displacement=0", "normal_displacement=0.5"), {})}
+
+found = {}
+for name, (scene, load, steps) in CASES.items():
+    branch = Branch(Scene(**scene), load, Steps(**steps), Form(symmetry="off", window="off"))
+    names = list(observables.table(branch.scene))
+    found[name] = [branch.observe(point, names) for point in branch]
+if PETSc.COMM_WORLD.rank == 0:
+    json.dump(found, sys.stdout, default=lambda value: value if isinstance(value, str)
+              else float(value))
+"""
+COSTS = {"wall_time", "transforms", "nonlinear_iterations", "linear_iterations",
+         "function_evaluations"}
+"""What was spent since the point before, which need not be the same: a sum in another order may
+change a step's length."""
+PATHS = {"external_work", "interface_work", "energy_imbalance", "dissipated_work", "jump_work",
+         "viscous_work", "residual_norm", "largest_residual"}
+"""What hangs on the steps of the path, or is rounding."""
+TOLERANCES = {"leading_eigenvalue": 1e-3}
+"""Of what is known less precisely than the state: Krylov's iteration ends when the sign is sure."""
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Case -> observables of its points, of one process."""
+    return branches(1, tmp_path_factory.mktemp("one"))
+
+
+def branches(size, folder):
+    """Case -> observables of its points, of so many processes."""
+    done = program(size, CASES, folder)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def differs(name, one, other):
+    """Whether two values of an observable are those of different points."""
+    if isinstance(one, str) or math.isnan(one) or math.isnan(other):
+        return one != other and not (one != one and other != other)
+    return abs(one - other) > TOLERANCES.get(name, 1e-6) * max(1.0, abs(one))
+
+
+def events(points):
+    """The events of a path, in their order."""
+    return [point["event"] for point in points if point["event"] not in ("none", "", None)]
+
+
+@together
+@pytest.mark.parametrize("size", SIZES)
+def test_branches_are_those_of_one_process(size, alone, tmp_path):
+    for case, points in branches(size, tmp_path).items():
+        one, other = alone[case][-1], points[-1]
+        assert events(points) == events(alone[case]), case
+        assert not {name: (one[name], other[name]) for name in one
+                    if name not in COSTS | PATHS and differs(name, one[name],
+                                                                     other[name])}, case
+    assert "jump" in events(alone["pull-off"])
+    assert all(point["stable"] != -1 for point in alone["stability"])
