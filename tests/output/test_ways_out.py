@@ -157,6 +157,13 @@ def test_a_missing_library_says_how_to_get_it():
         extras.extra("no_such_library.part", "table", "this")
 
 
+def test_a_library_that_does_not_go_with_others_is_not_installed_again(tmp_path, monkeypatch):
+    (tmp_path / "unhappy.py").write_text("raise ImportError('unhappy needs NumPy 9')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(InputError, match="NumPy 9.*an older unhappy"):
+        extras.extra("unhappy", "table", "this")
+
+
 def test_the_repr_of_a_record_tells_what_it_holds(tmp_path):
     text = repr(read(archive(tmp_path / "a.h5", fields="all")))
     for words in ("a.h5: 4 points", "normal_force 0 to 1 w_n,r", "fold, jump",
