@@ -4,6 +4,7 @@ import numpy as np
 
 from .active import Nodes, some
 from .boxes import Spots
+from .cell import Grid
 from .windows import Window
 
 
@@ -40,7 +41,7 @@ def restored(grid, numbers, field):
     if grid.comm is None:
         return of_numbers(grid, numbers), field
     comm, mine = grid.comm, None
-    for rank, part in enumerate(() if comm.rank else _parts(grid, of_numbers(grid.alone(), numbers),
+    for rank, part in enumerate(() if comm.rank else _parts(grid, of_numbers(Grid(grid.shape, grid.periods), numbers),
                                                             field)):
         if rank:
             comm.send(part, dest=rank)

@@ -138,10 +138,6 @@ class Slabs(Grid):
         others."""
         return self.rows.to_first(field)
 
-    def alone(self):
-        """The grid of the same cell in one process."""
-        return Grid(self.shape, self.periods)
-
     def first_largest(self, field):
         """The largest size of values (components, rows, columns), with the sign of the first about
         as large."""
