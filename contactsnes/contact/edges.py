@@ -179,7 +179,9 @@ def _near_part(contact, nodes, gap):
         window = nodes.parts[0]
         return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
                                 for axis in range(near.ndim)))
-    stops = [min(extent(near, axis).stop + 2, count) for axis, count in enumerate(near.shape)]
+    # where the cell closes, the last node of the half stands before the first one of the window
+    stops = [min(extent(near, axis).stop + 2, n - n // 2)
+             for axis, n in enumerate(nodes.full.shape)]
     return (tuple(slice(count // 2, count // 2 + stop)
                   for stop, count in zip(stops, nodes.full.shape)),
             tuple(slice(0, stop) for stop in stops))

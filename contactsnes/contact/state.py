@@ -65,7 +65,14 @@ def weighted(arrays, weights):
 
 
 def spread(nodes, displacement, means):
-    """The state with displacements (components, nodes) at the nodes of a window, each once."""
+    """The state with displacements at the nodes of a window, each once.
+
+    Parameters
+    ----------
+    nodes : Window, or EvenWindow
+    displacement : array (components, nodes), ranges of the law
+    means : array (components,), ranges of the law
+    """
     if not nodes.even:
         return State(nodes, displacement, means)
     return State(nodes.full, nodes.unfold(displacement), means, nodes)

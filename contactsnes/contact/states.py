@@ -245,7 +245,14 @@ def way(contact, first, last, window):
 
 
 def near_either(contact, nodes, begin, end):
-    """Nodes where the law acts on either of two displacements (gap below 10)."""
+    """Nodes where the law acts on either of two displacements (gap below 10).
+
+    Parameters
+    ----------
+    contact : Contact
+    nodes : Window, or EvenWindow
+    begin, end : arrays (components, nodes), ranges of the law
+    """
     return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < 10.0
 
 

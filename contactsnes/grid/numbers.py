@@ -41,8 +41,8 @@ def restored(grid, numbers, field):
     if grid.comm is None:
         return of_numbers(grid, numbers), field
     comm, mine = grid.comm, None
-    for rank, part in enumerate(() if comm.rank else _parts(grid, of_numbers(Grid(grid.shape, grid.periods), numbers),
-                                                            field)):
+    whole = None if comm.rank else of_numbers(Grid(grid.shape, grid.periods), numbers)
+    for rank, part in enumerate(() if comm.rank else _parts(grid, whole, field)):
         if rank:
             comm.send(part, dest=rank)
         else:
