@@ -124,8 +124,8 @@ def follow_edge(contact, states, weights):
 def _follow_on_nodes(contact, states, weights):
     """The same on the box of a window of some of its nodes, where spots are few."""
     window = states[-1].window
-    labels, count = ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
-    if not 0 < count <= MOST:
+    _, count = ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
+    if not 0 < contact.grid.largest(count) <= MOST:
         return None
     box = [State(window.hull, onto(state, window.hull), state.means) for state in states]
     ahead = follow_edge(contact, box, weights)

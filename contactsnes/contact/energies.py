@@ -85,8 +85,9 @@ def stored(contact, point):
         acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
         gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
     potential = contact.law.potential(gap, contact.scene.work_ratio)
-    return float(elastic), np.nan if potential is None else float(grid.node_area * grid.sum(
-        potential))
+    # whether there is one hangs on the gaps of all nodes
+    return float(elastic), np.nan if grid.any(potential is None) else float(
+        grid.node_area * grid.sum(potential))
 
 
 def straight(contact, first, last, panels=1):

@@ -103,12 +103,13 @@ class Nodes:
 
     def rim(self):
         """Mask of the nodes with a neighbour in the cell that is none of these."""
-        known = np.zeros(self.grid.shape, dtype=bool)
+        known = np.zeros(self.grid.local_shape, dtype=bool)
         known[self.indices] = True
+        known = self.grid.with_rows(known, 1)
         inner = known.copy()
         for axis in range(known.ndim):
             inner &= np.roll(known, 1, axis) & np.roll(known, -1, axis)
-        return ~inner[self.indices]
+        return ~self.grid.without_rows(inner, 1)[self.indices]
 
     def surround(self, mask, reach):
         """Whether all nodes of the cell up to ``reach`` nodes from some of these are among them.
@@ -118,10 +119,10 @@ class Nodes:
         mask : array of bool (nodes)
         reach : int
         """
-        known, asked = np.zeros((2, *self.grid.shape), dtype=bool)
+        known, asked = np.zeros((2, *self.grid.local_shape), dtype=bool)
         known[self.indices] = True
         asked[self.indices] = mask
-        return not (widened(self.grid, asked, reach) & ~known).any()
+        return not self.grid.any(widened(self.grid, asked, reach) & ~known)
 
     def area_below(self, values, level):
         """Area where values (nodes) lie below a level, of the box."""

@@ -206,7 +206,8 @@ def convolution(window, operator, count, make=None):
     window : Window, Spots or Nodes
     operator, count, make : as of `cell.Convolution`
     """
-    kind = {Spots: SpotsConvolution, Nodes: NodesConvolution}.get(type(window), Convolution)
+    kind = (SpotsConvolution if isinstance(window, Spots) else NodesConvolution
+            if isinstance(window, Nodes) else Convolution)
     return kind(window, operator, count, make)
 
 

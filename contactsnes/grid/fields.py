@@ -81,6 +81,10 @@ class Fields:
         """Sums of what the parts of the cell have, in all processes."""
         return parts
 
+    def largest(self, number):
+        """The largest of what the parts of the cell have, in all processes."""
+        return number
+
     def any(self, mask):
         """Whether ``mask`` holds anywhere."""
         return bool(np.any(mask))

@@ -4,7 +4,7 @@ another."""
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .active import Nodes, widened
+from .active import Nodes
 
 NEARBY = 32
 """Rows beyond its own among which a process looks for the nearest known node first."""
@@ -60,12 +60,6 @@ class SlabNodes(Nodes):
         one."""
         everywhere = SlabNodes(self.hull, np.arange(self.hull.size))
         return nearest_known(values, self, everywhere)
-
-    def rim(self):
-        """Mask of the nodes with a neighbour in the cell that is none of these."""
-        known = np.zeros(self.shape, dtype=bool)
-        known[self.indices] = True
-        return widened(self.grid, ~known, 1)[self.indices]
 
 
 def nearest_known(field, source, window):
