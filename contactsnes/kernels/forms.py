@@ -162,10 +162,7 @@ class CompiledForm:
         vector, out : arrays of the form's size; out is filled and returned
         single : bool, whether transforms are in single precision
         """
-        self.set_precision(single)
-        call(self.library.product, self.grid.counter, self.reference, address(vector),
-             address(out))
-        return out
+        return self._product(self.library.product, vector, out, single)
 
     def apply_transpose(self, vector, out, single=False):
         """out = J^T vector.
@@ -175,9 +172,12 @@ class CompiledForm:
         vector, out : arrays of the form's size; out is filled and returned
         single : bool, whether transforms are in single precision
         """
+        return self._product(self.library.transposed_product, vector, out, single)
+
+    def _product(self, function, vector, out, single):
+        """out = a function of the library of a vector, in a precision."""
         self.set_precision(single)
-        call(self.library.transposed_product, self.grid.counter, self.reference,
-             address(vector), address(out))
+        call(function, self.grid.counter, self.reference, address(vector), address(out))
         return out
 
 

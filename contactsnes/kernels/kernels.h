@@ -169,6 +169,8 @@ int filter(Transform *t, const long *shape, const void *symbol);
 long place_of(const Transform *t, long row, long column);
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
 int convolve(const Response *r, int transposed);
+void add_times_in_double(double *x, const double *s, const double *y, long n, int is_complex, double sign);
+void add_times_in_single(float *x, const float *s, const float *y, long n, int is_complex, float sign);
 long packed_place(const Transform *t, long row, long column);
 void packed_clear_beyond(const Transform *t, const long *shape);
 void packed_put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);

@@ -114,22 +114,6 @@ CLONES static void times(float *restrict x, const float *restrict s, long n)
     }
 }
 
-CLONES static void add_times_columns(float *restrict x, const float *restrict s, const float *restrict y,
-                                     long n, int is_complex, float sign)
-{
-    if (!is_complex)
-        for (long k = 0; k < n; k++) {
-            x[2 * k] += s[k] * y[2 * k];
-            x[2 * k + 1] += s[k] * y[2 * k + 1];
-        }
-    else
-        for (long k = 0; k < n; k++) {
-            const float a = s[2 * k], b = sign * s[2 * k + 1], u = y[2 * k], v = y[2 * k + 1];
-            x[2 * k] += a * u - b * v;
-            x[2 * k + 1] += a * v + b * u;
-        }
-}
-
 /* the blocks, or their transpose, times the waves of some columns */
 static void couple(const Response *r, long first, long columns, int transposed)
 {
@@ -148,8 +132,8 @@ static void couple(const Response *r, long first, long columns, int transposed)
                     const float *own = s + ((a * m + b) * t->waves + first * rows) * numbers;
                     const long to = transposed ? j * m + b : i * m + a;
                     const long from = transposed ? i * m + a : j * m + b;
-                    add_times_columns(x + to * wide, own, product + from * wide, n, r->is_complex[i][j],
-                                      transposed ? -1.0f : 1.0f);
+                    add_times_in_single(x + to * wide, own, product + from * wide, n, r->is_complex[i][j],
+                                        transposed ? -1.0f : 1.0f);
                 }
         }
 }

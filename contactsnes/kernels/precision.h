@@ -247,8 +247,8 @@ CLONES static void OF(invert)(long n, const double *restrict compliance, double 
 }
 
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */
-CLONES static void OF(add_times)(REAL *restrict x, const REAL *restrict s, const REAL *restrict y, long n,
-                                 int is_complex, REAL sign)
+CLONES void OF(add_times)(REAL *restrict x, const REAL *restrict s, const REAL *restrict y, long n,
+                          int is_complex, REAL sign)
 {
     if (!is_complex)
         for (long k = 0; k < n; k++) {
