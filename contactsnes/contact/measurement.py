@@ -36,11 +36,6 @@ class Measurement:
         self.components = len(point.controls)
         self.gap, self.traction = contact.evaluated(point.state)
 
-    @property
-    def shared_grid(self):
-        """The grid, where some of its nodes are in other processes, else None."""
-        return None if self.grid.comm is None else self.grid
-
     @cached_property
     def in_contact(self):
         """Mask of the nodes in contact."""
@@ -52,12 +47,12 @@ class Measurement:
         there is none (`spots.labelled`)."""
         touching = np.zeros(self.grid.local_shape, dtype=bool)
         self.window.put(self.in_contact, touching)
-        return labelled(touching, self.shared_grid)
+        return labelled(touching, self.grid)
 
     @cached_property
     def spot_areas(self):
         """Length or area of each spot: that of its nodes."""
-        return sizes(self.spot_map, self.shared_grid) * self.grid.node_area
+        return sizes(self.spot_map, self.grid) * self.grid.node_area
 
     @cached_property
     def outline(self):

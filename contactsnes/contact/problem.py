@@ -119,7 +119,7 @@ class Contact:
     def convex(self):
         """Whether the initial gap is: it only grows away from a window around the contact, and a
         cold solve may be trusted."""
-        return self.grid.convex(self.initial_gap, is_convex)
+        return is_convex(self.initial_gap, self.grid)
 
     @cached_property
     def unevenness(self):

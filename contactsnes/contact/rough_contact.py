@@ -25,7 +25,7 @@ def mean_spot(m):
 
 def corrected_area(m):
     """Area of the nodes in contact as codes for hard walls count it (`spots.corrected_count`)."""
-    return corrected_count(m.spot_map > 0, m.shared_grid) * m.grid.node_area
+    return corrected_count(m.spot_map > 0, m.grid) * m.grid.node_area
 
 
 def mean_gap(m):

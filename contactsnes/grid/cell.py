@@ -130,11 +130,11 @@ class Grid(Fields, Counter):
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
         """Sum over the nodes (last axis)."""
-        return np.add.reduce(values, axis=-1)
+        return self.together(np.add.reduce(values, axis=-1))
 
     def mean(self, values):
         """Mean over the whole cell of values that vanish off the given nodes (last axis)."""
-        return np.add.reduce(values, axis=-1) / self.size
+        return self.sum(values) / self.size
 
     def maximum(self, values, where=True, initial=-np.inf):
         """Largest value over all nodes and components.
@@ -145,8 +145,8 @@ class Grid(Fields, Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.maximum.reduce(values if where is True else _counted(values, where),
-                                 axis=None, initial=initial)
+        return self.largest(np.maximum.reduce(values if where is True else _counted(values, where),
+                                              axis=None, initial=initial))
 
     def minimum(self, values, where=True, initial=np.inf):
         """Smallest value over all nodes and components.
@@ -157,12 +157,13 @@ class Grid(Fields, Counter):
         where : mask of what counts, to broadcast
         initial : float, what is found where nothing counts
         """
-        return np.minimum.reduce(values if where is True else _counted(values, where),
-                                 axis=None, initial=initial)
+        return -self.largest(-np.minimum.reduce(values if where is True
+                                                else _counted(values, where), axis=None,
+                                                initial=initial))
 
     def inner(self, first, second):
         """Inner product over nodes and components."""
-        return float(np.vdot(first, second))
+        return float(self.together(np.vdot(first, second)))
 
     def norm(self, values):
         """Euclidean norm over nodes and components, and what scalars an unknown carries besides."""
@@ -172,20 +173,20 @@ class Grid(Fields, Counter):
         """Sum over nodes and arrays of the squares of fields (..., *grid) with these half
         spectra."""
         squares = np.square(spectrum.real) + np.square(spectrum.imag)
-        paired = 2.0 * squares.sum() - squares[..., 0].sum()
-        if self.shape[-1] % 2 == 0:
-            paired -= squares[..., -1].sum()
-        return float(paired / self.size)
+        paired = 2.0 * squares.sum()
+        for column in self.lone_columns():
+            paired -= squares[..., column].sum()
+        return float(self.together(paired) / self.size)
 
     def spectral_inner(self, first, second):
         """Real inner product of half spectra of the cell (arrays, *half spectrum): interior columns
         stand for two waves."""
-        ends = sum(np.vdot(first[..., k], second[..., k]).real for k in (0, -1))
-        return 2.0 * np.vdot(first, second).real - ends
+        lone = sum(np.vdot(first[..., k], second[..., k]).real for k in self.lone_columns())
+        return float(self.together(2.0 * np.vdot(first, second).real - lone))
 
     def count(self, mask):
         """Number of nodes where ``mask`` holds."""
-        return int(np.count_nonzero(mask))
+        return int(self.together(np.count_nonzero(mask)))
 
 
 class Convolution:

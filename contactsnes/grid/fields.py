@@ -24,6 +24,15 @@ class Fields:
         """The same without them."""
         return field
 
+    def row_before(self, field):
+        """The row of a field over the cell before the first one that is here."""
+        return field[-1]
+
+    @property
+    def row_numbers(self):
+        """Numbers in the cell of the rows that are here."""
+        return np.arange(self.shape[0])
+
     def part_of(self, field):
         """What is here of a whole field over the cell (..., *grid): all."""
         return field
@@ -44,10 +53,6 @@ class Fields:
         """Values below which parts of a field over the cell lie, about."""
         return np.quantile(field, parts)
 
-    def convex(self, gap, test):
-        """Whether a gap over the cell is convex within it, by a test of arrays."""
-        return test(gap)
-
     def edge(self, field, axis):
         """The first nodes of a field over the cell along an axis."""
         return np.take(field, [0], axis)
@@ -59,6 +64,10 @@ class Fields:
     def place(self, node):
         """Coordinates of a node, beta."""
         return [(i - n // 2) * h for i, n, h in zip(node, self.shape, self.spacings)]
+
+    def before(self, count):
+        """How many the processes before this one have of what this one has so many."""
+        return 0
 
     def joined(self, rows):
         """What all processes have of an array, one after the other along its first axis."""
@@ -87,7 +96,7 @@ class Fields:
 
     def any(self, mask):
         """Whether ``mask`` holds anywhere."""
-        return bool(np.any(mask))
+        return bool(self.largest(np.any(mask)))
 
     # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
     def scalars(self, tail, count):
@@ -107,8 +116,7 @@ class Fields:
         """Columns of half spectra (..., *half spectrum), by their numbers."""
         return spectrum[..., columns]
 
-    def waves_twice(self):
-        """How many waves each column of the cell's half spectrum stands for: interior ones two."""
-        columns = np.full(self.shape[-1] // 2 + 1, 2.0)
-        columns[[0, -1]] = 1.0
-        return columns
+    def lone_columns(self):
+        """Columns of half spectra that stand for one wave, as far as they are here: the first one
+        and, of an even number of points, the last; others stand for two."""
+        return (0, self.shape[-1] // 2) if self.shape[-1] % 2 == 0 else (0,)

@@ -46,11 +46,6 @@ class Rows:
             found[..., (mine >= first) & (mine < first + count), :] = part
         return found
 
-    def counted(self, count):
-        """How many the processes before this one have of what it has so many, and all have."""
-        counts = self.comm.allgather(count)
-        return sum(counts[:self.comm.rank]), sum(counts)
-
     def around(self, field, before, after):
         """A field (..., rows, columns) with rows of the cell before and after, around its border.
 

@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from .cell import Grid
-from .convexity import convex_in_rows
 from .rows import Rows, to_first
 from .slab import Slab, SlabTransform
 
@@ -129,6 +128,10 @@ class Slabs(Grid):
         self.comm.Allgather(own, every)
         return np.add.reduce(every, axis=0)
 
+    def before(self, count):
+        """How many the processes before this one have of what this one has so many."""
+        return sum(self.comm.allgather(count)[:self.comm.rank])
+
     def joined(self, rows):
         """What all processes have of an array, one after the other along its first axis."""
         return np.concatenate(self.comm.allgather(rows))
@@ -162,67 +165,16 @@ class Slabs(Grid):
         self.comm.Allgather(np.array([number], dtype=float), every)
         return every.max()
 
-    def any(self, mask):
-        """Whether a mask holds anywhere."""
-        return bool(self.largest(np.any(mask)))
-
-    def sum(self, values):
-        """Sum over the nodes (last axis)."""
-        return self.together(np.add.reduce(values, axis=-1))
-
-    def mean(self, values):
-        """Mean over the whole cell of values that vanish off the given nodes (last axis)."""
-        return self.sum(values) / self.size
-
-    def maximum(self, values, where=True, initial=-np.inf):
-        """Largest value over all nodes and components.
-
-        Parameters
-        ----------
-        values : array (components, nodes)
-        where : mask of what counts, to broadcast
-        initial : float, what is found where nothing counts
-        """
-        return self.largest(super().maximum(values, where, initial))
-
-    def minimum(self, values, where=True, initial=np.inf):
-        """Smallest value over all nodes and components.
-
-        Parameters
-        ----------
-        values : array (components, nodes)
-        where : mask of what counts, to broadcast
-        initial : float, what is found where nothing counts
-        """
-        return -self.largest(-super().minimum(values, where, initial))
-
-    def inner(self, first, second):
-        """Inner product over nodes and components."""
-        return float(self.together(np.vdot(first, second)))
-
-    def parseval(self, spectrum):
-        """Sum over nodes and arrays of the squares of fields with these half spectra."""
-        return float(self.together(np.sum(self.waves_twice() * (
-            np.square(spectrum.real) + np.square(spectrum.imag))))) / self.size
-
-    def spectral_inner(self, first, second):
-        """Real inner product of half spectra of the cell (arrays, *half spectrum)."""
-        products = first.real * second.real + first.imag * second.imag
-        return float(self.together(np.sum(self.waves_twice() * products)))
-
     def waves_at(self, spectrum, columns):
         """Columns of half spectra (..., *half spectrum), by their numbers, whoever has them."""
         found = self.columns.at(np.ascontiguousarray(np.moveaxis(spectrum, -1, -2)), columns)
         return np.moveaxis(found, -2, -1)
 
-    def waves_twice(self):
-        """How many waves each column of the half spectrum stands for."""
-        numbers = np.arange(self.waves[1].start, self.waves[1].stop)
-        return np.where((numbers == 0) | (numbers == self.shape[1] // 2), 1.0, 2.0)
-
-    def count(self, mask):
-        """Number of nodes where ``mask`` holds."""
-        return int(self.together(np.count_nonzero(mask)))
+    def lone_columns(self):
+        """Columns of half spectra that stand for one wave, as far as they are here."""
+        here = self.waves[1]
+        return [number - here.start for number in super().lone_columns()
+                if here.start <= number < here.stop]
 
     # Fields over the cell, of which every process has its rows.
     def with_rows(self, field, reach):
@@ -232,6 +184,15 @@ class Slabs(Grid):
     def without_rows(self, field, reach):
         """The same without them."""
         return field[..., reach:field.shape[-2] - reach, :]
+
+    def row_before(self, field):
+        """The row of a field over the cell before the first one that is here."""
+        return self.rows.at(field, [(self.rows.first - 1) % self.shape[0]])[0]
+
+    @property
+    def row_numbers(self):
+        """Numbers in the cell of the rows that are here."""
+        return self.rows.numbers
 
     def part_of(self, field):
         """This process's rows of a whole field over the cell (..., *grid)."""
@@ -273,11 +234,6 @@ class Slabs(Grid):
         node = np.unravel_index(np.argmax(field), field.shape)
         tops = self.comm.allgather((field[node], (int(node[0]) + self.rows.first, int(node[1]))))
         return max(tops, key=lambda top: top[0])[1]
-
-    def convex(self, gap, test):
-        """Whether a gap over the cell is convex within it (`interface.gap.is_convex`, which is not
-        asked)."""
-        return convex_in_rows(self, gap)
 
     # Scalars among the unknowns: the last process has them.
     @property

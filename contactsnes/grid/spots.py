@@ -5,12 +5,16 @@ import math
 
 import numpy as np
 
+from .fields import Fields
+
+ALONE = Fields()
+"""Of fields that are all here."""
 TOO_MANY = (math.pi - 1.0 + math.log(2.0)) / 24.0
 """Part of a node's area by which a count of nodes is too large at each step from a node in contact
 to one that is not."""
 
 
-def labelled(mask, grid=None):
+def labelled(mask, grid=ALONE):
     """Number of the spot, 1, 2, ... in the order of their first nodes, of each node where a mask
     (over the cell) holds, 0 elsewhere: nodes beside each other along a direction are of one spot,
     across the border of the cell, too. An array as the mask.
@@ -18,22 +22,22 @@ def labelled(mask, grid=None):
     Parameters
     ----------
     mask : array of bool over the cell, or as much of it as is here
-    grid : Grid of the cell, where some of it is in other processes
+    grid : Grid of the cell, where some of it may be in other processes
     """
     from scipy import ndimage  # of most runs nobody asks for spots, and they take time
     from scipy.sparse import coo_matrix, csgraph
 
     parts, count = ndimage.label(mask)
-    if grid is not None:
-        before, count = grid.rows.counted(count)
-        parts[parts > 0] += before
-    first, last = (np.concatenate(side) for side in zip(*_seams(parts, grid)))
-    meet = (first > 0) & (last > 0)
-    first, last = first[meet], last[meet]
-    if grid is not None:
-        first, last = (np.concatenate(grid.comm.allgather(side)) for side in (first, last))
+    parts[parts > 0] += grid.before(count)
+    # lines of nodes beside each other across the cell's border, or across those of processes
+    sides = [np.array([parts[0], grid.row_before(parts)]).reshape(2, -1),
+             *(np.array([np.take(parts, 0, axis).ravel(), np.take(parts, -1, axis).ravel()])
+               for axis in range(1, parts.ndim))]
+    seams = np.concatenate(sides, axis=1)
+    first, last = grid.joined(seams[:, (seams > 0).all(axis=0)].T).T
     if not first.size:
         return parts
+    count = int(grid.together(count))
     graph = coo_matrix((np.ones(first.size), (first, last)), shape=(count + 1,) * 2)
     # those of one spot have its first part's number, in the order of nodes
     _, spot = csgraph.connected_components(graph, directed=False)
@@ -41,30 +45,18 @@ def labelled(mask, grid=None):
     return np.argsort(np.argsort(place))[number.ravel()][parts]
 
 
-def _seams(parts, grid):
-    """Pairs of lines of nodes that are beside each other across the cell's border, or across those
-    of processes."""
-    pairs = [(np.take(parts, 0, axis).ravel(), np.take(parts, -1, axis).ravel())
-             for axis in range(parts.ndim)]
-    if grid is not None:
-        pairs[0] = parts[0], grid.rows.at(parts, [(grid.rows.first - 1) % grid.shape[0]])[0]
-    return pairs
-
-
-def sizes(labels, grid=None):
+def sizes(labels, grid=ALONE):
     """Nodes of each spot, an array of int: of spot 1 first.
 
     Parameters
     ----------
     labels, grid : as of `labelled`, and what it returns
     """
-    if grid is None:
-        return np.bincount(labels.ravel())[1:]
-    most = int(grid.maximum(labels, initial=0))
+    most = int(grid.largest(np.max(labels, initial=0)))
     return grid.together(np.bincount(labels.ravel(), minlength=most + 1)).astype(int)[1:]
 
 
-def corrected_count(mask, grid=None):
+def corrected_count(mask, grid=ALONE):
     """Nodes where a mask (over a plane's cell) holds, less what hard walls have too many of at
     their edges.
 
@@ -77,9 +69,7 @@ def corrected_count(mask, grid=None):
     ----------
     mask, grid : as of `labelled`
     """
-    wide = mask if grid is None else grid.with_rows(mask, 1)
-    changes = [wide != np.roll(wide, 1, axis) for axis in range(mask.ndim)]
-    if grid is None:
-        return np.count_nonzero(mask) - TOO_MANY * sum(map(np.count_nonzero, changes))
-    steps = sum(grid.count(grid.without_rows(change, 1)) for change in changes)
-    return grid.count(mask) - TOO_MANY * steps
+    wide = grid.with_rows(mask, 1)
+    steps = sum(np.count_nonzero(grid.without_rows(wide != np.roll(wide, 1, axis), 1))
+                for axis in range(mask.ndim))
+    return grid.together(np.count_nonzero(mask) - TOO_MANY * steps)

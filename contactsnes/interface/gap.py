@@ -1,7 +1,10 @@
 """Initial gap of a shape on nodes, in units of u_n,r = beta^2/R; lengths in beta."""
 
+from functools import reduce
+
 import numpy as np
 
+from ..grid.cell import Grid
 from ..options.fields import LARGEST, InputError, as_text
 
 
@@ -111,27 +114,57 @@ def refuse_contact_at_edge(shape, contact):
                          f"of the cell; {shape.too_near()}")
 
 
-def is_convex(gap):
+def is_convex(gap, grid=None):
     """Whether a gap on a grid is convex within the cell, to rounding, and not the same everywhere:
     a body with one summit.
 
     Its second differences are those of a convex function: along each direction not negative, with a
     Hessian's determinant that is not, either. Half a cell away from the summit, where a body meets
     its neighbour, nothing is asked.
+
+    Parameters
+    ----------
+    gap : array over the cell, or as much of it as is here
+    grid : Grid of the cell, where some of it may be in other processes
     """
-    rounding = 8.0 * np.finfo(float).eps * np.max(np.abs(gap))
-    axes, summit = tuple(range(gap.ndim)), np.unravel_index(np.argmin(gap), gap.shape)
-    centred = np.roll(gap, [n // 2 - place for n, place in zip(gap.shape, summit)], axes)
+    grid = Grid(gap.shape, (1.0,) * gap.ndim) if grid is None else grid
+    lowest, highest = grid.minimum(gap), grid.maximum(gap)
+    rounding = 8.0 * np.finfo(float).eps * max(abs(lowest), abs(highest))
+    if highest - lowest <= rounding:
+        return False
+    summit, around, axes = grid.highest(-gap), grid.whole.ringed(gap), range(gap.ndim)
+    steps = np.eye(gap.ndim, dtype=int)
+    bends = [(_beside(around, step) - gap) - (gap - _beside(around, -step)) for step in steps]
     # A summit between two nodes has the border half a spacing beside the array's end.
-    gap = centred[(slice(1, -1),) * gap.ndim]
-    bends = [np.diff(gap, 2, axis) for axis in range(gap.ndim)]
-    if np.ptp(gap) <= rounding or min(bend.min() for bend in bends) < -rounding:
+    inside = [_about(grid, summit, [2 if other == axis else 1 for other in axes]) for axis in axes]
+    if min(grid.minimum(bend, where=nodes) for bend, nodes in zip(bends, inside)) < -rounding:
         return False
     if gap.ndim == 1:
         return True
-    along, across = bends[0][:, 1:-1], bends[1][1:-1]
-    twist = (gap[2:, 2:] - gap[2:, :-2] - gap[:-2, 2:] + gap[:-2, :-2]) / 4
-    return bool(np.min(along * across - twist ** 2) >= -rounding * max(bend.max()
-                                                                       for bend in bends))
+    twist = (_beside(around, (1, 1)) - _beside(around, (1, -1)) - _beside(around, (-1, 1))
+             + _beside(around, (-1, -1))) / 4
+    steepest = max(grid.maximum(bend, where=nodes) for bend, nodes in zip(bends, inside))
+    return bool(grid.minimum(bends[0] * bends[1] - twist ** 2,
+                             where=_about(grid, summit, (2, 2))) >= -rounding * steepest)
 
 
+def _beside(around, step):
+    """Values of a field a step away from each node, from those with a ring around them
+    (`windows.Window.ringed`)."""
+    return around[tuple(slice(1 + way, n - 2 + way) for way, n in zip(step, around.shape))]
+
+
+def _about(grid, summit, borders):
+    """Mask of the nodes that are here and so many nodes from the border of a cell about the summit,
+    in each direction.
+
+    Parameters
+    ----------
+    grid : Grid
+    summit : node, a tuple of int
+    borders : number of nodes for each direction
+    """
+    places = [grid.row_numbers, *map(np.arange, grid.shape[1:])]
+    lines = [(place + n // 2 - top) % n for place, n, top in zip(places, grid.shape, summit)]
+    return reduce(np.logical_and.outer, [(line >= border) & (line < n - border) for line, n, border
+                                         in zip(lines, grid.shape, borders)])

@@ -49,8 +49,8 @@ class CellWaves:
         self.stiffness = {key: form.grid.size * block
                           for key, block in form.convolution.blocks.items()}
         self.compliance, self.respond = form.compliance.blocks, form.compliance.multiply
-        self.weights = np.broadcast_to(form.grid.waves_twice(),
-                                       self.transform.spectrum.shape[1:]).copy()
+        self.weights = np.full(self.transform.spectrum.shape[1:], 2.0)
+        self.weights[..., list(form.grid.lone_columns())] = 1.0
 
     def fold(self, values):
         """Values (..., nodes of the cell) at these nodes."""

@@ -1,0 +1,128 @@
+"""What the grid does with rows of several processes against the same on one, node by node."""
+
+import pytest
+from ranks import SIZES, program, together
+
+PROGRAM = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from contactsnes.grid.active import some, widened
+from contactsnes.grid.cell import Grid
+from contactsnes.grid.nearest import nearest
+from contactsnes.grid.numbers import numbers_of, restored
+from contactsnes.grid.slabs import Slabs
+from contactsnes.grid.spots import corrected_count, labelled, sizes
+from contactsnes.grid.transfer import refined, resampled, smooth
+from contactsnes.interface.gap import is_convex
+
+shape, periods = (46, 32), (5.0, 4.0)
+shared, alone = Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
+random = np.random.default_rng(1)
+cell = random.normal(size=(2, *shape))
+mask = smooth(alone.whole, (cell[0] > 0.8).reshape(-1), 0.2).reshape(shape) > 0.35
+chosen = np.flatnonzero(mask)
+first = shared.rows.first * shape[1]
+
+
+def both(function):
+    return function(shared, shared.part_of), function(alone, lambda field: field)
+
+
+def alike(what, function):
+    here, whole = both(function)
+    whole = shared.part_of(whole) if np.ndim(whole) == 2 else whole
+    assert np.allclose(here, whole, rtol=1e-12, atol=1e-13), (what, here, whole)
+
+
+def nodes(grid, part):
+    return some(grid.whole, np.flatnonzero(part(mask)))
+
+
+def on_cell(window, grid, values):
+    field = np.full(grid.local_shape, -1.0)
+    window.put(np.asarray(values, dtype=float), field)
+    return field
+
+
+for what in ("sum", "maximum", "minimum", "mean", "count", "any"):
+    alike(what, lambda grid, part: np.sum(getattr(grid, what)(part(cell[0]).reshape(1, -1) + 0.1)))
+alike("inner", lambda grid, part: grid.inner(part(cell[0]), part(cell[1])))
+alike("highest", lambda grid, part: np.array(grid.highest(part(cell[0]))))
+alike("widened", lambda grid, part: widened(grid, part(mask), 2))
+alike("rim", lambda grid, part: on_cell(nodes(grid, part), grid, nodes(grid, part).rim()))
+for rows in ([20, 21], [0, 45], [15, 16]):
+    for reach in (1, 2):
+        # nodes in all rows but one, and whether those at some rows are surrounded
+        def surrounded(grid, part):
+            kept = np.ones(shape, dtype=bool)
+            kept[18] = False
+            asked = np.zeros(shape, dtype=bool)
+            asked[rows] = True
+            window = some(grid.whole, np.flatnonzero(part(kept)))
+            return float(window.surround(window.take(part(asked)), reach))
+        alike("surround", surrounded)
+alike("labels", lambda grid, part: labelled(part(mask), grid))
+alike("sizes", lambda grid, part: sizes(labelled(part(mask), grid), grid))
+alike("corrected", lambda grid, part: corrected_count(part(mask), grid))
+assert sizes(labelled(mask)).size > 3
+alike("smooth", lambda grid, part: smooth(grid.whole, part(mask).reshape(-1), 0.3).reshape(
+    grid.local_shape))
+alike("area", lambda grid, part: grid.whole.area_below(part(cell[0]).reshape(-1), 0.3))
+alike("every other", lambda grid, part: refined(grid, grid.every_other(part(cell[0]))))
+
+
+def spectral(grid, part):
+    transform = grid.transform(grid, grid.shape, 1)
+    transform.real[0] = part(cell[0])
+    transform.forward()
+    return np.array([grid.parseval(transform.spectrum),
+                     grid.spectral_inner(transform.spectrum, transform.spectrum)])
+
+
+alike("spectral", spectral)
+assert np.isclose(spectral(alone, lambda field: field)[0], np.sum(cell[0] ** 2))
+x, y = alone.coordinates()
+for name, gap in {"bowl": x ** 2 + y ** 2, "saddle": x ** 2 - y ** 2, "flat": 0.0 * (x + y),
+                  "wave": 1.0 - np.cos(2 * np.pi * x / 5.0) + y ** 2,
+                  "dent": x ** 2 + y ** 2 - 0.5 * ((x > 1.0) & (x < 1.2) & (y > 0.9) & (y < 1.1)),
+                  }.items():
+    for shift in ((0, 0), (17, 5)):
+        moved = np.roll(gap, shift, (0, 1))
+        alike(name, lambda grid, part: float(is_convex(part(moved), grid)))
+assert is_convex(x ** 2 + y ** 2)
+
+# values at other nodes: the same, or those of a nearest one
+values = cell[:, mask]
+few = np.flatnonzero(mask & (x < 0.5))
+for wanted in (np.flatnonzero(widened(alone, mask, 1)), np.arange(mask.size)):
+    known = np.zeros(mask.size, dtype=bool)
+    known[few] = True
+    source = some(shared.whole, np.flatnonzero(shared.part_of(known.reshape(shape))))
+    asked = np.zeros(mask.size, dtype=bool)
+    asked[wanted] = True
+    window = some(shared.whole, np.flatnonzero(shared.part_of(asked.reshape(shape))))
+    found = nearest(source.take(shared.part_of(cell)), source, window)
+    places = np.array(np.unravel_index(few, shape))
+    for node, value in zip(window.node_numbers(), found.T):
+        away = np.abs(places - np.array(np.unravel_index(node, shape))[:, None])
+        away = np.minimum(away, np.array(shape)[:, None] - away)
+        distance = np.sum(away ** 2, axis=0)
+        close = distance == distance.min()
+        assert np.any(np.all(cell.reshape(2, -1)[:, few[close]].T == value, axis=1))
+
+# kept and restored
+window = nodes(shared, shared.part_of)
+numbers, kept = numbers_of(window), shared.to_first(window.take(shared.part_of(cell)))
+again, back = restored(shared, numbers, kept)
+assert again == window and np.array_equal(back, window.take(shared.part_of(cell)))
+print("alike")
+"""
+
+
+@together
+@pytest.mark.parametrize("size", (1, *SIZES))
+def test_rows_of_several_processes_are_those_of_one(size, tmp_path):
+    done = program(size, PROGRAM, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("alike") == size
