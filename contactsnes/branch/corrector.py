@@ -20,6 +20,7 @@ from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
+from ..solvers.regularised import step_from_afar
 from ..solvers.snes import WARM, collect, create_snes
 from ..solvers.vectors import create_vector
 
@@ -161,9 +162,8 @@ class Corrector:
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
-        """Run the SNES from an unknown, which is overwritten; the solution and its iterations.
-
-        Raises NotConverged with PETSc's reasons by name.
+        """Run the SNES from an unknown, which is overwritten; the solution and its iterations, or
+        NotConverged with PETSc's reasons by name.
 
         Parameters
         ----------
@@ -172,9 +172,10 @@ class Corrector:
         most_iterations : of Newton's method; None: as options say
         snes : SNES, if not the corrector's own
         """
-        snes = self.snes if snes is None else snes
+        snes = snes or self.snes
         newton = of_snes(snes).has_tangent
         self.patience.short = warm = most_iterations == WARM
+        step_from_afar(form, not warm)
         turned, form.precision.allowed = form.precision.turned, trusted(form, warm)
         if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
                                                             or "").hasName("snes_max_it"):

@@ -32,6 +32,13 @@ LOOSE = 1e-2
 """Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge
 that sticks."""
 
+STRIDES = {1: (2, 1), 2: (1,)}
+"""By directions of the cell: of how many coarser grids one is solved on, and what is tried where
+that fails. Those of a line cost less than what is made for a solve."""
+
+REACH = 8.0
+"""Gap, in ranges of a coarse grid's law, within which that law is taken to pull."""
+
 FEWEST, SHORTEST = 8, 32
 """Nodes of each direction on the flat, at least, in the start of the coarsest grid; and nodes of
 the cell."""
@@ -101,12 +108,14 @@ def first_point(system, controls, load):
     start = beginning(system.contact, controls, load)
     if system.contact.isolated and load[0] == 0.0:
         return system.solve(start, controls, load)
-    try:
-        guess = through_grids(system, start, controls, load)
-        if guess is not None:
-            return system.solve(guess, controls, load, COLD)
-    except NotConverged as error:
-        system.log(f"no first point by way of coarser grids ({error}): starting on the grid itself")
+    found = levels(system.contact, start)
+    for stride in STRIDES[len(system.contact.grid.shape)]:
+        try:
+            guess = through_grids(system, found, controls, load, stride)
+            if guess is not None:
+                return system.solve(guess, controls, load, COLD)
+        except NotConverged as error:
+            system.log(f"no first point by way of one of {stride} coarser grids ({error})")
     return on_grid(system, controls, load, start)
 
 
@@ -167,38 +176,45 @@ def levels(contact, start):
     """The contact and coarser ones through which its first point may be reached, the finest first;
     none but itself if none.
 
-    One equilibrium is there for a convex body that is pressed until it overlaps the flat, where its
-    edge hardly sticks between nodes.
+    One equilibrium is there for a convex body that is brought to the flat or pressed on it, where
+    its edge hardly sticks between nodes.
     """
-    found, directions = [contact], len(contact.grid.shape)
-    if not contact.convex or max(resolution(contact.scene, False)) > PINNING:
+    found, grid = [contact], contact.grid
+    gap = states.normal_gap(contact, start)
+    if (not contact.convex or max(resolution(contact.scene, False)) > PINNING
+        or not grid.minimum(gap) <= 1e-9):
         return found
-    touching = contact.grid.count(states.normal_gap(contact, start) <= 1e-9)
-    while touching >= (2 * FEWEST) ** directions and all(n % 4 == 0 and n >= 2 * SHORTEST
-                                                         for n in found[-1].grid.shape):
-        found.append(found[-1].coarse(SPACING))
-        touching /= 2 ** directions
+    while all(n % 4 == 0 and n >= 2 * SHORTEST for n in found[-1].grid.shape):
+        level = found[-1].coarse(SPACING)
+        pulled = grid.count(gap <= REACH * contact.ranges[0] / level.ranges[0])
+        if pulled * level.grid.size < (2 * FEWEST) ** len(grid.shape) * grid.size:
+            break
+        found.append(level)
     return found
 
 
-def through_grids(system, start, controls, load):
+def through_grids(system, found, controls, load, stride):
     """The state near a first point that coarser grids find from a start without overlap, or None
     where none serves.
 
     Parameters
     ----------
     system : Corrector
-    start : State without overlap
+    found : `levels` of its contact
     controls, load : of the normal component
+    stride : int, of how many coarser grids one is solved on
     """
-    state, found = None, levels(system.contact, start)
-    for finer, level in reversed(list(zip(found, found[1:]))):
-        coarse = coarser(system, level, tolerance(level, finer))
-        if coarse is None:
-            return None
-        point = (on_grid(coarse, controls, load) if state is None
-                 else coarse.solve(state, controls, load, COLD))
-        state = refined(level, finer, point.state)
+    state, stride = None, max(1, min(stride, len(found) - 1))
+    for k in range((len(found) - 1) // stride * stride, 0, -1):
+        level, finer = found[k], found[k - 1]
+        if k % stride == 0:
+            coarse = coarser(system, level, tolerance(level, finer))
+            if coarse is None:
+                return None
+            state = (on_grid(coarse, controls, load) if state is None
+                     else coarse.solve(state, controls, load, COLD)).state
+        # Edges between the nodes of a grid that does not resolve them leave no smooth field.
+        state = (refined if _resolved(level) else sharpened)(level, finer, state)
     system.contact.coarse.cache_clear()
     return state
 
@@ -206,25 +222,39 @@ def through_grids(system, start, controls, load):
 def tolerance(level, finer):
     """The residual norm that is worth reaching on a coarse grid; None where it is that of the
     finest."""
-    resolved = max(resolution(level.scene, False)) <= 1.01
-    return None if resolved and level.ranges[0] == finer.ranges[0] else LOOSE
+    return None if _resolved(level) and level.ranges[0] == finer.ranges[0] else LOOSE
+
+
+def _resolved(level):
+    """Whether a grid resolves the law that a contact has on it."""
+    return max(resolution(level.scene, False)) <= 1.01
 
 
 def refined(contact, finer, state):
     """The state of a contact as one of a contact on twice as many nodes in each direction, whose
-    law may be sharper.
-
-    With the same law, displacements over the cell are interpolated by their waves: they are as
-    smooth as the body makes them. With another one, w = a + N(a)/kappa in units of length is, with
-    one stiffness for both: where the surfaces overlap it is the traction, elsewhere the gap.
+    law may be sharper: `finer_state` of the same law, else `sharpened`.
 
     Parameters
     ----------
     contact, finer : Contact
     state : State of the first of them
     """
-    if contact.ranges[0] == finer.ranges[0]:
-        return finer_state(contact, finer, state)
+    made = finer_state if contact.ranges[0] == finer.ranges[0] else sharpened
+    return made(contact, finer, state)
+
+
+def sharpened(contact, finer, state):
+    """The state of the normal component of a contact as one of a contact on twice as many nodes in
+    each direction, whose law may be sharper.
+
+    w = a + N(a)/kappa in units of length is interpolated, with one stiffness for both laws: where
+    the surfaces overlap it is the traction, elsewhere the gap.
+
+    Parameters
+    ----------
+    contact, finer : Contact
+    state : State of the first of them
+    """
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
     stiffness = finer.law.moving_stiffness
     if finer.grid.comm is not None:
@@ -244,9 +274,10 @@ def refined(contact, finer, state):
     window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
                     known.shape)
     found = states.State(window, known.reshape(1, -1), state.means / ratio)
-    # Beyond half of the cell its own circle is shorter than a padded one.
+    # Beyond half of the cell its own circle is shorter than a padded one; without neighbours the
+    # contact counts in transforms of its window.
     beyond = any(n < total < 2 * n for n, total in zip(window.shape, finer.grid.shape))
-    return states.fitted(finer, found, afresh=True) if beyond else found
+    return states.fitted(finer, found, afresh=True) if beyond or finer.isolated else found
 
 
 def _in_rows(contact, finer, state, ratio, stiffness):

@@ -26,7 +26,7 @@ from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
 from ..solvers.linear import create_ksp
-from ..solvers.snes import NewtonOptions, RegularisedStep
+from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
 from .control import control
 

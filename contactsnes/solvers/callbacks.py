@@ -222,20 +222,15 @@ def set_from_options(snes):
         raise InputError(NO_JACOBIAN)
 
 
-def regularise(snes, form, stiffness):
-    """Have Newton's steps of a SNES taken in the regularised gap.
-
-    Parameters
-    ----------
-    snes : SNES of the form, equipped here
-    form : of the equations
-    stiffness : float, kappa, phi_n/delta_n^2
-    """
+def regularise(snes, stiffness):
+    """Have Newton's steps of a SNES, equipped here, taken in the regularised gap with kappa, a
+    ``stiffness`` in phi_n/delta_n^2; what holds it as ``newton_stiffness``."""
     own = of(snes)
     own.structure.newton_stiffness = stiffness
     search = ctypes.c_void_p()
     _call("SNESGetLineSearch", snes.handle, ctypes.byref(search))
     _call("SNESLineSearchSetPreCheck", search.value, _function("pre_check"), own.address)
+    return own.structure
 
 
 def watch_modes(snes):

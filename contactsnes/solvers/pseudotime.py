@@ -19,7 +19,7 @@ from ..options.fields import InputError, Options, as_text, option
 from . import callbacks
 from .capabilities import Capabilities
 from .operators import form_of
-from .snes import NewtonOptions, RegularisedStep
+from .regularised import NewtonOptions, RegularisedStep
 
 SHORTEST = 1e-6
 """Time step below which a solve has failed; where the law does not act the flow has the rate 1

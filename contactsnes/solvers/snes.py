@@ -4,20 +4,17 @@ user's options over them."""
 import atexit
 import weakref
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
 
-from ..interface.laws.coupled import SOFTENING
 from ..options.database import read
-from ..options.fields import InputError, Options, as_text, option
 from . import callbacks
 from .capabilities import asked
 from .multigrid import create_levels
 from .operators import Jacobian
 from .precision import Precision
+from .regularised import NewtonOptions, regularise
 from .ritz import Ritz
 from .vectors import communicator, create_operator, create_vector
 
@@ -29,54 +26,6 @@ NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
 COLD, WARM = 200, 16
 """Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
 shorter."""
-
-
-@dataclass(frozen=True)
-class NewtonOptions(Options):
-    """Options of Newton's step that PETSc does not have."""
-
-    prefix: ClassVar[str] = "snes_regularised_"
-    title: ClassVar[str] = "Newton in the regularised gap"
-    gap: bool = option(True, "take Newton's step in w = a + t_n(a)/kappa, "
-                       "where the repulsion is no exponential")
-    stiffness: float = option(None,
-                              "kappa, above the law's steepest softening, 0.135 for a exp(-a)",
-                              "phi_n/delta_n^2", kind="number", above=SOFTENING,
-                              default_text="0.2 for a exp(-a), else 1.5 times the softening")
-
-
-def regularised_stiffness(law, stiffness):
-    """kappa of Newton's steps, the law's own if none is given; InputError for one that is too
-    small."""
-    stiffness = law.newton_stiffness if stiffness is None else stiffness
-    if stiffness <= law.softening:
-        raise InputError(f"-snes_regularised_stiffness is '{as_text(stiffness)}': "
-                         "allowed is a number above the law's steepest "
-                         f"softening, {law.softening:.6g}; try "
-                         f"{law.newton_stiffness:.3g}, or leave it out")
-    return stiffness
-
-
-class RegularisedStep:
-    """Line-search pre-check: replaces Newton's step by the one taken in the regularised gap
-    (pointwise, no transform)."""
-
-    def __init__(self, form, stiffness):
-        self.form, self.stiffness = form, regularised_stiffness(form.contact.law, stiffness)
-
-    def __call__(self, x, y):
-        """Change the step y (the update is x - y) where it is long; True if it was changed."""
-        form = self.form
-        step = y.getArray()[:form.count].reshape(form.shape)[0]
-        root = np.broadcast_to(form.root, step.shape)
-        far = np.abs(step) * root > 0.1
-        if not form.grid.any(far):
-            return False
-        gap = form.gap(x.getArray(readonly=True))[0][far]
-        root = root[far]
-        step[far] = -form.contact.law.regularised_step(gap, -root * step[far],
-                                                       self.stiffness) / root
-        return True
 
 
 def equip(snes, form, single=False):
@@ -115,17 +64,22 @@ def equip(snes, form, single=False):
 
 @contextmanager
 def full_steps(database, kind):
-    """Line searches of Newton's method that the user has not chosen are none while PETSc reads its
-    options, which are afterwards as they were, however that ends."""
-    names = {"newtonls": ("",), "fas": ("fas_levels_", "fas_coarse_")}.get(kind, ())
-    names = [name + "snes_linesearch_type" for name in names]
-    names = [name for name in names if not database.hasName(name)]
+    """Newton's method takes full steps, and its residual may grow on the way, where the user has
+    not chosen otherwise; PETSc's options are as they were after it has read them, however that
+    ends."""
+    prefixes = {"newtonls": ("",), "fas": ("fas_levels_", "fas_coarse_")}.get(kind, ())
+    # From a good guess full steps may first lead to ten thousand times its residual: what ends them
+    # is the number of iterations.
+    own = {prefix + name: value for prefix in prefixes
+           for name, value in (("snes_linesearch_type", "basic"),
+                               ("snes_divergence_tolerance", "-1"))
+           if not database.hasName(prefix + name)}
     try:
-        for name in names:
-            database[name] = "basic"
+        for name, value in own.items():
+            database[name] = value
         yield
     finally:
-        for name in names:
+        for name in own:
             database.delValue(name)
 
 
@@ -138,7 +92,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
 
     Parameters
     ----------
-    form : of the equations, which gets ``precision`` and ``ritz``
+    form : of the equations, which gets ``precision``, ``regularised`` and ``ritz``
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
     single : bool, whether linear solves may be in single precision
@@ -188,19 +142,6 @@ def watch_modes(snes, form, method):
         form.ritz = callbacks.watch_modes(snes)
     else:
         snes.setMonitor(form.ritz)
-
-
-def regularise(solvers, options):
-    """Have Newton's steps of solvers, [(SNES, form), ...], taken in the regularised gap, if options
-    say so."""
-    for solver, form in solvers:
-        if not options.gap or solver.getType() != "newtonls":
-            continue
-        if callbacks.of(solver):
-            callbacks.regularise(solver, form,
-                                 regularised_stiffness(form.contact.law, options.stiffness))
-        else:
-            solver.setLineSearchPreCheck(RegularisedStep(form, options.stiffness))
 
 
 def inner_solvers(snes, form):

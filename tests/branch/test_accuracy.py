@@ -22,6 +22,7 @@ from contactsnes.options.fields import InputError
 from contactsnes.scene.load import Load
 from contactsnes.scene.resolution import resolution_warning
 from contactsnes.scene.settings import Form, Output, Scene, Steps, ineffective, tangential_legs
+from contactsnes.solvers.snes import COLD
 
 LINE = dict(normal_maugis=2.0, period=20.0)
 PRESS = Load(path="normal_displacement=1")
@@ -39,7 +40,7 @@ def errors_against(scene, load, ratio, steps=Steps()):
         if point.event == "fold":
             continue
         better = exact.solve(refined(branch.contact, finer, point.state), point.controls,
-                             point.load)
+                             point.load, COLD)
         numbers = []
         for contact, its in ((branch.contact, point), (finer, better)):
             measurement = Measurement(contact, its)

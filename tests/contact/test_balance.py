@@ -469,8 +469,10 @@ def test_rounding_costs_an_iteration_and_no_point(monkeypatch):
 
     def above(self, *given):
         found = own(self, *given)
-        asked.append(found.norm)
-        return found._replace(norm=1.0000001e-8) if len(asked) == 1 else found
+        if self is branch.corrector.balance:  # and not that of a coarser grid
+            asked.append(found.norm)
+            found = found._replace(norm=1.0000001e-8) if len(asked) == 1 else found
+        return found
 
     monkeypatch.setattr(Balance, "__call__", above)
     point = next(iter(branch))

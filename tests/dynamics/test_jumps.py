@@ -14,7 +14,7 @@ from contactsnes.contact.symmetry import Symmetry
 from contactsnes.dynamics import jumps, relaxing
 from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from contactsnes.solvers.capabilities import NEWTON
-from contactsnes.solvers.snes import RegularisedStep
+from contactsnes.solvers.regularised import RegularisedStep
 
 LINE = {"points": 512, "period": 20.0, "normal_maugis": 3.0, "height": float("inf")}
 LAYER = {**LINE, "height": 10.0, "poisson": 0.4, "tangential_maugis": 1.5, "residual_friction": 0.5}
@@ -489,9 +489,9 @@ def test_steps_of_a_motion_are_taken_as_its_options_say(given, stiffness, option
     options(**given)
     contact = Contact(Scene(**LINE))
     used = []
-    step = RegularisedStep.__call__
-    monkeypatch.setattr(RegularisedStep, "__call__", lambda self, x, y: used.append(self.stiffness)
-                        or step(self, x, y))
+    call = RegularisedStep.__call__
+    monkeypatch.setattr(RegularisedStep, "__call__", lambda step, x, y:
+                        used.append(step.newton_stiffness) or call(step, x, y))
     motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
     motion.follow()
     assert set(used) == ({stiffness} if stiffness else set())

@@ -165,7 +165,7 @@ def test_archives_tell_of_the_options_that_they_told_of():
 
 def test_regularised_steps_need_a_stiffness_above_the_softening():
     from contactsnes.contact.forms import DisplacementForm
-    from contactsnes.solvers.snes import RegularisedStep
+    from contactsnes.solvers.regularised import RegularisedStep
 
     class Brittle(Sticking):
         """Ten times as short."""
@@ -181,7 +181,8 @@ def test_regularised_steps_need_a_stiffness_above_the_softening():
     contact = Contact(Scene(**SMALL), law=Brittle())
     form = DisplacementForm(contact, contact.grid.whole, ("displacement",))
     assert contact.law.softening == pytest.approx(10 * math.exp(-2), rel=1e-3)
-    assert RegularisedStep(form, None).stiffness == pytest.approx(15 * math.exp(-2), rel=1e-3)
+    given = RegularisedStep(form, None).newton_stiffness
+    assert given == pytest.approx(15 * math.exp(-2), rel=1e-3)
     with pytest.raises(InputError, match="-snes_regularised_stiffness is '0.2': allowed "
                        "is a number above the law's"):
         RegularisedStep(form, 0.2)
