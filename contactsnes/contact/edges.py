@@ -174,7 +174,7 @@ def _near_part(contact, nodes, gap):
     nodes : Window, or EvenWindow, whose box begins in the middle of the window's
     gap : array (nodes), delta_n
     """
-    near = nodes.box(gap) < NEAR
+    near = nodes.box(gap) < contact.law.range
     if not nodes.even:
         window = nodes.parts[0]
         return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)

@@ -84,12 +84,11 @@ class FoldingSteps(ArcSteps):
         if late:
             limit = LimitPoint(self.system, self.leg, before, last, heading
                                if before.event == "fold" else 0.0)
-        apart = limit.bracketed and limit.sign == heading
-        if not apart and self._way(last, point) > NEARBY * self._way(before, last):
-            raise NotConverged("the load turns more than once in this step")
-        fold = limit.locate() if apart else None
+        fold = limit.locate() if limit.bracketed and limit.sign == heading else None
         if fold is None or any(end.event == "fold" and self.system.missed(end.state, fold.state)
                                < SAME for end in (before, last)):
+            if self._way(last, point) > NEARBY * self._way(before, last):
+                raise NotConverged("the load turns more than once in this step")
             self.system.log(f"folds at {self._place(last.position)} are too near to "
                             "each other to be told apart: going on")
             return None, False

@@ -159,8 +159,10 @@ def test_histories_are_those_of_solves(plain):
             result = plain.results[method.name][place]
             transforms, seconds, norms = result.history().T
             assert (np.diff(transforms) >= 0).all() and (np.diff(seconds) >= 0).all()
-            assert (transforms[-1] <= result.counts["transforms"] * 1.001
-                    and len(norms) > result.counts["nonlinear_iterations"])
+            assert transforms[-1] <= result.counts["transforms"] * 1.001
+            # a cold start iterates on coarser grids, too
+            assert len(norms) > (result.counts["nonlinear_iterations"]
+                                 if plain.targets[place].stage else 1)
             # what relaxation reports is an upper bound; the last norm passed the test
             assert result.residual_norm * 0.99 <= norms[-1] <= 1e-8
 
