@@ -24,7 +24,7 @@ from contactsnes.grid.counter import weighed  # noqa: E402
 from contactsnes.grid.transfer import resampled  # noqa: E402
 from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
-from contactsnes.solvers.snes import COLD  # noqa: E402
+from contactsnes.solvers.snes import COLD, WARM  # noqa: E402
 
 PAPER = {}
 SPHERE = {"dimension": 2, "points": 256, "period": 12.0, "geometry": "sphere", "normal_maugis": 4.0}
@@ -76,6 +76,41 @@ def test_the_same_state_as_on_the_grid_itself(scene, control, value):
 def test_what_a_first_point_costs(scene, value, most):
     _, _, cost = first(scene, DISPLACEMENT, value)
     assert weighed(cost) <= most
+
+
+@pytest.mark.parametrize("points, maugis, period, control, value", [
+    (32768, 25.7, 20.0, DISPLACEMENT, 0.265), (65536, 31.6, 60.0, DISPLACEMENT, 1.23),
+    (32768, 33.4, 20.0, DISPLACEMENT, 0.117), (131072, 36.7, 100.0, FORCE, 4.98),
+    (131072, 30.0, 125.0, DISPLACEMENT, 40.0)])
+def test_sharp_laws_are_reached_without_wandering(points, maugis, period, control, value):
+    """Where full steps leave a good guess at first, and coarse grids do not resolve edges."""
+    _, point, cost = first({"points": points, "normal_maugis": maugis, "period": period}, control,
+                           value)
+    assert point.residual_norm <= 1e-8 and weighed(cost) <= 150
+
+
+def test_steps_from_afar_have_a_larger_kappa_unless_one_is_given(options):
+    def kappas(**given):
+        options(**given)
+        system, used = made({"normal_maugis": 0.7, "points": 512, "period": 40.0}), []
+        for most in (COLD, WARM):
+            point = system.solve(states.undeformed(system.contact, (DISPLACEMENT,), [3.0])
+                                 if most == COLD else point.state, (DISPLACEMENT,), [3.0], most)
+            held = system.form.regularised
+            used.append(held and held.newton_stiffness)
+        return used
+
+    assert kappas() == pytest.approx([1.0, 0.2])
+    assert kappas(snes_regularised_stiffness=0.3) == [None, None]
+    assert kappas(snes_lag_jacobian=2) == [None, None]
+
+
+def test_a_divergence_tolerance_that_is_given_holds(options):
+    options(snes_divergence_tolerance=1.01)
+    system = made(PAPER)
+    with pytest.raises(NotConverged, match="DIVERGED_DTOL"):
+        system.solve(states.undeformed(system.contact, (DISPLACEMENT,), [0.0]), (DISPLACEMENT,),
+                     [0.0], COLD)
 
 
 def test_all_that_is_spent_is_counted():
