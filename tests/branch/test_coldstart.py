@@ -92,10 +92,11 @@ def test_sharp_laws_are_reached_without_wandering(points, maugis, period, contro
 def test_steps_from_afar_have_a_larger_kappa_unless_one_is_given(options):
     def kappas(**given):
         options(**given)
-        system, used = made({"normal_maugis": 0.7, "points": 512, "period": 40.0}), []
+        system, used, point = made({"normal_maugis": 0.7, "points": 512, "period": 40.0}), [], None
         for most in (COLD, WARM):
-            point = system.solve(states.undeformed(system.contact, (DISPLACEMENT,), [3.0])
-                                 if most == COLD else point.state, (DISPLACEMENT,), [3.0], most)
+            point = system.solve(point.state if used else
+                                 states.undeformed(system.contact, (DISPLACEMENT,), [3.0]),
+                                 (DISPLACEMENT,), [3.0], most)
             held = system.form.regularised
             used.append(held and held.newton_stiffness)
         return used
