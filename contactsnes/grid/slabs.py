@@ -5,13 +5,16 @@ Every process does the same with its own nodes; what is one number for the whole
 on all. Sums of the processes are added in their order by each of them, so that all decide alike.
 """
 
+import math
 from functools import cached_property
 
 import numpy as np
+import pyfftw
 
 from .cell import Grid
 from .rows import Rows, to_first
 from .slab import Slab, SlabTransform
+from .slab_circle import SlabCircle, share
 
 PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
 """Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
@@ -39,11 +42,13 @@ class Slabs(Grid):
     rows : Rows, who has which
     """
 
+    circle = SlabCircle
+
     def __init__(self, shape, periods, comm, counter=None):
         from mpi4py_fft import PFFT
         from mpi4py_fft.pencil import Subcomm
 
-        self._make, self.comm, self._plans = PFFT, comm, {}
+        self._make, self.comm, self._plans, self._rooms = PFFT, comm, {}, {}
         self._columns = Subcomm(comm, [1, 0, 1])
         self.shape = tuple(shape)
         plan = self.plan(1)
@@ -91,12 +96,10 @@ class Slabs(Grid):
 
         Parameters
         ----------
-        shape : points in each direction; slabs know those of the cell only
+        shape : points in each direction of a circle (default the cell)
         """
-        if shape is not None and tuple(shape) != self.shape:
-            raise ValueError("slabs have waves of the whole cell only")
-        first, second = super().wavevectors()
-        return first[self.waves[0]], second[:, self.waves[1]]
+        first, second = super().wavevectors(shape)
+        return first, second[:, share(second.size, self.comm.rank, self.comm.size)]
 
     def symbols(self, make, components, shape=None):
         """Blocks of a body on this process's waves.
@@ -107,12 +110,37 @@ class Slabs(Grid):
         components : int
         shape : as of `wavevectors`
         """
-        first, second = super().wavevectors()
-        last = self.waves[1].stop == second.size
+        first, second = super().wavevectors(shape)
+        here = share(second.size, self.comm.rank, self.comm.size)
+        last = here.stop == second.size and (shape or self.shape)[1] % 2 == 0
         # What blocks there are hangs on the longest waves, which one process has: all take them.
-        columns = np.r_[0:2, self.waves[1]]
-        blocks = make((first[self.waves[0]], second[:, columns]), components, last_even=last)
+        columns = np.r_[0:2, here]
+        blocks = make((first, second[:, columns]), components, last_even=last)
         return {key: np.ascontiguousarray(block[:, 2:]) for key, block in blocks.items()}
+
+    def room(self, place, shape, kind):
+        """Memory of a number that circles use in turn, as an array that is not cleared.
+
+        Parameters
+        ----------
+        place : int, its number
+        shape, kind : of the array
+        """
+        count = math.prod(shape)
+        size = count * np.dtype(kind).itemsize
+        if place not in self._rooms or self._rooms[place].size < size:
+            self._rooms[place] = pyfftw.empty_aligned(size, dtype=np.uint8)
+        return self._rooms[place][:size].view(kind).reshape(shape)
+
+    def placed(self, transform, first, count):
+        """A transform of a circle, of which this process has some rows.
+
+        Parameters
+        ----------
+        transform : SlabCircle
+        first, count : int, on the circle
+        """
+        return transform.placed(first, count)
 
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
