@@ -13,13 +13,8 @@ import pyfftw
 
 from .cell import Grid
 from .rows import Rows, to_first
-from .slab import Slab, SlabTransform
-from .slab_circle import SlabCircle, share
-
-PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
-"""Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
-plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
-begins to know of threads)."""
+from .slab import Slab
+from .slab_transform import SlabCircle, SlabTransform, share
 
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them in any case."""
@@ -45,16 +40,12 @@ class Slabs(Grid):
     circle = SlabCircle
 
     def __init__(self, shape, periods, comm, counter=None):
-        from mpi4py_fft import PFFT
-        from mpi4py_fft.pencil import Subcomm
+        def slice_of(total):
+            return share(total, comm.rank, comm.size)
 
-        self._make, self.comm, self._plans, self._rooms = PFFT, comm, {}, {}
-        self._columns = Subcomm(comm, [1, 0, 1])
-        self.shape = tuple(shape)
-        plan = self.plan(1)
-        mine = plan.local_slice(False)[1]
-        self.waves = plan.local_slice(True)[1:]
-        self.columns = Rows(comm, self.waves[1].start, self.waves[1].stop - self.waves[1].start,
+        self.comm, self._rooms, self.shape = comm, {}, tuple(shape)
+        self.waves, mine = slice_of(shape[1] // 2 + 1), slice_of(shape[0])
+        self.columns = Rows(comm, self.waves.start, self.waves.stop - self.waves.start,
                             shape[1] // 2 + 1)
         self.rows = Rows(comm, mine.start, mine.stop - mine.start, self.shape[0])
         super().__init__(shape, periods, counter)
@@ -63,20 +54,6 @@ class Slabs(Grid):
     def local_shape(self):
         """Rows and columns of this process."""
         return self.rows.count, self.shape[1]
-
-    def plan(self, count, single=False):
-        """Transforms of so many arrays, on memory that all such transforms use in turn.
-
-        Parameters
-        ----------
-        count : int
-        single : bool, whether they are in single precision
-        """
-        if (count, single) not in self._plans:
-            self._plans[count, single] = self._make(
-                self._columns, (count, *self.shape), axes=(1, 2),
-                dtype=np.float32 if single else float, **PLANS)
-        return self._plans[count, single]
 
     def _whole(self):
         """The window of all nodes that are here."""
@@ -119,11 +96,11 @@ class Slabs(Grid):
         return {key: np.ascontiguousarray(block[:, 2:]) for key, block in blocks.items()}
 
     def room(self, place, shape, kind):
-        """Memory of a number that circles use in turn, as an array that is not cleared.
+        """Memory of a name that transforms use in turn, as an array that is not cleared.
 
         Parameters
         ----------
-        place : int, its number
+        place : its name, whose largest array so far it holds
         shape, kind : of the array
         """
         count = math.prod(shape)
@@ -145,7 +122,7 @@ class Slabs(Grid):
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
         view: else one without values."""
-        here = self.waves[0].start == 0 and self.waves[1].start == 0
+        here = self.waves.start == 0
         return spectrum[..., :here, :here]
 
     # Reductions over the nodes of all processes.
@@ -200,7 +177,7 @@ class Slabs(Grid):
 
     def lone_columns(self):
         """Columns of half spectra that stand for one wave, as far as they are here."""
-        here = self.waves[1]
+        here = self.waves
         return [number - here.start for number in super().lone_columns()
                 if here.start <= number < here.stop]
 
@@ -244,7 +221,7 @@ class Slabs(Grid):
     @property
     def first_column(self):
         """Number of the first column of half spectra that is here."""
-        return self.waves[1].start
+        return self.waves.start
 
     def quantiles(self, field, parts):
         """Values below which parts of a field over the cell lie, about: of some rows and
