@@ -21,8 +21,8 @@ def assemble(command):
     if size == 1:
         return
     if missing():
-        _refuse(size, rank, "to share out a scene takes mpi4py and mpi4py-fft (scripts/setup "
-                "--mpi), and without them it is solved by one: start contactsnes without mpirun "
+        _refuse(size, rank, "to share out a scene takes mpi4py (scripts/setup --mpi), and "
+                "without it it is solved by one: start contactsnes without mpirun "
                 "or srun, or with -n 1")
     world.join()
     if world.size != size:

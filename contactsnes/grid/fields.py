@@ -94,6 +94,10 @@ class Fields:
         """The largest of what the parts of the cell have, in all processes."""
         return number
 
+    def lowest(self, numbers):
+        """The lowest of whole numbers (an array), in all processes."""
+        return -int(self.largest(np.max(-numbers, initial=-np.iinfo(np.int32).max)))
+
     def any(self, mask):
         """Whether ``mask`` holds anywhere."""
         return bool(self.largest(np.any(mask)))
@@ -108,6 +112,19 @@ class Fields:
         return scalars
 
     # Waves, of which half are kept.
+    circle = None
+    """What makes transforms on circles smaller than the cell, where that is shared out."""
+
+    def placed(self, transform, first, count):
+        """A transform of a circle, of which this process has some rows: all.
+
+        Parameters
+        ----------
+        transform : on the circle
+        first, count : int, on the circle
+        """
+        return transform
+
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
         return spectrum[(..., *[slice(0, 1)] * len(self.shape))]

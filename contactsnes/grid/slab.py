@@ -1,51 +1,11 @@
-"""This process's rows of a cell that is shared out (`slabs`): a window, and transforms of them."""
+"""This process's rows of a cell that is shared out (`slabs`): a window."""
 
 import math
-from functools import cached_property
 
 import numpy as np
 
-from .counter import transform_cost
 from .slab_nodes import SlabNodes
 from .windows import Window
-
-
-class SlabTransform:
-    """A planned pair of real transforms of ``count`` arrays over the cell, with the interface of
-    `cell.Transform`; arrays are this process's rows, spectra its columns of waves.
-
-    Parameters
-    ----------
-    grid : Slabs, whose counter counts
-    shape : points in each direction: the cell's
-    count : int, number of arrays
-    single : bool, whether they are in single precision
-    """
-
-    def __init__(self, grid, shape, count, single=False):
-        if tuple(shape) != grid.shape:
-            raise ValueError("slabs have transforms of the whole cell only")
-        self.shape, self.gain = grid.shape, grid.size
-        self._plan, self._grid = grid.plan(count, single), grid
-        self.real, self.spectrum = self._plan.forward.input_array, self._plan.forward.output_array
-        self.real[...], self.spectrum[...] = 0.0, 0.0
-        self._counter = grid.counter
-        self._cost = count * transform_cost(grid.size, grid.counter.size), single
-
-    @cached_property
-    def single(self):
-        """The same pair in single precision."""
-        return SlabTransform(self._grid, self.shape, len(self.real), True)
-
-    def forward(self):
-        """``real`` to ``spectrum``."""
-        self._counter.add(*self._cost)
-        self._plan.forward(normalize=False)
-
-    def backward(self):
-        """``spectrum`` to ``real``."""
-        self._counter.add(*self._cost)
-        self._plan.backward(normalize=False)
 
 
 class Slab(Window):

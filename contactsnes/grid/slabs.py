@@ -5,18 +5,16 @@ Every process does the same with its own nodes; what is one number for the whole
 on all. Sums of the processes are added in their order by each of them, so that all decide alike.
 """
 
+import math
 from functools import cached_property
 
 import numpy as np
+import pyfftw
 
 from .cell import Grid
 from .rows import Rows, to_first
-from .slab import Slab, SlabTransform
-
-PLANS = {"backend": "pyfftw", "planner_effort": "FFTW_ESTIMATE", "threads": 1}
-"""Plans of rows and columns: estimated, not measured, as in one process; by pyfftw, since the first
-plan of mpi4py-fft's own would make all others of the process invalid (FFTW forgets them when it
-begins to know of threads)."""
+from .slab import Slab
+from .slab_transform import SlabCircle, SlabTransform, share
 
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them in any case."""
@@ -39,17 +37,15 @@ class Slabs(Grid):
     rows : Rows, who has which
     """
 
-    def __init__(self, shape, periods, comm, counter=None):
-        from mpi4py_fft import PFFT
-        from mpi4py_fft.pencil import Subcomm
+    circle = SlabCircle
 
-        self._make, self.comm, self._plans = PFFT, comm, {}
-        self._columns = Subcomm(comm, [1, 0, 1])
-        self.shape = tuple(shape)
-        plan = self.plan(1)
-        mine = plan.local_slice(False)[1]
-        self.waves = plan.local_slice(True)[1:]
-        self.columns = Rows(comm, self.waves[1].start, self.waves[1].stop - self.waves[1].start,
+    def __init__(self, shape, periods, comm, counter=None):
+        def slice_of(total):
+            return share(total, comm.rank, comm.size)
+
+        self.comm, self._rooms, self.shape = comm, {}, tuple(shape)
+        self.waves, mine = slice_of(shape[1] // 2 + 1), slice_of(shape[0])
+        self.columns = Rows(comm, self.waves.start, self.waves.stop - self.waves.start,
                             shape[1] // 2 + 1)
         self.rows = Rows(comm, mine.start, mine.stop - mine.start, self.shape[0])
         super().__init__(shape, periods, counter)
@@ -58,20 +54,6 @@ class Slabs(Grid):
     def local_shape(self):
         """Rows and columns of this process."""
         return self.rows.count, self.shape[1]
-
-    def plan(self, count, single=False):
-        """Transforms of so many arrays, on memory that all such transforms use in turn.
-
-        Parameters
-        ----------
-        count : int
-        single : bool, whether they are in single precision
-        """
-        if (count, single) not in self._plans:
-            self._plans[count, single] = self._make(
-                self._columns, (count, *self.shape), axes=(1, 2),
-                dtype=np.float32 if single else float, **PLANS)
-        return self._plans[count, single]
 
     def _whole(self):
         """The window of all nodes that are here."""
@@ -91,12 +73,10 @@ class Slabs(Grid):
 
         Parameters
         ----------
-        shape : points in each direction; slabs know those of the cell only
+        shape : points in each direction of a circle (default the cell)
         """
-        if shape is not None and tuple(shape) != self.shape:
-            raise ValueError("slabs have waves of the whole cell only")
-        first, second = super().wavevectors()
-        return first[self.waves[0]], second[:, self.waves[1]]
+        first, second = super().wavevectors(shape)
+        return first, second[:, share(second.size, self.comm.rank, self.comm.size)]
 
     def symbols(self, make, components, shape=None):
         """Blocks of a body on this process's waves.
@@ -107,17 +87,42 @@ class Slabs(Grid):
         components : int
         shape : as of `wavevectors`
         """
-        first, second = super().wavevectors()
-        last = self.waves[1].stop == second.size
+        first, second = super().wavevectors(shape)
+        here = share(second.size, self.comm.rank, self.comm.size)
+        last = here.stop == second.size and (shape or self.shape)[1] % 2 == 0
         # What blocks there are hangs on the longest waves, which one process has: all take them.
-        columns = np.r_[0:2, self.waves[1]]
-        blocks = make((first[self.waves[0]], second[:, columns]), components, last_even=last)
+        columns = np.r_[0:2, here]
+        blocks = make((first, second[:, columns]), components, last_even=last)
         return {key: np.ascontiguousarray(block[:, 2:]) for key, block in blocks.items()}
+
+    def room(self, place, shape, kind):
+        """Memory of a name that transforms use in turn, as an array that is not cleared.
+
+        Parameters
+        ----------
+        place : its name, whose largest array so far it holds
+        shape, kind : of the array
+        """
+        count = math.prod(shape)
+        size = count * np.dtype(kind).itemsize
+        if place not in self._rooms or self._rooms[place].size < size:
+            self._rooms[place] = pyfftw.empty_aligned(size, dtype=np.uint8)
+        return self._rooms[place][:size].view(kind).reshape(shape)
+
+    def placed(self, transform, first, count):
+        """A transform of a circle, of which this process has some rows.
+
+        Parameters
+        ----------
+        transform : SlabCircle
+        first, count : int, on the circle
+        """
+        return transform.placed(first, count)
 
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
         view: else one without values."""
-        here = self.waves[0].start == 0 and self.waves[1].start == 0
+        here = self.waves.start == 0
         return spectrum[..., :here, :here]
 
     # Reductions over the nodes of all processes.
@@ -172,7 +177,7 @@ class Slabs(Grid):
 
     def lone_columns(self):
         """Columns of half spectra that stand for one wave, as far as they are here."""
-        here = self.waves[1]
+        here = self.waves
         return [number - here.start for number in super().lone_columns()
                 if here.start <= number < here.stop]
 
@@ -216,7 +221,7 @@ class Slabs(Grid):
     @property
     def first_column(self):
         """Number of the first column of half spectra that is here."""
-        return self.waves[1].start
+        return self.waves.start
 
     def quantiles(self, field, parts):
         """Values below which parts of a field over the cell lie, about: of some rows and

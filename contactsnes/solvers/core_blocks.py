@@ -45,7 +45,7 @@ class CoreBlock:
         self.symbol += 1.0
         np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
         self._quick = None
-        self._lay_out(window, extents)
+        self._lay_out(window)
 
     def circle(self, single):
         """(transform, symbol) of the circle, perhaps in single precision."""
@@ -57,17 +57,19 @@ class CoreBlock:
 
     def _find(self, window, weight):
         """Take the core's nodes with their weights; its extents."""
-        box = weight.reshape(self.boxes)
-        parts = [extent(box > 0.0, axis) for axis in range(1, box.ndim)]
-        parts = [slice(0, part.stop) if window.even else part for part in parts]
-        if window.grid.comm is not None:  # the circle is the cell
-            parts = [slice(0, n) for n in window.shape]
-        self.core = (slice(None), *parts)
+        box, hull = weight.reshape(self.boxes), window.parts[0]
+        stiff = (box > 0.0).any(axis=0)
+        parts = [extent(hull.occupied(stiff, axis), 0) for axis in range(stiff.ndim)]
+        parts = tuple(slice(0, part.stop) if window.even else part for part in parts)
+        mine, here = hull.own(parts)
+        self._rows = mine[0].start - parts[0].start, mine[0].stop - mine[0].start
+        self.core = (slice(None), *here)
         self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
-        return self.root.shape[1:] if window.grid.comm is None else window.limits
+        return [part.stop - part.start for part in parts]
 
-    def _lay_out(self, window, extents):
+    def _lay_out(self, window):
         """Find the core's place on the circle."""
+        self.transform = window.grid.placed(self.transform, *self._rows)
         self.inside = (slice(None), *(slice(0, n) for n in self.root.shape[1:]))
 
     def apply(self, field, single=False):
@@ -93,16 +95,19 @@ class ScatteredBlock(CoreBlock):
         """Take the core's nodes with their weights; its extents."""
         self.core = np.flatnonzero(weight)
         self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]
-        nodes = np.array(np.unravel_index(window.places[self.core], window.shape))
-        if window.grid.comm is not None:  # the circle is the cell
-            self._nodes = nodes
-            return window.limits
-        self._nodes = nodes - nodes.min(axis=1, keepdims=True)
-        return tuple(int(line) + 1 for line in self._nodes.max(axis=1))
+        nodes = [line + start for line, start in zip(
+            np.unravel_index(window.places[self.core], window.shape), window.start)]
+        first = [window.grid.lowest(line) for line in nodes]
+        self._nodes = [line - start for line, start in zip(nodes, first)]
+        rows = self._nodes[0]
+        self._rows = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
+        return [1 - window.grid.lowest(-line) for line in self._nodes]
 
-    def _lay_out(self, window, extents):
+    def _lay_out(self, window):
         """Find the core's place on the circle."""
-        self.inside = np.ravel_multi_index(self._nodes, self.transform.real.shape[1:])
+        self.transform = window.grid.placed(self.transform, *self._rows)
+        rows, columns = self._nodes
+        self.inside = (rows - self._rows[0]) * self.transform.real.shape[-1] + columns
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""

@@ -19,7 +19,7 @@ LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_
 """Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are,
 and which it is."""
 
-NEEDED = ("mpi4py", "mpi4py_fft")
+NEEDED = ("mpi4py",)
 """Packages without which no scene can be shared out."""
 
 PATIENCE = 5.0

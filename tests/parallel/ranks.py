@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("mpi4py", "mpi4py_fft")
+PACKAGES = ("mpi4py",)
 SIZES = (2, 3)
 SECONDS = 240.0
 """After which processes that still run are ended, and the test fails."""

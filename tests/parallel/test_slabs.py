@@ -5,6 +5,7 @@ from ranks import SIZES, program, together
 
 PROGRAM = """
 import sys
+from types import SimpleNamespace
 import numpy as np
 from mpi4py import MPI
 from contactsnes.grid.active import some, widened
@@ -15,6 +16,7 @@ from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.spots import corrected_count, labelled, sizes
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
+from contactsnes.solvers.core_blocks import CoreBlock, ScatteredBlock
 
 shape, periods = (46, 32), (5.0, 4.0)
 shared, alone = Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
@@ -91,6 +93,57 @@ for name, gap in {"bowl": x ** 2 + y ** 2, "saddle": x ** 2 - y ** 2, "flat": 0.
         moved = np.roll(gap, shift, (0, 1))
         alike(name, lambda grid, part: float(is_convex(part(moved), grid)))
 assert is_convex(x ** 2 + y ** 2)
+
+# blocks of a core's rows on a circle of their own: the same as on one process
+def inverted(grid, rows, columns, circle, single, scattered):
+    weight = np.zeros(shape)
+    weight[rows, columns] = 0.2 + random_weight[rows, columns]
+    chosen = np.flatnonzero(part_of(grid)(weight)) if scattered else slice(None)
+    window = some(grid.whole, chosen) if scattered else grid.whole
+    form = SimpleNamespace(window=window, components=1, contact=SimpleNamespace(
+        circle=lambda component, count, extents, *rest: (
+            (grid.circle or grid.transform)(grid, circle, 1),
+            grid.symbols(symbols, 1, circle)[0, 0])))
+    make = ScatteredBlock if scattered else CoreBlock
+    block = make(form, 0, part_of(grid)(weight).reshape(-1)[chosen], np.array([2.0]), 1.0)
+    field = part_of(grid)(cell[0]).reshape(-1)[chosen].copy()
+    block.apply(field, single)
+    return on_cell(window, grid, field)
+
+
+def symbols(waves, components, last_even):
+    first, second = waves
+    return {(0, 0): 1.0 / (1.0 + first ** 2 + 2.0 * second ** 2)}
+
+
+def part_of(grid):
+    return grid.part_of if grid is shared else lambda field: field
+
+
+random_weight = 0.8 * random.random(shape)
+for rows, columns, circle in ((slice(3, 12), slice(5, 20), (12, 18)),
+                              (slice(0, 46), slice(0, 32), shape),
+                              (slice(10, 40), slice(7, 8), (46, 3)),
+                              (slice(22, 24), slice(0, 31), (5, 32))):
+    for scattered in (False, True):
+        for single in (False, True):
+            here, whole = (inverted(grid, rows, columns, circle, single, scattered)
+                           for grid in (shared, alone))
+            assert np.allclose(here, shared.part_of(whole), rtol=0.0,
+                               atol=2e-6 if single else 1e-13), (rows, scattered, single)
+
+# three fields at a time
+for single in (False, True):
+    fields = np.concatenate([cell, cell[:1] * cell[1:]])
+    transform = shared.transform(shared, shape, 3)
+    transform = transform.single if single else transform
+    transform.real[...] = shared.part_of(fields)
+    transform.forward()
+    waves = np.fft.rfft2(fields)[:, :, shared.waves]
+    assert np.allclose(transform.spectrum, waves, rtol=0.0, atol=1e-3 if single else 1e-11)
+    transform.backward()
+    assert np.allclose(transform.real / transform.gain, shared.part_of(fields), rtol=0.0,
+                       atol=1e-5 if single else 1e-13)
 
 # values at other nodes: the same, or those of a nearest one
 values = cell[:, mask]

@@ -1,0 +1,159 @@
+"""Transforms of fields on the cell or a smaller circle, of which processes have rows (`slabs`)."""
+
+import math
+from functools import cached_property
+
+import numpy as np
+import pyfftw
+
+from .counter import transform_cost
+
+PLANS = {"threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
+"""Plans of rows and columns: estimated, not measured, as in one process."""
+
+BLOCK = 16
+"""Columns that are transformed at a time: as many as share lines of the processor's memory."""
+
+
+def share(total, rank, size):
+    """Which of ``total`` rows or columns a process has, a slice.
+
+    Parameters
+    ----------
+    total, rank, size : int; rank: number of the process of ``size``
+    """
+    each, more = divmod(total, size)
+    first = rank * each + min(rank, more)
+    return slice(first, first + each + (rank < more))
+
+
+class SlabTransform:
+    """A planned pair of real transforms of ``count`` arrays, with the interface of
+    `cell.Transform`; ``real`` has this process's rows, ``spectrum`` its columns of waves.
+
+    Rows are transformed where they are and sent once, as waves of columns; on a circle those that
+    no process has are zero, and cost nothing. Memory is the grid's: all transforms of as many
+    arrays of the cell, and all of circles, use it in turn.
+
+    Parameters
+    ----------
+    grid : Slabs, whose counter counts
+    shape : points in each direction
+    count : int, number of arrays
+    rows : (first, number) of this process's rows of a circle; None: those of the cell
+    single : bool, whether they are in single precision
+    """
+
+    def __init__(self, grid, shape, count, rows=None, single=False):
+        if rows is None and tuple(shape) != grid.shape:
+            raise ValueError("slabs have transforms of the whole cell, or of circles' rows")
+        self.shape, self.gain = tuple(shape), math.prod(shape)
+        self._grid, self._count, self._rows = grid, count, rows
+        self._cost = count * transform_cost(self.gain, grid.counter.size), single
+        self._lay_out(np.dtype(np.complex64 if single else complex))
+        self._plan()
+        self.real[...], self.spectrum[...] = 0.0, 0.0
+
+    @cached_property
+    def single(self):
+        """The same pair in single precision, on the same memory."""
+        return SlabTransform(self._grid, self.shape, self._count, self._rows, True)
+
+    def _lay_out(self, kind):
+        """Take memory for waves of a type, and find what goes where."""
+        comm, waves, owner = self._grid.comm, self.shape[1] // 2 + 1, self._count
+        columns = [share(waves, rank, comm.size) for rank in range(comm.size)]
+        widths = [part.stop - part.start for part in columns]
+        rows, here = self._grid.rows.parts, widths[comm.rank]
+        if self._rows is not None:
+            rows, owner = comm.allgather(self._rows), "circle"
+        mine = self._count, rows[comm.rank][1], self.shape[1]
+        # what is sent stands where the real numbers were, or will be
+        packed, self._half = (self._grid.room((owner, place), (*mine[:2], waves), kind)
+                              for place in range(2))
+        self.real = packed.reshape(-1).view(kind.char.lower())[:math.prod(mine)].reshape(mine)
+        self.spectrum = self._grid.room((owner, 2), (self._count, self.shape[0], here), kind)
+        empty = np.ones(self.shape[0], dtype=bool)
+        for first, number in rows:
+            empty[first:first + number] = False
+        self._empty = np.flatnonzero(empty)
+        sent = [mine[1] * width for width in widths]
+        starts = [mine[1] * part.start for part in columns]
+        got = [number * here for _, number in rows], [first * here for first, _ in rows]
+        self._blocks = [
+            [(half[:, part], block[begin:begin + number].reshape(mine[1], -1))
+             for part, begin, number in zip(columns, starts, sent) if number]
+            for half, block in zip(self._half, packed.reshape(self._count, mine[1] * waves))]
+        self._exchanges = [([block, (sent, starts)], [spectrum, got])
+                           for block, spectrum in zip(packed, self.spectrum)]
+
+    def _plan(self):
+        """Plan rows and columns, as far as there are any here."""
+        def planned(source, target, axis, direction):
+            if not source.size:
+                return lambda: None
+            return pyfftw.FFTW(source, target, axes=(axis,), direction=direction, **PLANS).execute
+
+        self._to_half = planned(self.real, self._half, 2, "FFTW_FORWARD")
+        self._to_row = planned(self._half, self.real, 2, "FFTW_BACKWARD")
+        self._block = pyfftw.zeros_aligned((BLOCK, self.shape[0]), dtype=self._half.dtype)
+        self._to_waves, self._to_column = (planned(self._block, self._block, 1, direction)
+                                           for direction in ("FFTW_FORWARD", "FFTW_BACKWARD"))
+
+    def _along_columns(self, execute):
+        """Transform the columns of waves, some at a time side by side: in their places numbers of a
+        column are so far apart that it takes several times as long."""
+        for field in self.spectrum:
+            for first in range(0, field.shape[1], BLOCK):
+                columns = field[:, first:first + BLOCK]
+                block = self._block[:columns.shape[1]]
+                np.copyto(block, columns.T)
+                execute()
+                np.copyto(columns, block.T)
+
+    def forward(self):
+        """``real`` to ``spectrum``."""
+        self._grid.counter.add(*self._cost)
+        self._to_half()
+        if self._empty.size:
+            self.spectrum[:, self._empty] = 0.0
+        for blocks, (packed, spectrum) in zip(self._blocks, self._exchanges):
+            for half, block in blocks:
+                np.copyto(block, half)
+            self._grid.comm.Alltoallv(packed, spectrum)
+        self._along_columns(self._to_waves)
+
+    def backward(self):
+        """``spectrum`` to ``real``."""
+        self._grid.counter.add(*self._cost)
+        self._along_columns(self._to_column)
+        for blocks, (packed, spectrum) in zip(self._blocks, self._exchanges):
+            self._grid.comm.Alltoallv(spectrum, packed)
+            for half, block in blocks:
+                np.copyto(half, block)
+        self._to_row()
+
+
+class SlabCircle:
+    """A circle of fewer points than a cell that is shared out: transforms on it, once it is known
+    which process has which rows (`placed`).
+
+    Parameters
+    ----------
+    grid : Slabs
+    shape : points in each direction
+    count : int, number of arrays
+    """
+
+    def __init__(self, grid, shape, count):
+        self._grid, self.shape, self._count = grid, shape, count
+        self.gain = math.prod(shape)
+
+    def placed(self, first, count):
+        """Transforms of fields that are zero off the rows that processes have.
+
+        Parameters
+        ----------
+        first, count : int, this process's rows on the circle
+        """
+        return SlabTransform(self._grid, self.shape, self._count, (first, count))
