@@ -145,6 +145,7 @@ class EvenWindow:
         self.grid = EvenGrid(cell, weights.reshape(-1))
 
     box, parts, total = Window.box, Window.parts, Window.total
+    occupied, own = Window.occupied, Window.own
 
     def __eq__(self, other):
         """Whether these are the same nodes of the same window, alike in sign."""
