@@ -124,12 +124,13 @@ class Run:
         if self.archive and self.archive.points:
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
-            self._complain(reason)
+            self._complain(reason, counted="")
         return status
 
-    def _complain(self, reason):
-        """Say why the path ended early, and what became of its points."""
-        complain("error", reason.rstrip(".") + self._way_on())
+    def _complain(self, reason, counted="at least "):
+        """Say why the path ended early, and what became of its points; before the archive is
+        settled, the first process may have more of them than the others know of."""
+        complain("error", reason.rstrip(".") + self._way_on(counted))
 
     def _end_others(self, status, reason):
         """Where only this process has come to an early end, say why and end all."""
@@ -240,9 +241,9 @@ class Run:
         for name in self.unread:
             complain("warning", f"{name} is not used: the solver of this scene does not ask for it")
 
-    def _way_on(self):
+    def _way_on(self, counted):
         """What became of the points of a path that was not followed to its end, in words."""
         if not (self.archive and self.archive.points):
             return ""
         points = f"{self.archive.points} points are" if self.archive.points > 1 else "1 point is"
-        return f"; {points} in {self.archive.path}, -archive_resume goes on from there"
+        return f"; {counted}{points} in {self.archive.path}, -archive_resume goes on from there"

@@ -88,7 +88,7 @@ class World:
 
     def __init__(self):
         self.size, self.rank, self.neighbours = 1, 0, 1
-        self._world = self._talk = self._ends = self._said = None
+        self._world = self._talk = self._ends = self._last = self._said = None
 
     def join(self):
         """Be one of the processes that MPI knows of (mpi4py); all but the first fall silent."""
@@ -103,7 +103,7 @@ class World:
         self.neighbours = machine.size
         machine.Free()
         # Their own: what somebody has left unfinished in another one is not in the way.
-        self._talk, self._ends = self._world.Dup(), self._world.Dup()
+        self._talk, self._ends, self._last = (self._world.Dup() for _ in range(3))
         self._said = sys.stderr = Noted(sys.stderr, not self.rank)
         if self.rank:
             null = os.open(os.devnull, os.O_WRONLY)
@@ -153,6 +153,8 @@ class World:
         if (stages != stage).any():
             speak()
             self._abort(status or 1)
+        if status:  # of what was under way, some may have done more than others
+            self._talk = self._last
 
     def _abort(self, status):
         """End all processes, after the last words of this one."""
