@@ -257,7 +257,7 @@ def sharpened(contact, finer, state):
     """
     coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
     stiffness = finer.law.moving_stiffness
-    if finer.grid.comm is not None:
+    if finer.grid.shared:
         return _in_rows(contact, finer, state, ratio, stiffness)
     window = Window(finer.grid, [2 * first for first in coarse.start],
                     [2 * n if n == total else 2 * n - 1

@@ -116,7 +116,7 @@ def follow_edge(contact, states, weights):
     ahead = _follow_spot(contact, states, weights)
     # Spots of a rough plane merge and appear, and few are round.
     if (ahead is not None or states[-1].half is not None or contact.scattered
-            or contact.grid.comm is not None):
+            or contact.grid.shared):
         return ahead
     return _follow_spots(contact, states, weights)
 
@@ -221,7 +221,7 @@ def carried(contact, change, origin, state):
     """
     fixed = State(state.window, onto(change, state.window), change.means)
     window = state.window
-    known = (None if isinstance(window, Nodes) or contact.grid.comm is not None
+    known = (None if isinstance(window, Nodes) or contact.grid.shared
              else followed_places(contact, [origin, state]))
     if known is None:
         return fixed

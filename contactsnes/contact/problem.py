@@ -131,7 +131,7 @@ class Contact:
         """Whether the law may act on any nodes of a plane, so that solves are on these instead of
         on boxes: the gap is neither convex nor even."""
         return (self.scene.dimension == 2 and not self.convex
-                and (self.grid.comm is not None or self.unevenness > UNEVEN))
+                and (self.grid.shared or self.unevenness > UNEVEN))
 
     @property
     def periodic(self):
@@ -274,7 +274,7 @@ class Contact:
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's
         range."""
-        if self.grid.comm is not None:
+        if self.grid.shared:
             return self.grid.whole
         made = enclosing if self.convex else fitting
         return made(self.grid, normal_gap < self.law.range, margin=0.05)

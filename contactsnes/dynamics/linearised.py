@@ -51,7 +51,7 @@ class Overdamped:
         self._mass = contact.mean_mass(form.components)[self.means]
         self._free = free[self.means]
         self.size = form.count + len(form.grid.held(self.means))
-        self.shared = None if form.grid.comm is None else form.grid
+        self.shared = form.grid if form.grid.shared else None
         self.zone = None
 
     def linearise(self, state, load):

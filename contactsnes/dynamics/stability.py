@@ -132,7 +132,7 @@ class Stability:
         scattered = self.contact.scattered
         state = point.state if scattered else states.fitted(self.contact, point.state)
         axes = []
-        if len(state.window.parts) == 1 and not scattered and self.contact.grid.comm is None:
+        if len(state.window.parts) == 1 and not (scattered or self.contact.grid.shared):
             window = centred(state.window)
             even = State(window, states.onto(state, window), state.means)
             axes = symmetries(self.contact, even)

@@ -69,8 +69,7 @@ def _counted(values, where):
 
 class Grid(Fields, Counter):
     """The periodic grid of the cell: wave vectors, transforms and their count, reductions over
-    nodes. ``comm`` is None, or the communicator of the processes among which nodes are shared out
-    (`slabs`).
+    nodes; `slabs.Slabs` where these are shared out among processes.
 
     Parameters
     ----------
@@ -79,8 +78,6 @@ class Grid(Fields, Counter):
     counter : Counter (a grid is one) of this one's transforms, in its own units (default this
         one)
     """
-
-    comm = None
 
     def __init__(self, shape, periods, counter=None):
         self.shape = tuple(shape)

@@ -11,6 +11,10 @@ class Fields:
     A class that has it has ``shape`` and ``spacings`` of the cell.
     """
 
+    shared = False
+    """Whether nodes are shared out among processes: none has windows, boxes or mirror images of its
+    own, but rows of the cell or some of their nodes."""
+
     @property
     def local_shape(self):
         """Shape of a field over the cell, as far as it is in this process."""

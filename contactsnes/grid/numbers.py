@@ -12,7 +12,7 @@ def numbers_of(window):
     """Name -> array of what tells a window's nodes: first node and shape of its box or boxes and,
     where it is some nodes of one, their numbers there. Of nodes in several processes those of all
     are in the first one."""
-    shared = window.grid.comm is not None
+    shared = window.grid.shared
     nodes = {}
     if isinstance(window, Nodes):
         nodes = {"window_nodes": window.grid.to_first(window.node_numbers() if shared
@@ -38,7 +38,7 @@ def restored(grid, numbers, field):
     numbers : as of `numbers_of`; of several processes in the first one
     field : array (components, nodes), of all nodes; of several processes in the first one
     """
-    if grid.comm is None:
+    if not grid.shared:
         return of_numbers(grid, numbers), field
     comm, mine = grid.comm, None
     whole = None if comm.rank else of_numbers(Grid(grid.shape, grid.periods), numbers)

@@ -94,7 +94,7 @@ def obstacle(contact, components, loaded=()):
     components : int
     loaded : tangential components on which loads act
     """
-    if contact.grid.comm is not None:
+    if contact.grid.shared:
         return "nodes are shared out among processes, of which none has mirror images of its own"
     if not contact.unevenness <= UNEVEN:
         return ("the initial gap is not even about the apex: its mirror "

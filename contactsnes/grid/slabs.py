@@ -37,7 +37,7 @@ class Slabs(Grid):
     rows : Rows, who has which
     """
 
-    circle = SlabCircle
+    circle, shared = SlabCircle, True
 
     def __init__(self, shape, periods, comm, counter=None):
         def slice_of(total):

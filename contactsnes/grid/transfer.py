@@ -103,7 +103,7 @@ def resampled(grid, finer, fields):
     target.spectrum[np.ix_(range(count), *kept, range(len(columns)))] = grid.waves_at(
         source.spectrum, columns)[np.ix_(range(count), *kept, range(len(columns)))] / grid.size
     target.backward()
-    return target.real if finer.comm is None else target.real.copy()
+    return target.real.copy() if finer.shared else target.real
 
 
 def smooth(window, values, width):
@@ -122,7 +122,7 @@ def smooth(window, values, width):
     """
     if isinstance(window, Nodes):
         return smooth(window.hull, window.spread(values), width)[..., window.places]
-    if window.grid.comm is not None:
+    if window.grid.shared:
         return _smooth_rows(window, values, width)
     box = window.box(values)
     first = box.ndim - len(window.shape)
@@ -166,7 +166,7 @@ def _smooth_rows(window, values, width):
 def refined(grid, values):
     """A field over the cell (*grid) from its values at every other node (`every_other`): cubic
     between these, in each direction."""
-    if grid.comm is None:
+    if not grid.shared:
         return interpolated(grid.whole, values).reshape(grid.shape)
     begin, end = (grid.rows.first + shift for shift in (-8, grid.rows.count + 8))
     begin -= begin % 2

@@ -85,7 +85,7 @@ class Compiled:
         ----------
         grid, shape, count : as of that
         """
-        if grid.comm is not None:
+        if grid.shared:
             return grid.transform(grid, shape, count)
         return self._charged(False, grid, shape, count)
 

@@ -6,7 +6,7 @@ from petsc4py import PETSc
 
 def communicator(form):
     """The processes that a form's nodes belong to."""
-    return PETSc.COMM_SELF if form.grid.comm is None else form.grid.comm
+    return form.grid.comm if form.grid.shared else PETSc.COMM_SELF
 
 
 def create_vector(form, array=None):
@@ -21,8 +21,8 @@ def create_vector(form, array=None):
     comm, sizes = communicator(form), (form.size, PETSc.DETERMINE)
     if array is not None:
         return PETSc.Vec().createWithArray(array, size=sizes, comm=comm)
-    return (PETSc.Vec().createSeq(form.size) if form.grid.comm is None
-            else PETSc.Vec().createMPI(sizes, comm=comm))
+    return (PETSc.Vec().createMPI(sizes, comm=comm) if form.grid.shared
+            else PETSc.Vec().createSeq(form.size))
 
 
 def create_operator(form, context):
