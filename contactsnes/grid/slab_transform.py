@@ -33,7 +33,7 @@ class SlabTransform:
 
     Rows are transformed where they are and sent once, as waves of columns; on a circle those that
     no process has are zero, and cost nothing. Memory is the grid's: all transforms of as many
-    arrays of the cell, and all of circles, use it in turn.
+    arrays, of the cell and of circles, use it in turn.
 
     Parameters
     ----------
@@ -61,18 +61,22 @@ class SlabTransform:
 
     def _lay_out(self, kind):
         """Take memory for waves of a type, and find what goes where."""
-        comm, waves, owner = self._grid.comm, self.shape[1] // 2 + 1, self._count
+        comm, waves = self._grid.comm, self.shape[1] // 2 + 1
         columns = [share(waves, rank, comm.size) for rank in range(comm.size)]
         widths = [part.stop - part.start for part in columns]
         rows, here = self._grid.rows.parts, widths[comm.rank]
         if self._rows is not None:
-            rows, owner = comm.allgather(self._rows), "circle"
+            rows = comm.allgather(self._rows)
         mine = self._count, rows[comm.rank][1], self.shape[1]
-        # what is sent stands where the real numbers were, or will be
-        packed, self._half = (self._grid.room((owner, place), (*mine[:2], waves), kind)
-                              for place in range(2))
-        self.real = packed.reshape(-1).view(kind.char.lower())[:math.prod(mine)].reshape(mine)
-        self.spectrum = self._grid.room((owner, 2), (self._count, self.shape[0], here), kind)
+        # what is sent stands where the real numbers were, or will be; waves of rows where those of
+        # columns will be, or were
+        half, spectrum = (*mine[:2], waves), (self._count, self.shape[0], here)
+        packed, turned = (self._grid.room((self._count, place), (size,), kind)
+                          for place, size in enumerate((math.prod(half),
+                                                        max(map(math.prod, (half, spectrum))))))
+        self.real = packed.view(kind.char.lower())[:math.prod(mine)].reshape(mine)
+        self._half, self.spectrum = (turned[:math.prod(shape)].reshape(shape)
+                                     for shape in (half, spectrum))
         empty = np.ones(self.shape[0], dtype=bool)
         for first, number in rows:
             empty[first:first + number] = False
@@ -80,10 +84,10 @@ class SlabTransform:
         sent = [mine[1] * width for width in widths]
         starts = [mine[1] * part.start for part in columns]
         got = [number * here for _, number in rows], [first * here for first, _ in rows]
-        self._blocks = [
-            [(half[:, part], block[begin:begin + number].reshape(mine[1], -1))
-             for part, begin, number in zip(columns, starts, sent) if number]
-            for half, block in zip(self._half, packed.reshape(self._count, mine[1] * waves))]
+        packed = packed.reshape(self._count, mine[1] * waves)
+        self._blocks = [(row[:, part], block[begin:begin + number].reshape(mine[1], -1))
+                        for row, block in zip(self._half, packed)
+                        for part, begin, number in zip(columns, starts, sent) if number]
         self._exchanges = [([block, (sent, starts)], [spectrum, got])
                            for block, spectrum in zip(packed, self.spectrum)]
 
@@ -115,11 +119,11 @@ class SlabTransform:
         """``real`` to ``spectrum``."""
         self._grid.counter.add(*self._cost)
         self._to_half()
+        for half, block in self._blocks:
+            np.copyto(block, half)
         if self._empty.size:
             self.spectrum[:, self._empty] = 0.0
-        for blocks, (packed, spectrum) in zip(self._blocks, self._exchanges):
-            for half, block in blocks:
-                np.copyto(block, half)
+        for packed, spectrum in self._exchanges:
             self._grid.comm.Alltoallv(packed, spectrum)
         self._along_columns(self._to_waves)
 
@@ -127,10 +131,10 @@ class SlabTransform:
         """``spectrum`` to ``real``."""
         self._grid.counter.add(*self._cost)
         self._along_columns(self._to_column)
-        for blocks, (packed, spectrum) in zip(self._blocks, self._exchanges):
+        for packed, spectrum in self._exchanges:
             self._grid.comm.Alltoallv(spectrum, packed)
-            for half, block in blocks:
-                np.copyto(half, block)
+        for half, block in self._blocks:
+            np.copyto(half, block)
         self._to_row()
 
 

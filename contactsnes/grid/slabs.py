@@ -17,7 +17,7 @@ from .slab import Slab
 from .slab_transform import SlabCircle, SlabTransform, share
 
 GATHERED = 2 ** 14
-"""Nodes of a coarser grid up to which every process has all of them in any case."""
+"""Nodes of a coarser grid up to which every process has all of them."""
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
 
@@ -212,9 +212,8 @@ class Slabs(Grid):
 
     @cached_property
     def half(self):
-        """Slabs of every other node; None where all of these are no more than a process has nodes
-        now, and every process may have them."""
-        if self.size // 4 * self.comm.size <= max(self.size, GATHERED * self.comm.size):
+        """Slabs of every other node; None where these are so few that every process has all."""
+        if self.size // 4 <= GATHERED:
             return None
         return Slabs([n // 2 for n in self.shape], self.periods, self.comm, self.counter)
 

@@ -20,6 +20,8 @@ def spline(values, places, axis):
     """
     shape = values.shape
     count = shape[axis]
+    if not count:  # of slabs, where others have all rows
+        return values
     coefficients = np.array(values, dtype=float, order="C")
     places = np.ascontiguousarray(places, dtype=float)
     found = np.empty((*shape[:axis], len(places), *shape[axis + 1:]))

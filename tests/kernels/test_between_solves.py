@@ -14,7 +14,7 @@ from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.parity import parities
 from contactsnes.grid.splines import spline
 from contactsnes.grid.windows import Window
-from contactsnes.kernels import library
+from contactsnes.kernels import library, splines
 from contactsnes.kernels.choice import chosen
 from contactsnes.kernels.laws import kernel_of
 
@@ -45,6 +45,14 @@ def test_splines(shape, axis):
     other = [ndimage.map_coordinates(line, [cut], order=3, mode="mirror") for line in lines]
     np.testing.assert_allclose(np.moveaxis(found, axis, -1).reshape(len(lines), -1), other,
                                atol=1e-12)
+
+
+@compiled
+def test_splines_without_nodes(monkeypatch):
+    """A process whose slab has none of the rows asks the library, which needs two, for nothing."""
+    monkeypatch.setattr(splines, "shared", None)
+    found = chosen().spline(np.empty((3, 0, 12)), np.empty(0), 1)
+    assert found.shape == spline(np.empty((3, 0, 12)), np.empty(0), 1).shape == (3, 0, 12)
 
 
 @compiled
