@@ -6,6 +6,7 @@ import numpy as np
 
 from ..contact import acceptance, states
 from ..contact.edges import follow_edge
+from ..contact.fronts import fronts_foretold, fronts_moved
 
 
 class Neighbours:
@@ -36,6 +37,10 @@ class Neighbours:
         known = [point.state for point in points]
         return self.symmetry.mirrored(follow_edge(self.contact, known, weights))
 
+    def fronts_moved(self, first, last):
+        """Whether slip fronts moved from one point to another by more than tangents can tell."""
+        return fronts_moved(self.contact, first.state, last.state)
+
     def missed(self, guess, state, largest=False):
         """How far a solve ended from its guess where the law acts, ranges of the law: root mean
         square or largest.
@@ -59,13 +64,16 @@ class Neighbours:
         return acceptance.strayed(self.contact, *self._alike(guess, last, state))
 
     def doubtful(self, guess, last, state):
-        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``).
+        """Whether a jump may be a part of the way to a state (``acceptance.doubtful``): where slip
+        fronts pass, nodes release energy on every way.
 
         Parameters
         ----------
         guess, last, state : as of `strayed`
         """
-        return acceptance.doubtful(self.contact, *self._alike(guess, last, state))
+        known = self._alike(guess, last, state)
+        return (acceptance.doubtful(self.contact, *known)
+                and not fronts_foretold(self.contact, *known))
 
     def detached(self, guess, last, state, back):
         """Whether the tangent at a state hardly leads back to the last one

@@ -1,99 +1,20 @@
 """Predictions that follow the edges of spots of contact: states extrapolated in coordinates in
 which the edges stay in place."""
 
-import weakref
-
 import numpy as np
 from scipy import ndimage
 
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
-from ..grid.contours import crossings
 from ..grid.transfer import extent
 from ..grid.windows import Window
+from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
 from .state import State, alike, onto, spread, weighted
 from .states import NEAR, combined, normal_gap, wider
 
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
 1e-7)."""
-FAR = 0.3
-"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
-front has to move in a step to be followed: wider ones, and the gradual ones of full residual
-friction, are predicted better in place."""
-
-_KNOWN = weakref.WeakKeyDictionary()
-"""State -> contact, and places in it (`_kept_places`)."""
-
-
-def edges(contact, state):
-    """First and last place, in nodes of the window, of the one spot of contact along each
-    direction, an array (directions, 2).
-
-    In two dimensions on the lines through its middle. None where there is no such spot: none,
-    several, one across the border.
-    """
-    if len(state.window.parts) > 1:
-        return None
-    window = state.window.parts[0]
-    box = state.window.box(normal_gap(contact, state))
-    level = contact.scene.contact_threshold
-    ends = []
-    touching = box < level
-    lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
-    if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
-        return None
-    through = [(line.start + line.stop) // 2 for line in lines]
-    for axis, line in enumerate(lines):
-        places, _ = crossings(window.line(box, axis, through), level)
-        # The extent of all that touches is that on the line, give or take the roundness of a spot.
-        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
-            return None
-        ends.append(places)
-    return np.array(ends)
-
-
-def slip_fronts(contact, state, ends):
-    """The two places on a line, within ``ends`` of the contact, between which the surfaces stick:
-    where the slip passes that of the peak of the friction. None where there are not two.
-
-    Parameters
-    ----------
-    contact : Contact
-    state : State
-    ends : array (directions, 2), `edges` of the state, in nodes
-    """
-    if len(ends) > 1 or len(state.displacement) < 2:
-        return None
-    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]),
-                              contact.law.slip_peak)
-    within = (places > ends[0, 0]) & (places < ends[0, 1])
-    return places[None, within] if list(signs[within]) == [-1, 1] else None
-
-
-def _kept_places(contact, state):
-    """`edges` and `slip_fronts` of a state, which are asked for step after step."""
-    found = _KNOWN.get(state)
-    if found is None or found[0]() is not contact:
-        ends = edges(contact, state)
-        fronts = None if ends is None else slip_fronts(contact, state, ends)
-        found = _KNOWN[state] = weakref.ref(contact), ends, fronts
-    return found[1:]
-
-
-def followed_places(contact, states):
-    """Places of each state that stay in place in the stretched coordinates, in order: the ends of
-    its spot of contact and, where all have them, the slip fronts; an array (directions, places) for
-    each state, or None without such a spot."""
-    ends, fronts = zip(*(_kept_places(contact, state) for state in states))
-    if any(end is None for end in ends):
-        return None
-    if any(front is None for front in fronts):
-        return list(ends)
-    return [np.concatenate((end[:, :1], front, end[:, 1:]), axis=1)
-            for end, front in zip(ends, fronts)]
-
-
 def follow_edge(contact, states, weights):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place;
     None without such a spot.
@@ -141,15 +62,15 @@ def _follow_spot(contact, states, weights):
     window = last.window
     # Places of all states in nodes from the first one of the last window; a wider window begins
     # before it.
-    places = np.array([one + _nodes_between(window, state.window)[:, None]
+    places = np.array([one + nodes_between(window, state.window)[:, None]
                        for one, state in zip(known, states)])
     target = np.tensordot(weights, places, axes=1)
-    moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0) * contact.grid.spacings[0]
-    if (moved * contact.scene.tangential_maugis ** 2 * contact.law.slip_softening < FAR
-        or np.any(np.diff(target) < 4.0)):
+    moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0)
+    if (moved * in_cohesive_lengths(contact) < FAR
+            or np.any(np.diff(target) < LEAST)):
         # Fronts that hardly move, or meet each other or the edges, are not followed.
         places, target = places[..., [0, -1]], target[:, [0, -1]]
-    if np.any(np.diff(target) < 4.0):
+    if np.any(np.diff(target) < LEAST):
         return None
     _, nodes, known = alike(contact, [last], states[:-1])
     initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
@@ -226,7 +147,7 @@ def carried(contact, change, origin, state):
     if known is None:
         return fixed
     part, _ = _near_part(contact, window, normal_gap(contact, state))
-    places = known[0] + _nodes_between(window, origin.window)[:, None]
+    places = known[0] + nodes_between(window, origin.window)[:, None]
     change = State(change.window, change.displacement.copy(), change.means)
     change.displacement[0] -= contact.gap_on(change.window)
     change = wider(change, window)
@@ -254,7 +175,7 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     """
     known, sources = [], []
     for here, there, wanted, begin, count in zip(places, target, part,
-                                                 _nodes_between(window, state.window),
+                                                 nodes_between(window, state.window),
                                                  state.window.extents):
         node = np.arange(wanted.start, wanted.stop)
         if not len(node):  # others have all of these rows
@@ -277,10 +198,3 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)
     return field
-
-
-def _nodes_between(window, other):
-    """Nodes from the first one of a window to that of another near it in each direction, over the
-    cell's border or not."""
-    total = np.array(window.grid.shape)
-    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2

@@ -77,6 +77,7 @@ def probe(system, leg, history, point):
     if not softened or min(last.softest, point.softest) < 0.0:
         return
     known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
+    earlier = {before: first} if first.controls == last.controls else {}
     if far > SHORT:
         back = system.along_tangent(point, leg, point.position, here - point.position)
         if system.progress(point.state, last.state, back) < BACK:
@@ -87,7 +88,7 @@ def probe(system, leg, history, point):
         pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
                                                                  for place in pair))
         position = 0.5 * sum(pair)
-        known[position] = _solved(system, leg, known, position, far)
+        known[position] = _solved(system, leg, earlier | known, position, far)
         if known[position].softest < 0.0:
             raise NotConverged("a mode that is stable at both ends of the "
                                "step is not at "
@@ -242,10 +243,13 @@ def _apart(system, known, values):
 
 
 def _solved(system, leg, known, position, far):
-    """The point at a position between two known ones."""
-    nodes = [max(place for place in known if place < position),
-             min(place for place in known if place > position)]
-    guess = system.extrapolate([known[place] for place in nodes], lagrange_weights(nodes, position))
+    """The point at a position between two known ones; the nearest one beyond them helps to foretell
+    it."""
+    nodes = sorted(sorted(known, key=lambda place: abs(place - position))[:3])
+    points, weights = [known[place] for place in nodes], lagrange_weights(nodes, position)
+    guess = system.follow_edge(points, weights)
+    if guess is None:
+        guess = system.extrapolate(points, weights)
     point = system.solve(guess, leg.controls, leg.load(position))
     if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")

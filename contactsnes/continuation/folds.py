@@ -136,20 +136,26 @@ class FoldSearch:
 
     def _ahead(self, trail, length):
         """The point at a given arc length beyond the last two."""
-        (before, first), (here, last) = trail[-2:]
-        return self._at(last, here, first, before, length)
+        earlier = trail[:-2] or self.history[:-2]
+        return self._at(*trail[-2:][::-1], length, earlier[-1:])
 
-    def _at(self, last, here, first, before, length):
-        """The point at about arc length ``length`` from ``last`` on the way from ``first`` through
-        it, with edges and fronts that move on: in place, steps would have to be shorter than these
-        are wide."""
-        system = self.system
-        ahead = length / system.chord_length(first.state, last.state)
-        line = [first, last], [-ahead, 1.0 + ahead]
-        guess = system.follow_edge(*line)
-        guess = system.extrapolate(*line) if guess is None else guess
+    def _at(self, end, begin, length, earlier=()):
+        """The point at about arc length ``length`` from the ``end`` of a way, on from its
+        ``begin``, with edges and fronts that move on: in place, steps would have to be shorter than
+        these are wide. Each is (position, point), as the one ``earlier``, if any, which tells how
+        they turn."""
+        system, (_, last), (_, first) = self.system, end, begin
+        places, points = zip(*earlier, begin, end)
+        arc = [0.0, *np.cumsum([system.chord_length(one.state, other.state)
+                                for one, other in zip(points, points[1:])])]
+        weights = lagrange_weights(arc, arc[-1] + length)
+        guess = system.follow_edge(points, weights)
+        if guess is None:
+            places, points, weights = places[-2:], [first, last], lagrange_weights(
+                arc[-2:], arc[-1] + length)
+            guess = system.extrapolate(points, weights)
         point = system.solve_arc((last.state, guess), system.chord_length(last.state, guess), guess,
-                                 here + ahead * (here - before), self.leg)
+                                 float(weights @ places), self.leg)
         if point.softest < 0.0 <= last.softest:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")
@@ -184,7 +190,7 @@ class FoldSearch:
             except NotConverged:
                 pass
             try:
-                half = self._at(first, before, second, behind,
+                half = self._at(pair[0], pair[1],
                                 -0.5 * self.system.chord_length(first.state, second.state))
             except NotConverged:
                 break

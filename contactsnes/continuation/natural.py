@@ -60,7 +60,7 @@ class NaturalSteps(LoadSteps):
             step, target = shared(step, position)
             try:
                 point, critical = self._examined(
-                    self._step(*self._foreseen(target, after_failure(self.predictor) if failures
+                    self._step(*self._foreseen(target, self._again() if failures
                                                else self.predictor)))
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
@@ -86,6 +86,12 @@ class NaturalSteps(LoadSteps):
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _again(self):
+        """The predictor of a step that is tried again, nearer."""
+        points = [point for _, point in self.history[-2:]]
+        moved = len(points) > 1 and self.system.fronts_moved(*points)
+        return self.predictor if moved else after_failure(self.predictor)
 
     def _due(self, refused, failures):
         """Whether it is time to look for a fold, after a refused step and failures in turn."""

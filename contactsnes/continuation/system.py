@@ -33,6 +33,10 @@ class States(Protocol):
     def follow_edge(self, points: Sequence, weights: Sequence) -> Optional[Any]:
         """The same in coordinates that follow what moves; None where there are no such."""
 
+    def fronts_moved(self, first: Point, last: Point) -> bool:
+        """Whether something narrow moved from one point to another, which a tangent leaves in
+        place."""
+
     def missed(self, guess: Any, state: Any) -> float:
         """Distance of a state from its prediction, root mean square where it matters."""
 

@@ -120,12 +120,12 @@ def grid_changes(results, maugis=MAPPED):
     return {case: change[:2] for case, change in changes.items() if change}
 
 
-def onset_error(results, residual, maugis, force):
-    """Error of the force at an onset: what twice the points change, or the step it lies in; 0 where
-    neither is known."""
+def onset_error(results, residual, maugis, force, area=False):
+    """Error of the force at an onset, or of the area there: what twice the points change, or the
+    step it lies in; 0 where neither is known."""
     begin = begun(results, residual, maugis, force).onset
     change = grid_changes(results, (maugis,)).get((residual, maugis, force), (0.0, 0.0))
-    return max(begin.force_error, change[0] * begin.force)
+    return change[1] * begin.area if area else max(begin.force_error, change[0] * begin.force)
 
 
 def precision(results):

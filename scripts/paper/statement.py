@@ -76,6 +76,7 @@ def statement(place, text, measure):
             return Statement(place, text, measure, told(found, again and again[0]), verdict)
         row.__name__, row.__doc__ = function.__name__, function.__doc__
         row.__module__ = function.__module__
+        row.numbers = lambda results: listed(function(results)[0])
         ALL.append(row)
         return row
     return wrap
@@ -89,6 +90,14 @@ def table(results, finer=None):
         rows.append(row or Statement("", one.__name__.replace("_", " "), "",
                                      f"a run is missing or too short: {error}", "open"))
     return rows
+
+
+def listed(found):
+    """(heading, label) -> value of the numbers of a statement."""
+    if found and isinstance(found[0], Number):
+        found = [("", found)]
+    return {(heading, number.label): number.value for heading, numbers in found
+            for number in numbers}
 
 
 def told(found, again=None):

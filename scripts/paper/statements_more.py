@@ -7,7 +7,7 @@ import poisson
 import regimes
 from beyond import grid_change
 from observed import onset, sheared_part
-from runs import LOADS, TANGENTIAL, turned
+from runs import LOADS, PERIOD, TANGENTIAL, half_width, turned
 from scipy.interpolate import PchipInterpolator
 from statement import Number, statement
 
@@ -73,31 +73,78 @@ def reversed_sentence(results):
 
 
 @statement("Sec. 2.2", "the response is determined by only two parameters, lambda_n and lambda_t",
-           "force at the onset at lambda_t = 10, W = 25, for each rho = tau_inf/tau_max; further "
-           "parameters of the dimensionless problem")
+           "force at the onset at lambda_t = 10, W = 25, for each rho = tau_inf/tau_max; that at "
+           "lambda_t = 1, W = 0.8 held, over the one at nu = 1/2 and phi_t = phi_n, minus 1, for "
+           "other Poisson ratios and works of adhesion; and the least height over period at which "
+           "the onset is a fold, rho = 0.8, lambda_t = 0.1, W = 25 (the paper's: 20)")
 def two_parameters(results):
-    found = []
+    by_friction = []
     for residual in (0, 0.05, 0.5, 1):
         begun = regimes.begun(results, residual, 10, 25).onset
-        found.append(Number(f"rho = {residual:g}", begun.force,
-                            spread=regimes.onset_error(results, residual, 10, 25)))
-    factor = found[-1].value / found[0].value
-    return found, (f"not confirmed: rho alone changes the onset by a factor of {factor:.0f}, and "
-                   "decides how sliding begins; the height over the period decides whether an "
-                   "onset is a fold; nu < 1/2 brings in phi_t/phi_n")
+        by_friction.append(Number(f"rho = {residual:g}", begun.force,
+                                  spread=regimes.onset_error(results, residual, 10, 25)))
+    error = grid_change(results, poisson.run(0.0, 25))[0]
+
+    def changed(ratio, work):
+        forces = [onset(results[poisson.run(*case).name]).force
+                  for case in ((ratio, 0.8, work), (0.5, 0.8))]
+        return Number(f"nu = {ratio:g}, phi_t/phi_n = {work:g}", forces[0] / forces[1] - 1, "%",
+                      spread=10 * error)
+
+    by_body, by_work = ([changed(ratio, work) for work in works] for ratio, works in
+                        ((poisson.SHOWN, poisson.WORKS), (0.5, poisson.WORKS)))
+    least = regimes.least_height(results[regimes.traced(0.8, 0.1, 25).name])
+    found = [("rho", by_friction), ("body", [*by_body, *by_work]),
+             ("drive", [Number("least H/L", least, spread=0.02 * least)])]
+    factor = by_friction[-1].value / by_friction[0].value
+    more = [f"rho alone changes the onset by a factor of {factor:.1f}"] * (factor > 1.1)
+    more += [f"the height decides whether it is a fold (from {least:.2g} periods on)"] * (
+        0.0 < least < np.inf)
+    of_body, of_work, without = (np.ptp([number.value for number in numbers])
+                                 for numbers in ([by_body[1], by_work[1]], by_body, by_work))
+    more += [f"nu = {poisson.SHOWN:g} changes it by {100 * of_body:.2g} %"] * (of_body > 0.01)
+    if of_work > 0.01:
+        more.append(f"and phi_t/phi_n then by {100 * of_work:.2g} %"
+                    + (f" (at nu = 1/2 by {100 * without:.1g} %)"))
+    return found, ("not confirmed: " + "; ".join(more) if more else "confirmed")
+
+
+def printed_peak():
+    """(place, height) of the largest tangential traction of eq. 5b, over delta_t and phi_t/delta_t,
+    from its values."""
+    slips = np.linspace(0.0, 1.0, 200001)
+    traction = 2.0 * slips * np.exp(-slips ** 2)
+    return slips[np.argmax(traction)], traction.max()
 
 
 @statement("Secs. 2.1 and 4, captions", "further misprints", "tau_max as printed in the text, "
-           "sqrt(1/2) e phi_t delta_t, without its units over phi_t/delta_t, and as eq. 4b has it; "
-           "tau_max over p_t,r, which the caption of Fig. 5 takes for 1")
+           "sqrt(1/2) e phi_t delta_t, without its units over phi_t/delta_t; as eq. 4b has it; and "
+           "the largest value of 2 s exp(-s^2), s = g_t/delta_t, with its place; tau_max over "
+           "p_t,r, which the caption of Fig. 5 takes for 1; approaches of the top, over u_n,r, at "
+           "which JKR's contact in the cell carries the loads of 25 and 0.8")
 def misprints(results):
+    place, peak = printed_peak()
+    approaches = [reference.jkr_line_approach(half_width(force), PERIOD) for force in LOADS[::-1]]
     found = [Number("in the text", np.sqrt(0.5) * np.e, exact=True),
              Number("eq. 4b", np.sqrt(2 / np.e), exact=True),
-             Number("tau_max/p_t,r", TANGENTIAL_PEAK, exact=True)]
-    return found, ("sqrt(1/2) e phi_t delta_t stands for sqrt(2/e) phi_t/delta_t; p_t,r = tau_max "
-                   "for 0.858 p_t,r = tau_max; the limits |g_t| <= delta_t and <= delta_t/sqrt 2 "
-                   "of the two regions for <= and > delta_t/sqrt 2; u_app,t/u_n,r = 40 and 2 in "
-                   "Sec. 4, and u_app,n/u_t,r in the caption of Fig. 5, for u_app,n/u_n,r")
+             Number("largest", peak, exact=True), Number("at", place, exact=True),
+             Number("tau_max/p_t,r", TANGENTIAL_PEAK, exact=True),
+             *(Number(f"approach for W = {force:g}", approach, exact=True) for force, approach
+               in zip(LOADS[::-1], approaches))]
+    wrong = []
+    if not np.isclose(peak, np.sqrt(0.5) * np.e, rtol=1e-6):
+        wrong.append("sqrt(1/2) e phi_t delta_t stands for "
+                     + ("sqrt(2/e) phi_t/delta_t" if np.isclose(peak, np.sqrt(2 / np.e), rtol=1e-6)
+                        else f"{peak:.4g} phi_t/delta_t"))
+    if not np.isclose(TANGENTIAL_PEAK, 1.0, rtol=1e-3):
+        wrong.append(f"p_t,r = tau_max for {TANGENTIAL_PEAK:.3f} p_t,r = tau_max")
+    if np.isclose(place, np.sqrt(0.5), atol=1e-4):
+        wrong.append("the limits |g_t| <= delta_t and <= delta_t/sqrt 2 of the two regions for <= "
+                     "and > delta_t/sqrt 2, where the peak is")
+    if np.allclose(np.log(np.divide((40, 2), approaches)), 0.0, atol=0.4):
+        wrong.append("u_app,t/u_n,r = 40 and 2 in Sec. 4, and u_app,n/u_t,r in the caption of "
+                     "Fig. 5, for the approaches u_app,n/u_n,r, which give such loads")
+    return found, "; ".join(wrong) or "none found"
 
 
 @statement("Sec. 4", "the force drops at the onset for two reasons: tau_inf < tau_max, and the "

@@ -132,7 +132,8 @@ def pressures(results):
         found.append((f"lambda_n = {maugis}",
                       [Number("", np.max(np.abs(-traction[inner] * maugis - exact)) / exact.max(),
                               "%"), Number("tension", np.max(tension) * maugis),
-                       Number("length", np.mean(tension > 0.5 * tension.max()) * np.ptp(fine))]))
+                       Number("length", np.mean(tension > 0.5 * tension.max()) * np.ptp(fine),
+                              spread=2 * np.ptp(fine) / fine.size)]))
     differences, tensions, lengths = np.transpose([[number.value for number in numbers]
                                                    for _, numbers in found])
     holds = (differences.max() < 0.01 and (np.diff(tensions) > 0).all()

@@ -33,7 +33,8 @@ def spans(values):
            "tau_inf triggers an early unstable transition to gross sliding, with negligible slip "
            "before it", "lambda_t = 10: for each rho = tau_inf/tau_max the force at the onset, "
            "that over the force at which the largest traction reaches 0.99 tau_max, and the share "
-           "of the contact that has slipped past the peak there; then the force that a sliding "
+           "of the contact that has slipped past the peak there, for rho = 0 the area there and "
+           "the least one on the way; then the force that a sliding "
            "contact carries, tau_inf a_slid, over rho lambda_t; displacements at which gross "
            "sliding begins in damped motion, over that of the onset, W = 25; figure `early`")
 def early_sliding(results):
@@ -51,6 +52,10 @@ def early_sliding(results):
             if begun.onset.point in record.field_points:
                 numbers.append(Number("slipped", early.slipped(record, begun.onset.point), "%",
                                       spread=1e-3))
+            if residual == 0:
+                error = regimes.onset_error(results, residual, 10, force, area=True)
+                numbers += [Number("area", begun.onset.area, spread=error),
+                            Number("least area", peel(record)[1].min(), spread=error)]
             found.append((case(residual, force), numbers))
     held = [Number(f"W = {force:g}", regimes.friction_width(results, force)
                    * reference.peak_tangential_traction(1.0), spread=1e-4)
@@ -131,6 +136,20 @@ def exponents(results):
                    "= 1")
 
 
+def exponent_ends(results, share):
+    """Least and largest exponent where up to a share of the loss is lost, of all cases told."""
+    found = [power_law(*peel(results[mapped(residual, maugis, force).name]), share).exponent
+             for residual in RESIDUALS for force in LOADS for maugis in MORE_TANGENTIAL]
+    return min(found), max(found)
+
+
+def ten_at(results, residual, force):
+    """Least and largest exponent at lambda_t = 10 over the windows."""
+    curve = peel(results[mapped(residual, 10, force).name])
+    found = [power_law(*curve, share).exponent for share in WINDOWS.values()]
+    return min(found), max(found)
+
+
 def resampled(forces, areas, count=400):
     """The same curve at equal steps of the force, so that a fit does not hang on where points
     lie."""
@@ -140,11 +159,11 @@ def resampled(forces, areas, count=400):
 
 
 def misfit(record, share=0.25):
-    """Largest distance of the area from the power law fitted to a share of the loss, up to where 90
+    """Largest distance of the area from the power law fitted to a share of the loss, up to where 95
     % is lost, over what is lost; - where the area decays faster."""
     forces, areas = resampled(*peel(record))
     fit, lost = power_law(forces, areas, share), areas[0] - areas
-    upto = np.argmax(lost >= 0.9 * lost.max()) + 1
+    upto = np.argmax(lost >= 0.95 * lost.max()) + 1
     off = (areas[:upto] - np.maximum(fit(forces[:upto]), areas.min())) / lost.max()
     return off[np.argmax(np.abs(off))]
 
@@ -152,7 +171,7 @@ def misfit(record, share=0.25):
 @statement("Fig. 6", "at large forces: the best power law for lambda_t = 1 at W = 25, a faster "
            "decay below, a tail above; at W = 0.8 the decay is too fast for lambda_t < 10, best at "
            "higher ones", "largest distance of the curve from the fit of a quarter of the loss, up "
-           "to where 90 % is lost, over what is lost in all, for each lambda_t; - where the area "
+           "to where 95 % is lost, over what is lost in all, for each lambda_t; - where the area "
            "decays faster than the fit, + where more slowly")
 def whole_decay(results):
     found, best, signs = [], {}, {}

@@ -6,7 +6,7 @@ import pytest
 
 from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
-from contactsnes.contact import states
+from contactsnes.contact import fronts, states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.continuation.points import lagrange_weights
 from contactsnes.grid.windows import Window
@@ -362,7 +362,7 @@ def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
     touching_the_rim = with_gap(contact, window, -5.0 + x)
     good = parabola(contact, window, 2.0)
     for state in (off, two, touching_the_rim):
-        assert following.edges(contact, state) is None
+        assert fronts.edges(contact, state) is None
         assert following.follow_edge(contact, [good, state], np.array([-1.0, 2.0])) is None
         assert following.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
 
@@ -389,7 +389,7 @@ def test_following_the_edge_in_two_dimensions(boxed):
     given = [spot(contact, window, [(-2.0 - 0.11 * t + 0.01 * t * t, 2.2 + 0.15 * t),
                                     (-2.5 + 0.1 * t, 2.4 - 0.12 * t - 0.01 * t * t)],
                   contact.scene.contact_threshold) for t in range(4)]
-    assert np.all(np.isfinite(following.edges(contact, given[0])))
+    assert np.all(np.isfinite(fronts.edges(contact, given[0])))
     weights = lagrange_weights(range(3), 3)
     found = following.follow_edge(contact, given[:3], weights)
     near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
@@ -406,7 +406,7 @@ def test_two_spots_of_a_plane_have_no_edge_to_follow():
     for gap in (np.minimum((x - 2) ** 2, (x + 2) ** 2) + y ** 2,
                 np.minimum((x - 2) ** 2 + (y - 2) ** 2, (x + 2) ** 2 + (y + 2) ** 2)):
         displacement = (4.0 * gap - contact.initial_gap).reshape(1, -1)
-        assert following.edges(contact, states.State(contact.grid.whole, displacement,
+        assert fronts.edges(contact, states.State(contact.grid.whole, displacement,
                                                      np.zeros(1))) is None
 
 
@@ -418,7 +418,7 @@ def test_a_second_spot_next_to_the_window_is_no_trouble():
     window = Window(contact.grid, (POINTS // 2 - 128 - 76,), (153,))
     given = [states.State(window, np.full((1, 153), depth), np.array([depth]))
              for depth in (-13.9, -14.0)]
-    assert following.edges(contact, given[-1]) is not None
+    assert fronts.edges(contact, given[-1]) is not None
     found = following.follow_edge(contact, given, np.array([-1.0, 2.0]))
     assert found is None or np.all(np.isfinite(found.displacement))
 
@@ -459,8 +459,8 @@ def test_following_slip_fronts(residual):
     """Fronts that run ahead of the edges; with full residual friction they are left in place."""
     contact = line(points=2048, tangential_maugis=10.0, residual_friction=residual)
     given = [slipping(contact, 3.0 - 0.01 * t, 2.4 - 0.2 * t - 0.02 * t * t) for t in range(4)]
-    ends = following.edges(contact, given[0])
-    found = following.slip_fronts(contact, given[0], ends)
+    ends = fronts.edges(contact, given[0])
+    found = fronts.slip_fronts(contact, given[0], ends)
     assert ends[0, 0] < found[0, 0] < found[0, 1] < ends[0, 1]
     np.testing.assert_allclose(np.diff(found)[0],
                                2 * (2.4 - 0.15 * np.log(20.0 / np.sqrt(0.5) - 1.0))
@@ -477,9 +477,83 @@ def test_there_are_no_fronts_where_nothing_or_everything_slips():
     contact = line(points=2048, tangential_maugis=10.0)
     for front in (0.0, 3.5):
         state = slipping(contact, 3.0, front, 0.05)
-        assert following.slip_fronts(contact, state, following.edges(contact, state)) is None
+        assert fronts.slip_fronts(contact, state, fronts.edges(contact, state)) is None
     pressed = parabola(contact, contact.grid.whole, 3.0)
-    assert following.slip_fronts(contact, pressed, following.edges(contact, pressed)) is None
+    assert fronts.slip_fronts(contact, pressed, fronts.edges(contact, pressed)) is None
+
+
+def test_ends_of_pressure_stay_while_fronts_move(monkeypatch):
+    """Where slip has taken the adhesion, gap and slip are rough at the end of pressure: stretched
+    from there to the front, its place moves with neither."""
+    contact = line(points=2048, tangential_maugis=10.0, residual_friction=0.2)
+    x = np.abs(contact.grid.whole.coordinates()[0])
+
+    def state(front):
+        found = slipping(contact, 3.0, front, 0.04)
+        rim = np.maximum(x - 2.5, 0.0)
+        found.displacement[0] = 2.0 * rim ** 1.5 - 0.01 - contact.gap_on(contact.grid.whole)
+        found.displacement[1] += 5.0 * np.sqrt(rim)
+        return states.State(found.window, found.displacement, contact.grid.mean(found.displacement))
+
+    given = [state(2.2 - 0.15 * t) for t in range(4)]
+    ends = fronts.edges(contact, given[0])
+    slip = fronts.slip_fronts(contact, given[0], ends)
+    found = fronts.pressed_ends(contact, given[0], ends, slip)
+    np.testing.assert_allclose(np.diff(found)[0], 2 * (2.5 + 0.005 ** (2 / 3))
+                               / contact.grid.spacings[0], rtol=1e-3)
+    wrong = []
+    for follow in (fronts.pressed_ends, lambda *_: None):
+        monkeypatch.setattr(fronts, "pressed_ends", follow)
+        again = [state(2.2 - 0.15 * t) for t in range(4)]
+        ahead = following.follow_edge(contact, again[:3], lagrange_weights(range(3), 3))
+        aside = np.abs(ahead.displacement - again[3].displacement)
+        wrong.append(aside[:, (x > 2.4) & (x < 2.9)].max())
+    assert wrong[0] < 0.1 * wrong[1]
+    monkeypatch.undo()
+    # and where the front is too near to them, they are left out
+    near = state(2.62)
+    assert fronts.pressed_ends(contact, near, ends, fronts.slip_fronts(contact, near,
+                                                                             ends)) is None
+
+
+@pytest.mark.parametrize("residual", [0.0, 0.2])
+def test_fronts_are_where_they_were_foretold_or_not(residual):
+    """After a way of several cohesive lengths, to a part of one."""
+    contact = line(points=4096, tangential_maugis=6.0, residual_friction=residual)
+    length = 1.0 / (contact.scene.tangential_maugis ** 2 * contact.law.slip_softening)
+    last, found, beside = (slipping(contact, 3.0, front) for front in (2.4, 2.0,
+                                                                       2.0 + 0.2 * length))
+    near = slipping(contact, 3.0, 2.0 + 0.01 * length)
+    assert fronts.fronts_moved(contact, last, found)
+    assert fronts.fronts_foretold(contact, found, last, found)
+    assert fronts.fronts_foretold(contact, near, last, found)
+    assert not fronts.fronts_foretold(contact, beside, last, found)
+    # a front that has not moved tells nothing, nor does none
+    assert not fronts.fronts_foretold(contact, near, found, found)
+    assert not fronts.fronts_moved(contact, found, near)
+    pressed = parabola(contact, contact.grid.whole, 3.0)
+    pressed = states.with_components(pressed, 2)
+    assert not fronts.fronts_foretold(contact, found, pressed, found)
+    assert not fronts.fronts_moved(contact, pressed, found)
+
+
+def test_stiff_fronts_are_followed_without_refused_steps():
+    """Solves within a step begin from what follows the fronts as well, so that no step is refused
+    for one of them, however far fronts move; the fold is that of steps a quarter as long."""
+    scene = Scene(points=4096, period=20.0, height=100.0, normal_maugis=3.0, tangential_maugis=6.0,
+                  residual_friction=0.2)
+    load = Load(start="normal_displacement=4",
+                path="normal_displacement=hold, tangential_displacement=500", stop="gross_sliding")
+    found = []
+    for largest in (20.0, 5.0):
+        said = []
+        points = list(Branch(scene, load, Steps(initial_step=(2.0,), largest_step=(largest,),
+                                                at_fold="stop"), log=said.append))
+        found.append((points, sum("in between" in line or "mode that is stable" in line
+                                  for line in said)))
+    (points, refused), (finer, _) = found
+    assert points[-1].event == finer[-1].event == "fold" and not refused
+    assert points[-1].load[1] == pytest.approx(finer[-1].load[1], rel=2e-3)
 
 
 def test_followed_fronts_halve_the_cost_of_incipient_sliding(monkeypatch):
@@ -489,8 +563,9 @@ def test_followed_fronts_halve_the_cost_of_incipient_sliding(monkeypatch):
     load = Load(start="normal_displacement=4",
                 path="normal_displacement=hold, tangential_displacement=500", stop="gross_sliding")
     found = []
-    for far in (following.FAR, np.inf):
-        monkeypatch.setattr(following, "FAR", far)
+    for far in (fronts.FAR, np.inf):
+        for module in (following, fronts):
+            monkeypatch.setattr(module, "FAR", far)
         found.append(list(Branch(scene, load, Steps(initial_step=(2.0,), largest_step=(20.0,),
                                                     at_fold="stop"))))
     followed, plain = found

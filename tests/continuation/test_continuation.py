@@ -167,6 +167,10 @@ class System:
 
     follow_edge = extrapolate
 
+    @staticmethod
+    def fronts_moved(first, last):
+        return False
+
     def distance(self, first, second):
         return float(np.sqrt(np.mean((first - second) ** 2)))
 

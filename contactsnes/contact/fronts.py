@@ -1,0 +1,161 @@
+"""Edges of contact, slip fronts and ends of pressure: places between which states are stretched."""
+
+import weakref
+
+import numpy as np
+
+from ..grid.contours import crossings
+from ..grid.transfer import extent
+from .states import normal_gap
+
+FAR = 0.3
+"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
+front has to move in a step to be followed: wider ones, and the gradual ones of full residual
+friction, are predicted better in place."""
+FORETOLD = 0.05
+ON_ITS_WAY = 0.02
+"""Cohesive lengths, and part of its way, by which a slip front may have missed its prediction for
+that to be no chance. Where a grid pins fronts, they miss it by a part of a spacing, which is more
+of the cohesive length than this."""
+LEAST = 4.0
+"""Nodes that lie at least between places that are followed."""
+
+_KNOWN = weakref.WeakKeyDictionary()
+"""State -> contact, and places in it (`_kept_places`)."""
+
+
+def edges(contact, state):
+    """First and last place, in nodes of the window, of the one spot of contact along each
+    direction, an array (directions, 2).
+
+    In two dimensions on the lines through its middle. None where there is no such spot: none,
+    several, one across the border.
+    """
+    if len(state.window.parts) > 1:
+        return None
+    window = state.window.parts[0]
+    box = state.window.box(normal_gap(contact, state))
+    level = contact.scene.contact_threshold
+    ends = []
+    touching = box < level
+    lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
+        return None
+    through = [(line.start + line.stop) // 2 for line in lines]
+    for axis, line in enumerate(lines):
+        places, _ = crossings(window.line(box, axis, through), level)
+        # The extent of all that touches is that on the line, give or take the roundness of a spot.
+        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
+            return None
+        ends.append(places)
+    return np.array(ends)
+
+
+def slip_fronts(contact, state, ends):
+    """The two places on a line, within ``ends`` of the contact, between which the surfaces stick:
+    where the slip passes that of the peak of the friction. None where there are not two.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    ends : array (directions, 2), `edges` of the state, in nodes
+    """
+    if len(ends) > 1 or len(state.displacement) < 2:
+        return None
+    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]),
+                              contact.law.slip_peak)
+    within = (places > ends[0, 0]) & (places < ends[0, 1])
+    return places[None, within] if list(signs[within]) == [-1, 1] else None
+
+
+def fronts_foretold(contact, guess, last, found):
+    """Whether the slip fronts of a state are where they were foretold, after a way of their own: as
+    no fronts are that have jumped.
+
+    Parameters
+    ----------
+    contact : Contact
+    guess : State, predicted from points of the branch
+    last, found : State, equilibria
+    """
+    moved, missed = (_fronts_apart(contact, state, found) for state in (last, guess))
+    return moved > FAR and missed < min(FORETOLD, ON_ITS_WAY * moved)
+
+
+def fronts_moved(contact, first, last):
+    """Whether slip fronts are followed from one state to another: a tangent would leave them in
+    place.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    """
+    return _fronts_apart(contact, first, last) > FAR
+
+
+def _fronts_apart(contact, first, last):
+    """How far the slip fronts of two states are from each other, cohesive lengths of the friction;
+    nan where there are none."""
+    if len(contact.grid.shape) > 1:
+        return np.nan
+    known = [_kept_places(contact, state)[1] for state in (first, last)]
+    if any(fronts is None for fronts in known):
+        return np.nan
+    between = nodes_between(last.window.parts[0], first.window.parts[0])[0]
+    return np.abs(known[1] - known[0] - between).max() * in_cohesive_lengths(contact)
+
+
+def in_cohesive_lengths(contact):
+    """A spacing of a line over the cohesive length of the friction."""
+    return (contact.grid.spacings[0] * contact.scene.tangential_maugis ** 2
+            * contact.law.slip_softening)
+
+
+def pressed_ends(contact, state, ends, fronts):
+    """The two places on a line, between the ends of the contact and the slip ``fronts``, where the
+    normal gap passes zero: ends of the pressure, once slip has taken the adhesion, which stay where
+    they are while the fronts move. None where there are not two.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    ends : array (1, 2), `edges` of the state, in nodes
+    fronts : array (1, 2), `slip_fronts` of the state, in nodes
+    """
+    places, _ = crossings(state.window.box(normal_gap(contact, state)), 0.0)
+    if len(places) != 2:
+        return None
+    order = np.stack((ends[0], places, fronts[0]))
+    return places[None] if np.all(np.diff(order, axis=0) * (1, -1) > LEAST) else None
+
+
+def _kept_places(contact, state):
+    """`edges`, `slip_fronts` and `pressed_ends` of a state, which are asked for step after step."""
+    found = _KNOWN.get(state)
+    if found is None or found[0]() is not contact:
+        ends = edges(contact, state)
+        fronts = None if ends is None else slip_fronts(contact, state, ends)
+        pressed = None if fronts is None else pressed_ends(contact, state, ends, fronts)
+        found = _KNOWN[state] = weakref.ref(contact), ends, fronts, pressed
+    return found[1:]
+
+
+def followed_places(contact, states):
+    """Places of each state that stay in place in the stretched coordinates, in order: the ends of
+    its spot of contact and, where all have them, the slip fronts and the ends of pressure; an array
+    (directions, places) for each state, or None without such a spot."""
+    ends, *inner = zip(*(_kept_places(contact, state) for state in states))
+    if any(end is None for end in ends):
+        return None
+    known = [places for places in inner if all(place is not None for place in places)]
+    return [np.sort(np.concatenate(together, axis=1)) for together in zip(ends, *known)]
+
+
+def nodes_between(window, other):
+    """Nodes from the first one of a window to that of another near it in each direction, over the
+    cell's border or not."""
+    total = np.array(window.grid.shape)
+    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2
