@@ -30,7 +30,7 @@ def maugis_curve(maugis):
 def draw(results):
     """The figure."""
     figure, ((left, right),) = panels(1, 2, height=3.6)
-    inset = left.inset_axes([0.53, 0.13, 0.41, 0.42])
+    inset = left.inset_axes([0.47, 0.13, 0.41, 0.42])
     a = np.linspace(reference.jkr_line_fold(PERIOD)[0], 6.9, 300)
     alone = np.linspace(reference.jkr_line_pull_off()[0], 6.9, 300)
     theory = {maugis: maugis_curve(maugis) for maugis in NORMAL}
@@ -46,6 +46,7 @@ def draw(results):
     left.plot([], [], ":", color="0.3", linewidth=1.1, label="Maugis-Dugdale")
     left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, xlim=(-3, 28), ylim=(0, 14))
     inset.set(xlim=(9.8, 11), ylim=(8.7, 9.4))
+    inset.yaxis.tick_right()
     left.indicate_inset_zoom(inset, edgecolor="0.5", linewidth=0.5)
     left.legend(loc="upper left")
     edge = right.inset_axes([0.22, 0.37, 0.56, 0.34])
