@@ -213,9 +213,10 @@ def active_part(scene, load, reach=1.0):
     return max(float(np.mean(gap < reach * contact.law.range)) for gap in gaps)
 
 
+@lru_cache(maxsize=1)
 def _bent(scene, load):
     """The contact on few points, and normal gaps (*grid) of the body bent without a law where the
-    path begins and at the ends of its legs."""
+    path begins and at the ends of its legs; made once for both parts of a cell."""
     contact = Contact(on(scene, FEW[scene.dimension]))
     legs = scene.legs(load) if load.path else ()
     controls = [scene.initial(load)[0], *(leg.controls[0] for leg in legs if 0 in leg.controls)]

@@ -12,14 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..output.figures.style import STYLE
+from ..output.figures.printed import PAGE, PRINTED
 from ..output.tables import read_hdf5
 
-WIDTH, PANEL = 17.0 / 2.54, 3.3 / 2.54
-"""Width of the figure and height of a row of panels, inches: with six rows a page of a journal."""
-PRINTED = {**STYLE, "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8,
-           "savefig.dpi": 200}
-"""The style of a figure with letters of 8 points."""
+PANEL = 3.3 / 2.54
+"""Height of a row of panels, inches: with six rows a page of a journal."""
 COLUMNS = 4
 """Columns of the legend, at most: long names leave room for fewer."""
 BLANK = Line2D([], [], linestyle="none", label=" ")
@@ -52,7 +49,7 @@ def plot_comparison(paths, output, shown=None):
     styles = _styles(records, shown)
     with matplotlib.rc_context(PRINTED):
         below = 0.25 + 0.17 * _tall(styles)
-        figure = Figure((WIDTH, len(rows) * PANEL + below), layout="constrained")
+        figure = Figure((PAGE, len(rows) * PANEL + below), layout="constrained")
         above, foot = figure.subfigures(2, 1, height_ratios=(len(rows) * PANEL, below))
         panels = above.subplots(len(rows), 2, squeeze=False, sharey="row")
         for number, (line, (record, place)) in enumerate(zip(panels, rows)):
@@ -140,5 +137,5 @@ def _tall(styles):
     families = len({family for family, _ in styles.values()})
     em = PRINTED["legend.fontsize"] / 72
     # A character is about half as wide as it is tall; line and blanks of an entry take the rest.
-    columns = min(COLUMNS, int(WIDTH / ((0.55 * max(map(len, styles)) + 4.9) * em)))
+    columns = min(COLUMNS, int(PAGE / ((0.55 * max(map(len, styles)) + 4.9) * em)))
     return max(3, -(-(len(styles) + 2 * families) // columns))

@@ -16,7 +16,7 @@ from regimes import begun, friction_width
 from runs import LOADS, PERIOD, RESIDUALS, ROOT, Run, mapped, sheared
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
-from style import AREA, FORCE, SYMBOLS, lettered, panels, shades
+from style import AREA, FORCE, SYMBOLS, key, lettered, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
@@ -186,6 +186,8 @@ def draw_areas(axes, results, force):
         axes.plot(first.force, first.area, "o" if force < 1 else "*", color=colour,
                   markeredgecolor="k", markeredgewidth=0.4, markersize=4 if force < 1 else 7,
                   zorder=4, clip_on=False)
+    key(axes, "onset", "ko" if force < 1 else "k*", markerfacecolor="w", markeredgewidth=0.4,
+        markersize=4 if force < 1 else 7)
     axes.set(xlabel=FORCE, ylabel=AREA, xscale="log",
              xlim=(LEAST, 200 if force > 1 else 40))
     axes.legend(loc="upper right", handlelength=1.4)
@@ -194,6 +196,7 @@ def draw_areas(axes, results, force):
 def draw_motions(axes, results):
     """Panel f."""
     labels = []
+    kinds = {"-": "slides by then", ":": "sticks on"}
     for law, runs in MOTIONS.items():
         labels.append(f"$\\rho = {RESIDUAL[law]:g}$:")
         found = onsets(results, law)
@@ -203,10 +206,13 @@ def draw_motions(axes, results):
                       "-" if slid < np.inf else ":", color=colour, linewidth=1.5)
             axes.plot(sticks, -len(labels), color=colour, marker=marker, markersize=4)
             labels.append(label)
-    axes.axvline(1, color="k", linewidth=0.6)
+    axes.axvline(1, color="k", linewidth=0.6, label="equilibrium")
+    for style, label in kinds.items():
+        key(axes, label, f"k{style}", marker="o", markevery=[0], linewidth=1.5)
     axes.set_yticks(range(0, -len(labels), -1), labels)
     axes.tick_params(axis="y", length=0)
-    axes.set(xlabel="sliding / equilibrium's", xlim=(-0.05, 1.4), ylim=(-len(labels) + 0.4, 0.6))
+    axes.set(xlabel="sliding / equilibrium's", xlim=(-0.05, 1.4), ylim=(-len(labels) + 0.4, 3.6))
+    axes.legend(loc="upper left")
 
 
 def draw(results):

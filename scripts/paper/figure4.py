@@ -30,7 +30,7 @@ def maugis_curve(maugis):
 def draw(results):
     """The figure."""
     figure, ((left, right),) = panels(1, 2, height=3.6)
-    inset = left.inset_axes([0.53, 0.13, 0.41, 0.42])
+    inset = left.inset_axes([0.47, 0.13, 0.41, 0.42])
     a = np.linspace(reference.jkr_line_fold(PERIOD)[0], 6.9, 300)
     alone = np.linspace(reference.jkr_line_pull_off()[0], 6.9, 300)
     theory = {maugis: maugis_curve(maugis) for maugis in NORMAL}
@@ -46,7 +46,7 @@ def draw(results):
     left.plot([], [], ":", color="0.3", linewidth=1.1, label="Maugis-Dugdale")
     left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, xlim=(-3, 28), ylim=(0, 14))
     inset.set(xlim=(9.8, 11), ylim=(8.7, 9.4))
-    inset.tick_params(labelsize=7)
+    inset.yaxis.tick_right()
     left.indicate_inset_zoom(inset, edgecolor="0.5", linewidth=0.5)
     left.legend(loc="upper left")
     edge = right.inset_axes([0.22, 0.37, 0.56, 0.34])
@@ -69,7 +69,6 @@ def draw(results):
     right.plot([], [], ":", color="0.3", linewidth=1.1, label="Maugis-Dugdale")
     right.set(xlabel=r"$x/\beta$", ylabel=r"$p_n\,R/(E^*\beta)$", xlim=(-6, 6), ylim=(-8, 2.6))
     edge.set(xlim=(4.05, 5.05), ylim=(-3.9, 0.4))
-    edge.tick_params(labelsize=7)
     right.indicate_inset_zoom(edge, edgecolor="0.5", linewidth=0.5)
     right.legend(loc="lower center", ncols=2)
     for axes, letter in zip((left, right), "ab"):

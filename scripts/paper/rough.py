@@ -15,7 +15,7 @@ from beyond import HEIGHT, finer, refined
 from matplotlib.lines import Line2D
 from observed import onset, profile, sheared_part
 from runs import Run
-from style import AREA, FORCE, GREY, JUMP, ONSET, branch, key, panels, shades
+from style import AREA, FORCE, GREY, JUMP, ONSET, branch, key, lettered, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
@@ -124,7 +124,7 @@ def draw_pressing(axes, results):
                color=colour, label=f"{slope:g}")
         forces = [pull_off(results[PRESSED[slope, seed].name]) for seed in surfaces(slope)]
         tension.plot([slope] * len(forces), forces, "o", color=colour, markeredgecolor="k",
-                     markeredgewidth=0.4, markersize=4.5)
+                     markeredgewidth=0.4, markersize=4.5, label=f"slope {slope:g}")
     loads = np.linspace(-1.7, FORCES[0], 100)
     area.plot(loads, [2 * reference.jkr_line_half_width(load, CELL) for load in loads], "k--",
               linewidth=0.8, label="JKR")
@@ -135,7 +135,7 @@ def draw_pressing(axes, results):
     area.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, ylim=(0, None))
     key(area, *JUMP[:2], **JUMP[2])
     area.legend(title="slope", loc="lower right")
-    tension.set(xlabel=r"root mean square slope$/(u_{n,r}/\beta)$", ylim=(0, 3.4),
+    tension.set(xlabel=r"root mean square slope$/(u_{n,r}/\beta)$", ylim=(0, 4.6),
                 xlim=(-0.3, 1.1 * SLOPES[-1]), ylabel=r"pull-off force$/w_{n,r}$")
     tension.legend(loc="upper right")
 
@@ -155,28 +155,29 @@ def draw_shear(axes, results):
                 one.plot(*place, "*" if one is area else "o" if force == FORCES[0] else "s",
                          color=colour, markeredgecolor="k", markeredgewidth=0.3, markersize=7
                          if one is area else 4.5, zorder=4)
-            for estimate, marker in zip(fronts(record), ("rx", "r+")):
+            for estimate, marker in zip(fronts(record), ("kx", "k+")):
                 begin.plot(begun.area, estimate, marker, markersize=4, markeredgewidth=0.8,
                            zorder=5)
     areas = np.array([0, 10.0])
     begin.plot(areas, PEAK * areas, "k:", linewidth=0.9, label=r"$\tau_{\max} a_r$")
     begin.plot(areas, 0.5 * PEAK * areas, "k-.", linewidth=0.7, label=r"$\tau_\infty a_r$")
     labels = [*(f"$w_n/w_{{n,r}} = {force}$" for force in FORCES), "one front", "a front a spot"]
-    for marker, label in zip(("ko", "ks", "rx", "r+"), labels):
+    for marker, label in zip(("ko", "ks", "kx", "k+"), labels):
         begin.plot([], [], marker, markersize=4, markerfacecolor="w", label=label)
     begin.set(xlabel=AREA + ", at the onset", ylabel=FORCE + ", at the onset", xlim=(0, 10),
-              ylim=(0, 14))
+              ylim=(0, 16))
     slopes = [Line2D([], [], color=colour, label=f"{slope:g}")
               for slope, colour in zip(SLOPES, COLOURS)]
     begin.add_artist(begin.legend(loc="upper left"))
-    begin.legend(handles=slopes, title="slope", loc="lower right", ncols=2)
-    key(area, "other surfaces", linewidth=0.6)
+    begin.legend(handles=[Line2D([], [], linestyle="none", marker="D", markersize=4, color=colour,
+                                 label=f"{slope:g}") for slope, colour in zip(SLOPES, COLOURS)],
+                 title="slope", loc="upper right")
+    key(area, "other seeds", linewidth=0.6)
     for label, look, more in (ONSET, JUMP):
         key(area, label, look, **more)
     area.legend(handles=[*slopes, *area.get_legend_handles_labels()[0]], title="slope", ncols=2,
                 loc="lower left")
-    area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), ylim=(3.6, None),
-             title=f"$w_n/w_{{n,r}} = {FORCES[0]}$")
+    area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), ylim=(3.6, None))
 
 
 def draw_profiles(axes, results):
@@ -185,13 +186,16 @@ def draw_profiles(axes, results):
     record = results[ROUGHEST.name]
     first, last = sheared_part(record).start, onset(record).point
     x, gap, _, _, _ = profile(record, first)
-    gaps.plot(x, record.initial_gap, color=GREY, linewidth=0.7, label="at first touch")
+    gaps.plot(x, record.initial_gap, color=GREY, linewidth=0.7, label="first touch")
     gaps.plot(x, gap / MAUGIS, color="C0", label="gap")
     gaps.axhline(np.e / MAUGIS, color="k", linestyle=":", linewidth=0.8, label=r"e$\,\delta_n$")
-    gaps.fill_between(x, 0, 1, where=gap < np.e, transform=gaps.get_xaxis_transform(), color="C0",
-                      alpha=0.15, linewidth=0, label="contact")
-    gaps.set(ylabel=r"$g_n/u_{n,r}$", ylim=(-0.5, 9.5), title=f"slope {SLOPES[-1]}")
-    gaps.legend(loc="upper center", ncols=2, frameon=True, framealpha=0.9, edgecolor="none")
+    gaps.fill_between(x, 0, 10 / 13, where=gap < np.e, transform=gaps.get_xaxis_transform(),
+                      color="C0", alpha=0.15, linewidth=0, label="contact")
+    # room for the legend above what is drawn
+    gaps.set(ylabel=r"$g_n/u_{n,r}$", ylim=(-0.5, 12.5))
+    for line in gaps.lines[:2]:
+        line.set_ydata(np.where(line.get_ydata() < 9.5, line.get_ydata(), np.nan))
+    gaps.legend(loc="upper center", ncols=2, handlelength=1.0)
     forces = record["tangential_force"]
     chosen = [first + int(np.argmin(np.abs(forces[first:last + 1] - share * forces[last])))
               for share in (0.3, 0.6, 0.9, 1.0)]
@@ -213,8 +217,8 @@ def draw(results):
     draw_pressing(axes[0, :2], results)
     draw_shear((axes[0, 2], axes[1, 2]), results)
     draw_profiles(axes[1, :2], results)
-    for one, letter in zip(axes.flat, "abcdef"):
-        one.set_title(f"({letter})", loc="left")
+    force, slope = f"$w_n/w_{{n,r}} = {FORCES[0]}$", f"slope {SLOPES[-1]}"
+    lettered(axes.flat, ("", "", force, f"{slope}, {force}", f"{slope}, {force}", ""))
     return figure
 
 

@@ -1,17 +1,17 @@
 """What the figures of the paper have in common: sizes, colours, labels, and files."""
 
-import shutil
 from pathlib import Path
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
+from contactsnes.output.figures import printed
 from contactsnes.output.figures.parts import pieces
-from contactsnes.output.figures.style import STYLE
+from contactsnes.output.figures.printed import PAGE as WIDE
+from contactsnes.output.figures.printed import PRINTED, lettered, panels  # noqa: F401
 
-WIDE, NARROW = 17.0 / 2.54, 8.5 / 2.54
-"""Width of a page and of a column, inches."""
+NARROW = 0.5 * WIDE
+"""Width of a column, inches; WIDE is that of a page."""
 AREA, FORCE = r"$a_r/\beta$", r"$w_t/w_{t,r}$"
 GREY = "#808080"
 SYMBOLS = {"residual": r"$\rho = \tau_\infty/\tau_{\max}$", "drive": r"$u_{app,t}/u_{t,r}$"}
@@ -19,32 +19,12 @@ LAW_NAMES = {"mcgarry": "McG, eq. 3", "full": r"eq. 5, $\tau_\infty = \tau_{\max
              "half": r"eq. 5, $\tau_\infty = \tau_{\max}/2$"}
 
 
-matplotlib.rcParams.update({**STYLE, "legend.fontsize": 8, "legend.title_fontsize": 8,
-                            "xtick.labelsize": 8, "ytick.labelsize": 8,
-                            "legend.handlelength": 1.4, "legend.handletextpad": 0.5,
-                            "legend.columnspacing": 0.9, "legend.labelspacing": 0.3,
-                            "legend.borderpad": 0.2, "legend.borderaxespad": 0.4})
-"""Text of 8 points at the printed width."""
-
-
-def panels(rows, columns, width=WIDE, height=None):
-    """(figure, axes) of panels in the style of the package's figures."""
-    figure = Figure((width, height or 0.8 * rows * width / columns), layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False)
+matplotlib.rcParams.update(PRINTED)
 
 
 def save(figure, name, folder, pages=None):
-    """Write a figure for print, as PNG of 200 dots an inch and as PDF, to a folder, and copies to
-    another one."""
-    # Laid out once; both files are of the same size.
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    # The same figure is the same file: no date in it.
-    for kind, how in (("png", {"dpi": 200}), ("pdf", {"metadata": {"CreationDate": None}})):
-        file = Path(folder) / f"{name}.{kind}"
-        figure.savefig(file, **how)
-        if pages is not None and Path(pages) != Path(folder):
-            shutil.copyfile(file, Path(pages) / file.name)
+    """Write a figure for print to a folder, and copies to another one."""
+    printed.save(figure, Path(folder) / name, pages)
 
 
 def branch(axes, record, x, y, part=slice(None), **look):
@@ -72,9 +52,3 @@ JUMP = ("jump", "k:", {"linewidth": 0.7})
 def shades(count, name="viridis"):
     """Colours of a family of curves, dark to light."""
     return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))
-
-
-def lettered(axes, titles=()):
-    """Give each panel its letter, and a title beside it."""
-    for letter, one, title in zip("abcdefghijkl", axes, [*titles, *[""] * 12]):
-        one.set_title(f"({letter})" + f"  {title}" * bool(title), loc="left")

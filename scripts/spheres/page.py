@@ -4,11 +4,11 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from contactsnes import reference
-from contactsnes.output.figures.style import STYLE, WIDTH, colours
+from contactsnes.output.figures.printed import PRINTED, lettered, panels, save
+from contactsnes.output.figures.style import colours
 from contactsnes.output.tables import markdown, measured, write_between
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -218,13 +218,13 @@ def _pulls(pulled):
 def draw(found, path):
     """Area and shape against the force beside theory, and pull-off after shear."""
     sheared, pulled = Runs(found, "sheared"), Runs(found, "pulled")
-    with matplotlib.rc_context(STYLE):
-        figure = Figure((2.1 * WIDTH, 1.7 * WIDTH), layout="constrained")
-        (area, shape), (quadratic, pulls) = figure.subplots(2, 2)
+    with matplotlib.rc_context(PRINTED):
+        figure, drawn = panels(2, 2)
+        (area, shape), (quadratic, pulls) = drawn
         _draw_paths(sheared, area, shape, quadratic)
         _draw_pulls(pulled, pulls)
-        figure.savefig(path, dpi=160)
-    return path
+        lettered(drawn.flat)
+        return save(figure, path)
 
 
 def _draw_paths(sheared, area, shape, quadratic):
@@ -253,13 +253,15 @@ def _draw_paths(sheared, area, shape, quadratic):
     area.set(xlabel=r"tangential force $T$ ($R\sqrt{\phi_n\phi_t}$)",
              ylabel=r"contact area $A/\beta^2$", ylim=(0, None))
     shape.set(xlabel="tangential force over its largest", ylabel="half axis along over across",
-              ylim=(0.995, 1.07))
-    quadratic.set(xlabel="square of that", ylabel="area over that at rest")
+              ylim=(0.995, 1.1))
+    quadratic.set(xlabel="square of that", ylabel="area over that at rest",
+                  ylim=(None, 1.25))
     handles = [Line2D([], [], color=shades[force], label=f"normal force {force:g}")
                for force in forces]
     styles = (("-", "$\\lambda_t=1$"), ("--", "$\\lambda_t=2$"), (":", "bonded (LEFM)"))
-    area.legend(handles=[*handles, *(Line2D([], [], color="black", linestyle=line, label=text)
-                                     for line, text in styles)])
+    handles += [Line2D([], [], color="black", linestyle=line, label=text) for line, text in styles]
+    for axes, lines in ((area, handles), (shape, handles), (quadratic, handles[:-1])):
+        axes.legend(handles=lines, ncols=1 if axes is area else 2)
 
 
 def _draw_pulls(pulled, axes):
@@ -271,7 +273,8 @@ def _draw_pulls(pulled, axes):
         error = [found[share, maugis][1] / abs(found[0.0, maugis][0]) for share in shares]
         axes.errorbar(shares, ratio, error, marker=mark, capsize=2,
                       label=f"$\\lambda_t={maugis:g}$")
-    axes.fill_between([0.1, 0.8], 0.10, 0.15, color="0.85", label="Oliver and others")
+    axes.fill_between([0.1, 0.8], 0.10, 0.15, color="0.85", linewidth=0,
+                      label="Oliver and others")
     axes.set(xlabel="sheared by, of what slides", ylabel="pull-off over that without",
              ylim=(0, 1.05))
     axes.legend()

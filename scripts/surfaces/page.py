@@ -4,12 +4,12 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from contactsnes import reference
 from contactsnes.grid.counter import weighed
-from contactsnes.output.figures.style import GREY, STYLE, WIDTH, colours
+from contactsnes.output.figures.printed import PRINTED, lettered, panels, save
+from contactsnes.output.figures.style import GREY, colours
 from contactsnes.output.tables import markdown, measured, write_between
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -128,13 +128,13 @@ def reach(run):
 def draw(found, path):
     """Force, area, spots and their sizes of the runs that have the waves of their grid."""
     pressed = of_the_grid(found)
-    with matplotlib.rc_context(STYLE):
-        figure = Figure((2.1 * WIDTH, 1.6 * WIDTH), layout="constrained")
-        (force, area), (count, sizes) = figure.subplots(2, 2)
+    with matplotlib.rc_context(PRINTED):
+        figure, drawn = panels(2, 2)
+        (force, area), (count, sizes) = drawn
         for run, colour in zip(pressed.values(), colours(len(pressed))):
             _draw_loop(run, colour, force, area, count)
         finest = list(pressed.values())[-1]
-        inset = force.inset_axes([0.17, 0.45, 0.45, 0.5])
+        inset = force.inset_axes([0.19, 0.3, 0.42, 0.4])
         for part, line in ((finest["leg"] < 3, "-"), (finest["leg"] == 3, "--")):
             inset.plot(1e6 * finest["normal_displacement"][part],
                        1e6 * finest["normal_force"][part], line, color=colours(len(pressed))[-1])
@@ -144,15 +144,19 @@ def draw(found, path):
         force.set(xlabel="displacement $D$ (µm)", ylabel="pressure $W/L^2$ (kPa)")
         area.set(xlabel="pressure (kPa)", ylabel="contact area over $L^2$ (%)")
         count.set(xlabel="contact area over $L^2$ (%)", ylabel="spots")
-        handles = [Line2D([], [], color=colour, label=told(name))
-                   for name, colour in zip(pressed, colours(len(pressed)))]
-        area.legend(handles=[*handles, Line2D([], [], color="black", label="pressed"),
-                             Line2D([], [], color="black", linestyle="--", label="pulled"),
-                             Line2D([], [], color="black", linestyle=":",
-                                    label="counted, corrected")])
+        handles = [*(Line2D([], [], color=colour, label=told(name))
+                     for name, colour in zip(pressed, colours(len(pressed)))),
+                   *(Line2D([], [], color="black", linestyle=line, label=label)
+                     for line, label in (("-", "pressed"), ("--", "pulled"),
+                                         (":", "counted, corrected")))]
+        for axes in (force, count):
+            axes.set_ylim(None, 1.45 * axes.get_ylim()[1])
+        force.legend(handles=handles[:-1], ncols=2, loc="upper left")
+        area.legend(handles=handles, loc="upper left")
+        count.legend(handles=handles[:-1], ncols=2, loc="upper left")
         _draw_sizes(finest, sizes)
-        figure.savefig(path, dpi=160)
-    return path
+        lettered(drawn.flat, ("", "", "", told(list(pressed)[-1])))
+        return save(figure, path)
 
 
 def _draw_loop(run, colour, force, area, count):
@@ -185,9 +189,8 @@ def draw_shear(found, path):
     """The spots at 250 kPa, and forces and shares of the contact under shear."""
     run, spots = (list(runs.values())[-1] for runs in (runs_of(found, "sheared"),
                                                        of_the_grid(found)))
-    with matplotlib.rc_context(STYLE):
-        figure = Figure((2.1 * WIDTH, 0.95 * WIDTH), layout="constrained")
-        chart, shear = figure.subplots(1, 2)
+    with matplotlib.rc_context(PRINTED):
+        figure, ((chart, shear),) = panels(1, 2)
         half = 0.5e6 * LENGTH
         pressure = 1e-6 * np.ma.masked_where(spots["map"] == 0, spots["pressure"])
         image = chart.imshow(pressure.T, origin="lower", extent=(-half, half, -half, half),
@@ -210,8 +213,8 @@ def draw_shear(found, path):
                               Line2D([], [], color="C2", linestyle="--", label="sticks"),
                               Line2D([], [], color="C1", linestyle=":", label="slips")],
                      loc="center right")
-        figure.savefig(path, dpi=160)
-    return path
+        lettered((chart, shear))
+        return save(figure, path)
 
 
 def write(found, path):

@@ -17,6 +17,7 @@ from contactsnes.branch.corrector import Corrector
 from contactsnes.branch.first_points import refined
 from contactsnes.branch.grid_choice import chosen, memory_needed, next_grid, predicted, reason
 from contactsnes.contact.observables import Measurement
+from contactsnes.contact.problem import Contact
 from contactsnes.continuation.points import NotConverged, TooCoarse
 from contactsnes.options.fields import InputError
 from contactsnes.scene.load import Load
@@ -255,6 +256,24 @@ def test_memory_is_that_of_the_window():
                  path="normal_displacement=hold, tangential_displacement=1")
     assert grid_choice.window_part(Scene(points="auto", normal_maugis=3.0, period=50.0),
                                    still) > 0.05
+
+
+def test_both_parts_of_a_cell_take_one_contact(monkeypatch):
+    made = []
+
+    def counted(scene):
+        made.append(scene)
+        return Contact(scene)
+
+    monkeypatch.setattr(grid_choice, "Contact", counted)
+    load = Load(path="normal_force=2")
+    for period in (40.0, 41.0):
+        parts = []
+        for part in (grid_choice.window_part, grid_choice.active_part):
+            # as `contactsnes info` asks: with scenes that are equal, not the same
+            parts.append(part(Scene(points="auto", normal_maugis=3.0, period=period), load))
+        assert 0.0 < parts[1] <= parts[0] < 1.0
+    assert [scene.period for scene in made] == [40.0, 41.0]
 
 
 @pytest.mark.parametrize("value", [1e-14, 1e-11])
