@@ -140,7 +140,7 @@ def by_creep(system, state, controls, load, origin, options):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     contact, state = system.contact, system.fitted(state)
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
-                              options)
+                              options, system.settings.linear_precision)
     motion.measured = origin is not None and states.missed(contact, origin, state) <= BESIDE
     point = at_rest(system, motion, controls, load)
     if not motion.measured:

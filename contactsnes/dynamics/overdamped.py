@@ -82,6 +82,7 @@ class OverdampedMotion:
     totals : dict of counts (``linear_iterations``, ``function_evaluations``,
         ``jacobian_products``), which are added to
     options : MotionOptions
+    precision : str, of transforms inside linear solves, as of ``-contact_linear_precision``
 
     Attributes
     ----------
@@ -92,13 +93,14 @@ class OverdampedMotion:
         phi_i
     """
 
-    def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions()):
+    def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions(),
+                 precision="double"):
         self.contact = contact
         self.symmetry = symmetry
         self.controls = controls
         self.load = load
         self.totals = totals
-        self.options = options
+        self.options, self._precision = options, precision
         self.steps = 0
         self.measured = True
         self.works = np.zeros((2, len(controls)))
@@ -110,7 +112,7 @@ class OverdampedMotion:
         """Take up the motion on a state's window; tau is t unless it is given there."""
         even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
-                                               self.load)
+                                               self.load, self._precision)
         unknown = equations.pack(state.displacement, state.means)
         gap, traction = equations.gap(unknown), equations.traction(unknown)
         elastic = traction if elastic is None else equations.folded(elastic)
@@ -182,9 +184,7 @@ class OverdampedMotion:
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
         leads."""
-        equations = self.equations
-        history = self.history
-        allowed = self._control
+        equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]
         shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)

@@ -50,9 +50,10 @@ class Equations:
     window : Window, centred if ``even``
     even : whether states are even about the apex
     controls, load : of each component
+    precision : str, of transforms inside linear solves, as of ``-contact_linear_precision``
     """
 
-    def __init__(self, contact, window, even, controls, load):
+    def __init__(self, contact, window, even, controls, load, precision):
         self.contact = contact
         self.window = window
         count = len(controls)
@@ -75,7 +76,7 @@ class Equations:
         load[sprung] = 0.0
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
-        self.ksp, self.matrix = create_ksp(self.form, "jump_")
+        self.ksp, self.matrix = create_ksp(self.form, "jump_", precision)
         self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None

@@ -4,11 +4,12 @@ from petsc4py import PETSc
 
 from . import callbacks
 from .operators import Jacobian
+from .precision import Precision, pays
 from .snes import kept
 from .vectors import communicator, create_operator
 
 
-def create_ksp(form, prefix):
+def create_ksp(form, prefix, precision):
     """(KSP, its matrix) of a form's Jacobian, set up by the defaults of `snes.equip` and then by
     the user's options; its matrix is to be assembled whenever the form is linearised.
 
@@ -16,16 +17,18 @@ def create_ksp(form, prefix):
     ----------
     form : of the equations
     prefix : str, of the options, after the dash
+    precision : str, of transforms inside its solves, as of ``-contact_linear_precision``
     """
     ksp = PETSc.KSP().create(communicator(form))
     ksp.setOptionsPrefix(prefix)
     ksp.setType("fgmres")
     ksp.setGMRESRestart(60)
     ksp.setTolerances(max_it=150)
+    single = pays(form, precision)
     if callbacks.available(form):
-        matrix = callbacks.operator(ksp, form)
+        matrix = callbacks.operator(ksp, form, single)
     else:
-        matrix = create_operator(form, Jacobian(form))
+        matrix = create_operator(form, Jacobian(form, Precision(ksp if single else None)))
         ksp.getPC().setType("python")
         ksp.getPC().setPythonType(callbacks.OWN_ZONE)
     ksp.setOperators(matrix)

@@ -38,12 +38,12 @@ def trusted(form, warm):
 
 
 class Precision:
-    """Chooses the precision of the solves of a SNES in Python's contexts; the library does the same
-    (`choose` in petsc.c).
+    """Chooses the precision of the solves of a SNES or KSP in Python's contexts; the library does
+    the same (`choose` in petsc.c).
 
     Parameters
     ----------
-    snes : SNES whose solves may be in single precision, or None
+    solver : SNES or KSP whose solves may be in single precision, or None
 
     Attributes
     ----------
@@ -51,15 +51,15 @@ class Precision:
     turned : number of solves that went on in double precision
     """
 
-    def __init__(self, snes=None):
-        self._snes = snes and weakref.ref(snes)
-        self.allowed = snes is not None
+    def __init__(self, solver=None):
+        self._solver = solver and weakref.ref(solver)
+        self.allowed = solver is not None
         self._single, self.turned = False, 0
 
     def _ksp(self):
         """The KSP of the solves, None where these are in double precision."""
-        snes = self._snes() if self.allowed and self._snes else None
-        return snes and snes.getKSP()
+        solver = self._solver() if self.allowed and self._solver else None
+        return solver and getattr(solver, "getKSP", lambda: solver)()
 
     def begin(self):
         """Choose for a solve that begins; whether it is in single precision."""

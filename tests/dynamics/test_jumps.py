@@ -203,6 +203,23 @@ def test_works_of_a_jump_balance(name, jumped, options):
     assert errors[0] < 0.03 and errors[1] < 0.006, errors
 
 
+@pytest.mark.parametrize("kernels", ("auto", "off"))
+@pytest.mark.parametrize("name", ("jump-in under a force", "pull-off", "sliding", "sphere"))
+def test_motions_in_single_precision_end_in_the_same_state(name, kernels, jumped):
+    """... after the same steps, with the same works; only linear solves are in it."""
+    _, expected, _ = jumped[name]
+    branch, found, _ = followed(name, linear_precision="single", kernels=kernels)
+    jump, other = found[-1], expected[-1]
+    same(branch, jump, other)
+    for work in ("jump_work", "viscous_work"):
+        assert getattr(jump, work) == pytest.approx(getattr(other, work), rel=1e-4, nan_ok=True)
+    # Newton's solves from afar on such grids are in double: what is single is the motion's
+    assert other.spent["transforms_single"] == 0.0 < jump.spent["transforms"]
+    assert jump.spent["transforms_single"] > 0.2 * other.spent["transforms"]
+    assert jump.spent["linear_iterations"] == pytest.approx(other.spent["linear_iterations"],
+                                                            rel=0.1)
+
+
 def test_works_of_a_motion_that_does_not_begin_beside_an_equilibrium_are_not_told(jumped):
     assert np.isnan(jumped["jump-in under a force"][1][-1].viscous_work)
     assert np.isnan(jumped["jump-in under a force"][1][-1].jump_work)
