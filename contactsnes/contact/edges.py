@@ -12,6 +12,9 @@ from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_betw
 from .state import State, alike, onto, spread, weighted
 from .states import NEAR, combined, normal_gap, wider
 
+STRETCH = 0.25
+"""Part of its length by which a piece between ends of pressure and fronts may grow or shrink in a
+step: more of it changes than is stretched."""
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
 1e-7)."""
@@ -65,6 +68,10 @@ def _follow_spot(contact, states, weights):
     places = np.array([one + nodes_between(window, state.window)[:, None]
                        for one, state in zip(known, states)])
     target = np.tensordot(weights, places, axes=1)
+    pieces = np.diff(target) / np.diff(places[-1])
+    if pieces.size > 3 and np.any(np.abs(pieces - 1.0) > STRETCH):
+        # Beside ends of pressure that are near to a front, or move with it, it is followed alone.
+        places, target = places[..., [0, 2, 3, 5]], target[:, [0, 2, 3, 5]]
     moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0)
     if (moved * in_cohesive_lengths(contact) < FAR
             or np.any(np.diff(target) < LEAST)):

@@ -516,6 +516,27 @@ def test_ends_of_pressure_stay_while_fronts_move(monkeypatch):
                                                                              ends)) is None
 
 
+def test_ends_of_pressure_beside_fronts_are_not_followed(monkeypatch):
+    """Where the piece between both would be stretched by much, fronts are followed as without
+    them."""
+    contact = line(points=2048, tangential_maugis=10.0, residual_friction=0.2)
+    x = np.abs(contact.grid.whole.coordinates()[0])
+
+    def state(front):
+        found = slipping(contact, 3.0, front, 0.04)
+        found.displacement[0] = (2.0 * np.maximum(x - 2.3, 0.0) ** 1.5 - 0.01
+                                 - contact.gap_on(contact.grid.whole))
+        return states.State(found.window, found.displacement, contact.grid.mean(found.displacement))
+
+    found = []
+    for follow in (fronts.pressed_ends, lambda *_: None):
+        monkeypatch.setattr(fronts, "pressed_ends", follow)
+        given = [state(2.2 - 0.1 * t) for t in range(3)]
+        assert len(fronts.followed_places(contact, given)[0][0]) == (6 if not found else 4)
+        found.append(following.follow_edge(contact, given, lagrange_weights(range(3), 3)))
+    np.testing.assert_array_equal(found[0].displacement, found[1].displacement)
+
+
 @pytest.mark.parametrize("residual", [0.0, 0.2])
 def test_fronts_are_where_they_were_foretold_or_not(residual):
     """After a way of several cohesive lengths, to a part of one."""
