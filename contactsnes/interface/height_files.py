@@ -2,6 +2,7 @@
 nothing in them is executed."""
 
 import importlib.util
+import textwrap
 import warnings
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +15,8 @@ UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
 """Unit of heights -> metres."""
 OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
 """Units as files write them."""
+LONGEST = 300
+"""Characters of a library's reason that are told."""
 UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
 EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or install "
@@ -54,7 +57,8 @@ def read(specification):
             warnings.simplefilter("ignore")  # of files without a number
             found = reader(filename, dataset)
     except Exception as error:  # a damaged file: whatever it makes of itself
-        raise ValueError(f"{option}: cannot be read ({error}).") from None
+        # SurfaceTopography tells of each of its readers, with parts of the file.
+        raise ValueError(f"{option}: cannot be read ({textwrap.shorten(str(error), LONGEST)}).") from None
     found = found if isinstance(found, Heights) else Heights(np.asarray(found))
     if found.values.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {found.values.dtype} instead of real numbers.")

@@ -531,7 +531,7 @@ def test_ends_of_pressure_beside_fronts_are_not_followed(monkeypatch):
     found = []
     for follow in (fronts.pressed_ends, lambda *_: None):
         monkeypatch.setattr(fronts, "pressed_ends", follow)
-        given = [state(2.2 - 0.1 * t) for t in range(3)]
+        given = [state(2.2 - 0.15 * t) for t in range(3)]
         assert len(fronts.followed_places(contact, given)[0][0]) == (6 if not found else 4)
         found.append(following.follow_edge(contact, given, lagrange_weights(range(3), 3)))
     np.testing.assert_array_equal(found[0].displacement, found[1].displacement)
