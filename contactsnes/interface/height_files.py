@@ -58,7 +58,8 @@ def read(specification):
             found = reader(filename, dataset)
     except Exception as error:  # a damaged file: whatever it makes of itself
         # SurfaceTopography tells of each of its readers, with parts of the file.
-        raise ValueError(f"{option}: cannot be read ({textwrap.shorten(str(error), LONGEST)}).") from None
+        reason = textwrap.shorten(str(error), LONGEST)
+        raise ValueError(f"{option}: cannot be read ({reason}).") from None
     found = found if isinstance(found, Heights) else Heights(np.asarray(found))
     if found.values.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {found.values.dtype} instead of real numbers.")
