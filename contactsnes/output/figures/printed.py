@@ -21,7 +21,13 @@ PRINTED = {**STYLE, "font.size": POINTS, "axes.labelsize": POINTS, "axes.titlesi
 
 
 def panels(rows, columns, width=PAGE, height=None):
-    """(figure, axes) of rows and columns of panels; width and height in inches."""
+    """(figure, axes) of rows and columns of panels.
+
+    Parameters
+    ----------
+    rows, columns : int
+    width, height : inches; a height of None makes panels a little broader than high
+    """
     figure = Figure((width, height or 0.8 * rows * width / columns), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False)
 
