@@ -16,8 +16,8 @@ import numpy as np
 from starter import Starter
 
 from contactsnes import Scene, reference
-from contactsnes.output.files import ArchiveError
-from contactsnes.output.reading import read
+from contactsnes.output.files import ArchiveError, open_archive
+from contactsnes.output.reading import Record, read
 from contactsnes.scene.resolution import resolution
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -304,13 +304,24 @@ class Results:
         self.asked = name
         if name not in self._read:
             try:
-                record = read(self.path(name))
+                record = self._record(name)
             except ArchiveError as error:
                 raise KeyError(name) from error
             if not record.points:
                 raise KeyError(name)
             self._read[name] = record
         return self._read[name]
+
+    def _record(self, name):
+        """The archive of a run; of one that was made here to its end, without the trial in another
+        process that an archive of unknown origin gets."""
+        path = self.path(name)
+        log = path.with_suffix(".log")
+        if not (log.is_file() and log.read_text(encoding="utf-8").rstrip().rpartition("\n")[2]
+                .startswith("exit status")):
+            return read(path)
+        with open_archive(path) as file:
+            return Record(file)
 
     def __contains__(self, name):
         try:
