@@ -18,6 +18,8 @@ step: more of it changes than is stretched."""
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
 1e-7)."""
+
+
 def follow_edge(contact, states, weights):
     """Extrapolate gaps in coordinates stretched so that the ends of the contact spot stay in place;
     None without such a spot.
@@ -72,7 +74,8 @@ def _follow_spot(contact, states, weights):
     if pieces.size > 3 and np.any(np.abs(pieces - 1.0) > STRETCH):
         # Beside ends of pressure that are near to a front, or move with it, it is followed alone.
         places, target = places[..., [0, 2, 3, 5]], target[:, [0, 2, 3, 5]]
-    moved = np.abs(target - places[-1])[:, 1:-1].max(initial=0.0)
+    # In a short step, too, after long ones: it is states far from each other that are weighted.
+    moved = np.abs(np.diff([*places, target], axis=0))[..., 1:-1].max(initial=0.0)
     if (moved * in_cohesive_lengths(contact) < FAR
             or np.any(np.diff(target) < LEAST)):
         # Fronts that hardly move, or meet each other or the edges, are not followed.

@@ -21,12 +21,14 @@ FALSE = 0.02
 projection of it may have negative eigenvalues that J itself has not, with residuals of a quarter of
 them."""
 BASIS = 3
+LONGER = 4
+PATIENCE = 8
 RUNS = 40
 NOISE = 0.003
 MOST = 16
-"""Products of a run of ARPACK (four times as many for a first point), most runs, the part of noise
-in their starts, and vectors of a symmetry beyond which the projection begins anew from its
-modes."""
+"""Products of a run of ARPACK; how many times as many it has for a first point, and after so many
+runs: next to a fold short ones stall; most runs, the part of noise in their starts, and vectors of
+a symmetry beyond which the projection begins anew from its modes."""
 
 
 def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
@@ -83,7 +85,8 @@ def _searched(space, start, accurate, number, neutral):
     for run in range(RUNS):
         noise = random.standard_normal(size) if space.grid is None else space.operator.noise(run)
         begin = sum(vectors, (NOISE if vectors else 1.0) / lengths(noise, space.grid) * noise)
-        _krylov(space, shift, begin, BASIS * (4 if run < cold else 1))
+        longer = run < cold or run >= PATIENCE
+        _krylov(space, shift, begin, BASIS * LONGER if longer else BASIS)
         if run + 1 < cold:
             continue
         found = space.modes()

@@ -473,6 +473,25 @@ def test_following_slip_fronts(residual):
     assert (wrong < 0.2 * still) == (residual < 1.0)
 
 
+def test_short_steps_after_long_ones_follow_fronts_too():
+    """As solves within a step do: their guess is made of states whose fronts are far apart, however
+    near its own is to the last one's."""
+    contact = line(points=4096, tangential_maugis=6.0, residual_friction=0.5)
+    length = 1.0 / (contact.scene.tangential_maugis ** 2 * contact.law.slip_softening)
+
+    def at(time):
+        return slipping(contact, 3.0, 2.0 - 0.5 * length * time, length)
+
+    given = [at(time) for time in range(3)]
+    inside = np.abs(contact.grid.coordinates()[0].reshape(-1)) < 2.8
+    for time in (1.5, 2.2):
+        weights = lagrange_weights(range(3), time)
+        ahead = following.follow_edge(contact, given, weights)
+        wrong, still = (np.abs(state.displacement - at(time).displacement)[1, inside].max()
+                        for state in (ahead, states.combined(contact, given, weights)))
+        assert 0.5 * (abs(time - 2.0)) < fronts.FAR and wrong < 0.2 * still
+
+
 def test_there_are_no_fronts_where_nothing_or_everything_slips():
     contact = line(points=2048, tangential_maugis=10.0)
     for front in (0.0, 3.5):

@@ -312,3 +312,15 @@ def test_a_wide_soft_contact_has_no_unstable_mode():
     point = next(iter(branch({"points": 2048, "normal_maugis": 0.55}, "normal_displacement=2.809",
                              "sign", start="normal_displacement=2.809")))
     assert (point.stable, point.unstable_modes) == (1, 0)
+
+
+def test_points_beside_a_fold_need_no_dense_matrix(monkeypatch):
+    """However slowly a mode that is nearly neutral settles."""
+    monkeypatch.setattr(modes, "_all_modes", None)
+    scene = Scene(points=8192, tangential_maugis=0.1, residual_friction=0.8)
+    load = Load(start="normal_displacement=2.809", path="normal_force=0.8; "
+                "normal_displacement=hold, tangential_displacement=45", stop="pull_off")
+    points = list(Branch(scene, load, Steps(initial_step=(0.5, 1.5), largest_step=(1.0, 1.5),
+                                            type="arclength", stability="sign")))
+    assert any(point.event == "fold" for point in points)
+    assert all(point.stable >= 0 for point in points)
