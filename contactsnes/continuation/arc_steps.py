@@ -91,13 +91,13 @@ class ArcSteps(NaturalSteps):
     def _predicted(self, length, predictor):
         """State and position at a length beyond the last point, by a polynomial through the last
         ones."""
-        points, places = [self.history[-1][1]], [0.0]
+        points, places, used = [self.history[-1][1]], [0.0], max(2, predictor.order)
         for _, point in reversed(self.history[:-1]):
+            if len(points) == used:
+                break
             apart = self._way(point, points[0])
             if apart > APART * length or (len(points) == 1 and point is self.history[0][1]):
                 points, places = [point, *points], [places[0] - apart, *places]
-        used = max(2, predictor.order)
-        points, places = points[-used:], places[-used:]
         weights = lagrange_weights(places, length)
         return (predictor.state(self.system, points, places, length),
                 float(weights @ [point.position for point in points]))
