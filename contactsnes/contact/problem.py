@@ -178,8 +178,8 @@ class Contact:
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
         """
         parities = signs and (signs,) * count
-        make = partial(self.kernels.even, parities=parities) if even else self.grid.circle
-        transform = (make or self.kernels.real)(self.grid, shape, count)
+        make = partial(self.kernels.even, parities=parities) if even else self.kernels.circle
+        transform = make(self.grid, shape, count)
         if even:
             blocks = self.body.compliance(transform.wavevectors(self.grid.spacings), components,
                                           last_even=shape[-1] % 2 == 0)
