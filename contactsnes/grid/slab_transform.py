@@ -155,6 +155,12 @@ class SlabTransform:
         self._along_columns(True)
         self._from_columns()
 
+    def filter(self, symbol):
+        """``real`` times real symbols of its precision, (count, *spectrum), in place."""
+        self.forward()
+        self.spectrum *= symbol
+        self.backward()
+
 
 class SlabCircle:
     """A circle of fewer points than a cell that is shared out: transforms on it, once it is known

@@ -140,6 +140,20 @@ class CompiledForm:
         """Take the law's tangent at the unknown."""
         self.library.linearise(self.reference, address(unknown))
 
+    def regularised_step(self, stiffness, unknown, step):
+        """Change a step (the update is unknown - step) where it is long, as
+        `solvers.regularised.RegularisedStep`; whether it was changed here.
+
+        Parameters
+        ----------
+        stiffness : float, kappa, phi_n/delta_n^2
+        unknown, step : arrays of the form's size; the step is overwritten
+        """
+        changed = np.zeros(1, dtype=np.intc)
+        self.library.regularised_step(self.reference, stiffness, address(unknown), address(step),
+                                      address(changed))
+        return bool(changed[0])
+
     def make_quick(self):
         """Have what products in single precision take, in the memory of those in double."""
         if self._quick is None:

@@ -72,3 +72,10 @@ class SlabReal(SlabTransform):
         self.library.along_columns(self._reference, True, True, ctypes.addressof(response),
                                    transposed)
         self._from_columns()
+
+    def filter(self, symbol):
+        """What stands in ``real`` times real symbols of its precision, (count, *spectrum)."""
+        response = structures.Response(components=self._count)
+        for i, own in enumerate(symbol):
+            response.symbol[i][i] = address(own)
+        self.respond(response, False)
