@@ -128,10 +128,10 @@ class Contact:
 
     @cached_property
     def scattered(self):
-        """Whether the law may act on any nodes of a plane, so that solves are on these instead of
-        on boxes: the gap is neither convex nor even."""
-        return (self.scene.dimension == 2 and not self.convex
-                and (self.grid.shared or self.unevenness > UNEVEN))
+        """Whether solves are on the nodes of a plane where the law may act, wherever these are,
+        instead of on boxes: the gap is neither convex nor even, or processes share out the cell."""
+        return self.scene.dimension == 2 and (self.grid.shared or (
+            not self.convex and self.unevenness > UNEVEN))
 
     @property
     def periodic(self):
