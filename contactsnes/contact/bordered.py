@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..kernels.forms import CompiledArc
+from ..kernels.arcs import CompiledArc
 
 
 class ArcLength:
@@ -47,7 +47,8 @@ class ArcLength:
     @cached_property
     def kernel(self):
         """The same rows on the same memory in the library, or None."""
-        return CompiledArc(self) if getattr(self.form, "kernel", None) else None
+        alone = getattr(self.form, "kernel", None) and not self.grid.shared
+        return CompiledArc(self) if alone else None
 
     def aim(self, start, direction, anchor, tangent, length, rate=0.0):
         """Take another length, or another direction to go; parameters as of the class.

@@ -128,10 +128,10 @@ class Contact:
 
     @cached_property
     def scattered(self):
-        """Whether the law may act on any nodes of a plane, so that solves are on these instead of
-        on boxes: the gap is neither convex nor even."""
-        return (self.scene.dimension == 2 and not self.convex
-                and (self.grid.shared or self.unevenness > UNEVEN))
+        """Whether solves are on the nodes of a plane where the law may act, wherever these are,
+        instead of on boxes: the gap is neither convex nor even, or processes share out the cell."""
+        return self.scene.dimension == 2 and (self.grid.shared or (
+            not self.convex and self.unevenness > UNEVEN))
 
     @property
     def periodic(self):
@@ -178,8 +178,8 @@ class Contact:
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
         """
         parities = signs and (signs,) * count
-        make = partial(self.kernels.even, parities=parities) if even else self.grid.circle
-        transform = (make or self.kernels.real)(self.grid, shape, count)
+        make = partial(self.kernels.even, parities=parities) if even else self.kernels.circle
+        transform = make(self.grid, shape, count)
         if even:
             blocks = self.body.compliance(transform.wavevectors(self.grid.spacings), components,
                                           last_even=shape[-1] % 2 == 0)

@@ -254,7 +254,7 @@ class OverdampedMotion:
         near = self.equations.rim_gap(self.history[-1].gap) < contact.law.certain
         if near and not contact.scattered:
             return False
-        if contact.convex:
+        if contact.convex and not near:
             return True
         outside = self._extended()[0] + contact.initial_gap
         window.put(np.full(window.size, np.inf), outside)

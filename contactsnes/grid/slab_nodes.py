@@ -2,6 +2,7 @@
 another."""
 
 import numpy as np
+from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from .active import Nodes
@@ -81,16 +82,36 @@ def nearest_known(field, source, window):
     missing = np.flatnonzero(np.isnan(wide[(0, *across)]))
     if not grid.any(missing.size):
         return found
-    known = np.array(np.nonzero(wide[0] == 1.0))
-    values, offset = wide[(slice(1, None), *known)], np.array([[rows.first - reach], [0]])
-    places, wanted = known + offset, across[:, missing] + offset
-    if grid.any(missing.size and not known.size):
-        # No node is known nearby: all processes tell all that they know.
-        places = np.concatenate(grid.comm.allgather(np.array(source.indices)
-                                                    + [[rows.first], [0]]), axis=1)
-        values = np.concatenate(grid.comm.allgather(field), axis=1)
-    if missing.size:
-        shape = np.array(grid.shape)[:, None]
-        tree = cKDTree((places % shape).T, boxsize=grid.shape)
-        found[:, missing] = values[:, tree.query((wanted % shape).T)[1]]
+    has = wide[0] == 1.0
+    if grid.any(missing.size and not has.any()):
+        _from_everywhere(field, source, across, found, missing)
+    elif missing.size:
+        # columns close on themselves: half of them are there once more on either side
+        half = has.shape[1] // 2
+        apart = np.pad(~has, ((0, 0), (half, half)), mode="wrap")
+        places = ndimage.distance_transform_edt(apart, return_distances=False,
+                                                return_indices=True)
+        row, column = places[:, across[0, missing], across[1, missing] + half]
+        found[:, missing] = wide[1:, row, (column - half) % has.shape[1]]
     return found
+
+
+def _from_everywhere(field, source, across, found, missing):
+    """Fill in values of the nearest nodes where no node is known nearby: all processes tell all
+    that they know.
+
+    Parameters
+    ----------
+    field, source : values and SlabNodes where they are known
+    across : array of int (directions, nodes), places in this process's rows with those around
+    found : array (components, nodes), which gets values
+    missing : array of int, at which of the nodes
+    """
+    grid, rows = source.grid, source.grid.rows
+    places = np.concatenate(grid.comm.allgather(np.array(source.indices) + [[rows.first], [0]]),
+                            axis=1)
+    values = np.concatenate(grid.comm.allgather(field), axis=1)
+    if missing.size:
+        wanted = across[:, missing] + [[rows.first - min(NEARBY, rows.fewest)], [0]]
+        tree = cKDTree(places.T, boxsize=grid.shape)
+        found[:, missing] = values[:, tree.query((wanted % np.array(grid.shape)[:, None]).T)[1]]

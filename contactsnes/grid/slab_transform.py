@@ -57,7 +57,7 @@ class SlabTransform:
     @cached_property
     def single(self):
         """The same pair in single precision, on the same memory."""
-        return SlabTransform(self._grid, self.shape, self._count, self._rows, True)
+        return type(self)(self._grid, self.shape, self._count, self._rows, True)
 
     def _lay_out(self, kind):
         """Take memory for waves of a type, and find what goes where."""
@@ -100,13 +100,23 @@ class SlabTransform:
 
         self._to_half = planned(self.real, self._half, 2, "FFTW_FORWARD")
         self._to_row = planned(self._half, self.real, 2, "FFTW_BACKWARD")
+        self._plan_columns(planned)
+
+    def _plan_columns(self, planned):
+        """Plan columns, some of which are transformed at a time.
+
+        Parameters
+        ----------
+        planned : function (source, target, axis, direction); what executes a plan
+        """
         self._block = pyfftw.zeros_aligned((BLOCK, self.shape[0]), dtype=self._half.dtype)
         self._to_waves, self._to_column = (planned(self._block, self._block, 1, direction)
                                            for direction in ("FFTW_FORWARD", "FFTW_BACKWARD"))
 
-    def _along_columns(self, execute):
+    def _along_columns(self, back):
         """Transform the columns of waves, some at a time side by side: in their places numbers of a
         column are so far apart that it takes several times as long."""
+        execute = self._to_column if back else self._to_waves
         for field in self.spectrum:
             for first in range(0, field.shape[1], BLOCK):
                 columns = field[:, first:first + BLOCK]
@@ -115,8 +125,8 @@ class SlabTransform:
                 execute()
                 np.copyto(columns, block.T)
 
-    def forward(self):
-        """``real`` to ``spectrum``."""
+    def _to_columns(self):
+        """``real`` to columns of waves of rows."""
         self._grid.counter.add(*self._cost)
         self._to_half()
         for half, block in self._blocks:
@@ -125,17 +135,31 @@ class SlabTransform:
             self.spectrum[:, self._empty] = 0.0
         for packed, spectrum in self._exchanges:
             self._grid.comm.Alltoallv(packed, spectrum)
-        self._along_columns(self._to_waves)
 
-    def backward(self):
-        """``spectrum`` to ``real``."""
+    def _from_columns(self):
+        """Columns of waves of rows to ``real``."""
         self._grid.counter.add(*self._cost)
-        self._along_columns(self._to_column)
         for packed, spectrum in self._exchanges:
             self._grid.comm.Alltoallv(spectrum, packed)
         for half, block in self._blocks:
             np.copyto(half, block)
         self._to_row()
+
+    def forward(self):
+        """``real`` to ``spectrum``."""
+        self._to_columns()
+        self._along_columns(False)
+
+    def backward(self):
+        """``spectrum`` to ``real``."""
+        self._along_columns(True)
+        self._from_columns()
+
+    def filter(self, symbol):
+        """``real`` times real symbols of its precision, (count, *spectrum), in place."""
+        self.forward()
+        self.spectrum *= symbol
+        self.backward()
 
 
 class SlabCircle:
@@ -147,10 +171,11 @@ class SlabCircle:
     grid : Slabs
     shape : points in each direction
     count : int, number of arrays
+    kind : of the transforms, as `SlabTransform`
     """
 
-    def __init__(self, grid, shape, count):
-        self._grid, self.shape, self._count = grid, shape, count
+    def __init__(self, grid, shape, count, kind=SlabTransform):
+        self._grid, self.shape, self._count, self._kind = grid, shape, count, kind
         self.gain = math.prod(shape)
 
     def placed(self, first, count):
@@ -160,4 +185,4 @@ class SlabCircle:
         ----------
         first, count : int, this process's rows on the circle
         """
-        return SlabTransform(self._grid, self.shape, self._count, (first, count))
+        return self._kind(self._grid, self.shape, self._count, (first, count))

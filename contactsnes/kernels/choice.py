@@ -43,6 +43,16 @@ class Interpreted:
         """
         return grid.transform(grid, shape, count)
 
+    @staticmethod
+    def circle(grid, shape, count):
+        """The grid's own transforms on a circle, or what makes them once its rows have places.
+
+        Parameters
+        ----------
+        grid, shape, count : as of `grid.cell.Transform`
+        """
+        return (grid.circle or grid.transform)(grid, shape, count)
+
     def law(self, law):
         """The law as it is."""
         return law
@@ -66,27 +76,37 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache):
-        from . import fftw, splines, transforms
+        from . import fftw, slabs, splines, transforms
 
         self._cache, self.law_reason = cache, None
         self.spline = splines.spline
         fftw.remember(cache)
-        self._kinds = transforms.Real, transforms.Cosines
+        self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
         self._kept = lru_cache(maxsize=24)(self._make)
 
     def _make(self, even, cell, shape, count, *parities):
         return self._kinds[even](cell, shape, count, *parities)
 
     def real(self, grid, shape, count):
-        """A transform as `grid.cell.Transform`, whose memory others use between two calls; of slabs
-        their own.
+        """A transform as `grid.cell.Transform`, whose memory others use between two calls.
 
         Parameters
         ----------
         grid, shape, count : as of that
         """
         if grid.shared:
-            return grid.transform(grid, shape, count)
+            return self._slab(grid, shape, count)
+        return self._charged(False, grid, shape, count)
+
+    def circle(self, grid, shape, count):
+        """The same on a circle, or what makes it once its rows have places.
+
+        Parameters
+        ----------
+        grid, shape, count : as of `grid.cell.Transform`
+        """
+        if grid.shared:
+            return grid.circle(grid, shape, count, self._slab)
         return self._charged(False, grid, shape, count)
 
     def even(self, grid, shape, count, parities=None):

@@ -26,9 +26,9 @@ def _calls():
     library, sizes = fftw(), POINTER(c_int)
     arguments = [c_int, sizes, c_int, c_void_p, sizes, c_int, c_int, c_void_p, sizes, c_int, c_int,
                  c_uint]
-    library.fftwf_plan_many_dft.argtypes = [*arguments[:-1], c_int, c_uint]
-    library.fftwf_plan_many_dft.restype = c_void_p
     for kind in KINDS:
+        whole = getattr(library, f"{kind}_plan_many_dft")
+        whole.argtypes, whole.restype = [*arguments[:-1], c_int, c_uint], c_void_p
         for name in ("plan_many_dft_r2c", "plan_many_dft_c2r"):
             getattr(library, f"{kind}_{name}").argtypes = arguments
             getattr(library, f"{kind}_{name}").restype = c_void_p
@@ -40,26 +40,25 @@ def _calls():
 
 
 class Rows:
-    """A pair of plans of complex transforms in single precision, of rows that stand one after
-    another, in place.
+    """A pair of plans of complex transforms of rows that stand one after another, in place.
 
     Parameters
     ----------
     points, count : int, points of a row and number of rows
-    memory : address of (count, points) complex numbers in single precision
+    memory : address of (count, points) complex numbers
+    single : bool, whether these are in single precision
     """
 
-    def __init__(self, points, count, memory):
-        sizes, way = (c_int * 1)(points), [None, 1, points]
-        self.forward, self.backward = (
-            _calls().fftwf_plan_many_dft(1, sizes, count, memory, *way, memory, *way, sign,
-                                         ESTIMATE)
-            for sign in (-1, 1))
+    def __init__(self, points, count, memory, single=True):
+        sizes, way, self._kind = (c_int * 1)(points), [None, 1, points], KINDS[single]
+        make = getattr(_calls(), f"{self._kind}_plan_many_dft")
+        self.forward, self.backward = (make(1, sizes, count, memory, *way, memory, *way, sign,
+                                            ESTIMATE) for sign in (-1, 1))
 
     def __del__(self):
         for plan in (getattr(self, "forward", None), getattr(self, "backward", None)):
             if plan and ctypes is not None:
-                _calls().fftwf_destroy_plan(plan)
+                getattr(_calls(), f"{self._kind}_destroy_plan")(plan)
 
 
 class Plans:

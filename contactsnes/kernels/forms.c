@@ -88,16 +88,15 @@ static void tractions_at(Form *f, const double *unknown)
     f->known = f->ahead != 0;
 }
 
-/* the response to fields in `work`, in the transform of r */
-static int respond(const Form *f, const Response *r, int transposed)
+/* fields in `work` to the transform of r */
+static void put(const Form *f, const Response *r)
 {
     const long c = r->shape[1];
     const double *x = f->work;
-    for (long i = 0; i < f->components && r->picked; i++)
+    for (long i = 0; i < f->components && r->on_circle; i++)
         put_nodes(r->transform, i, r->on_circle, 0, 0, f->work + i * f->nodes, r->picked);
-    for (long i = 0; i < f->components * r->boxes && !r->picked; i++)
+    for (long i = 0; i < f->components * r->boxes && !r->on_circle; i++)
         for (long j = 0; j < r->shape[0]; j++, x += c) put_row(r->transform, i, j, 0, x, c);
-    return convolve(r, transposed);
 }
 
 /* out = (response - mean) factor scale + own, by component */
@@ -106,9 +105,9 @@ static void assemble(const Form *f, const Response *r, const double *mean, doubl
 {
     const long n = f->nodes, c = r->shape[1];
     long at = 0;
-    for (long i = 0; i < f->components && r->picked; i++)
+    for (long i = 0; i < f->components && r->on_circle; i++)
         take_nodes(r->transform, i, r->on_circle, mean[i], factor, own + i * n, out + i * n, n);
-    for (long i = 0; i < f->components && !r->picked; i++)
+    for (long i = 0; i < f->components && !r->on_circle; i++)
         for (long b = 0; b < r->boxes; b++)
             for (long j = 0; j < r->shape[0]; j++, at += c)
                 take_row(r->transform, i * r->boxes + b, j, mean[i], factor,
@@ -121,18 +120,24 @@ static const Response *chosen(const Form *f)
     return f->single ? f->quick : f->response;
 }
 
+/* Tractions at an unknown, in the transform; their sums over the cell, or what of it is here. */
+void begin_residual(Form *f, const double *unknown, double *sum)
+{
+    f->evaluations++;
+    tractions_at(f, unknown);
+    for (long i = 0; i < f->components; i++)
+        sum[i] = total(f->work + i * f->nodes, f->weight, f->nodes);
+    put(f, f->response);
+}
+
 int residual(Form *f, const double *unknown, double *out)
 {
     const long n = f->nodes, m = f->components;
     double sum[MOST], mean[MOST];
-    f->evaluations++;
-    tractions_at(f, unknown);
-    for (long i = 0; i < m; i++) {
-        sum[i] = total(f->work + i * n, f->weight, n);
-        mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
-    }
-    int status = respond(f, f->response, 0);
+    begin_residual(f, unknown, sum);
+    int status = convolve(f->response, 0);
     if (status) return status;
+    for (long i = 0; i < m; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = unknown[m * n + row];
     assemble(f, f->response, mean, 1.0 / f->root, unknown, out);
     for (long row = 0; row < f->forced_count; row++) {
@@ -173,13 +178,20 @@ CLONES static void stiffen(const Form *f, const double *vector, double *sum)
         }
 }
 
+/* The law's answer to a vector, in the transform; its sums over the cell, or what of it is here. */
+void begin_product(Form *f, const double *vector, double *sum)
+{
+    f->products++;
+    stiffen(f, vector, sum);
+    put(f, chosen(f));
+}
+
 int product(Form *f, const double *vector, double *out)
 {
     const long n = f->nodes, m = f->components;
     double sum[MOST], mean[MOST];
-    f->products++;
-    stiffen(f, vector, sum);
-    int status = respond(f, chosen(f), 0);
+    begin_product(f, vector, sum);
+    int status = convolve(chosen(f), 0);
     if (status) return status;
     for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++)
@@ -192,33 +204,53 @@ int product(Form *f, const double *vector, double *out)
     return 0;
 }
 
-CLONES int transposed_product(Form *f, const double *vector, double *out)
+/* A vector, in the transform; its sums over the cell, or what of it is here. */
+CLONES void begin_transposed(Form *f, const double *vector, double *sum)
 {
-    const long n = f->nodes, m = f->components;
-    double sum[MOST], constant[MOST], none[MOST] = {0};
+    const long n = f->nodes;
     f->products++;
-    for (long i = 0; i < m; i++) {
+    for (long i = 0; i < f->components; i++) {
         double *restrict w = f->work + i * n;
         for (long k = 0; k < n; k++) w[k] = vector[i * n + k] * (f->unscale ? f->unscale[k] : 1.0);
         sum[i] = total(w, f->weight, n);
-        constant[i] = f->rigid[i] / f->size * sum[i];
     }
-    for (long row = 0; row < f->forced_count; row++) {
-        const long i = f->forced[row];
-        constant[i] = f->row_scale[i] * f->root * vector[m * n + row];
-        out[m * n + row] = -sum[i] / f->root;
-    }
-    int status = respond(f, chosen(f), 1);
-    if (status) return status;
-    for (long i = 0; i < m; i++) none[i] = -constant[i];
+    put(f, chosen(f));
+}
+
+/* out = vector + D^T scale (response - mean) */
+CLONES void end_transposed(Form *f, const double *mean, const double *vector, double *out)
+{
+    const long n = f->nodes, m = f->components;
     memset(out, 0, m * n * sizeof *out);
-    assemble(f, chosen(f), none, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
+    assemble(f, chosen(f), mean, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
     for (long i = 0; i < m; i++)
         for (long k = 0; k < n; k++) {
             double value = vector[i * n + k];
             for (long j = 0; j < m; j++) value += f->tangent[(j * m + i) * n + k] * f->work[j * n + k];
             out[i * n + k] = value;
         }
+}
+
+/* out = (response - mean) factor + own, of a response that was made by others than `convolve` */
+void end_product(const Form *f, const double *mean, double factor, const double *own, double *out)
+{
+    assemble(f, chosen(f), mean, factor, own, out);
+}
+
+int transposed_product(Form *f, const double *vector, double *out)
+{
+    const long m = f->components, n = f->nodes;
+    double sum[MOST], mean[MOST];
+    begin_transposed(f, vector, sum);
+    for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] / f->size * sum[i];
+    for (long row = 0; row < f->forced_count; row++) {
+        const long i = f->forced[row];
+        mean[i] = -f->row_scale[i] * f->root * vector[m * n + row];
+        out[m * n + row] = -sum[i] / f->root;
+    }
+    int status = convolve(chosen(f), 1);
+    if (status) return status;
+    end_transposed(f, mean, vector, out);
     return 0;
 }
 

@@ -1,5 +1,5 @@
-"""The equations of a displacement form in the library: residual, products and arc length on the
-memory of the Python form that they are the twin of."""
+"""The equations of a displacement form in the library: residual and products on the memory of the
+Python form that they are the twin of."""
 
 import ctypes
 import weakref
@@ -9,7 +9,8 @@ import numpy as np
 from ..grid.active import Nodes
 from . import structures
 from .laws import kernel_of
-from .structures import MOST, TOO_MANY, address
+from .slabs import SlabReal
+from .structures import TOO_MANY, address
 from .transforms import Compiled
 
 KEPT = 2 ** 14
@@ -28,9 +29,9 @@ def twin(form, half, scale=None):
     """
     law = kernel_of(half.contact.law)
     transform = getattr(half.convolution, "transform", None)
-    if law is None or not isinstance(transform, Compiled):
+    if law is None or not isinstance(transform, (Compiled, SlabReal)):
         return None
-    return CompiledForm(form, half, law, scale)
+    return (SharedForm if half.grid.shared else CompiledForm)(form, half, law, scale)
 
 
 def call(function, counter, *arguments):
@@ -69,8 +70,8 @@ def _response(convolution, count, transform):
     if window.even:
         product = None if all(i == j for i, j in symbols) else np.empty_like(transform.spectrum)
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
-        product = np.empty_like(transform.block if own.transform.contents.packed
-                                else transform.spectrum)
+        by_columns = own.transform.contents.packed or window.grid.shared
+        product = np.empty_like(transform.block if by_columns else transform.spectrum)
     if product is not None:
         own.product = address(product)
     if isinstance(window, Nodes):
@@ -139,6 +140,20 @@ class CompiledForm:
         """Take the law's tangent at the unknown."""
         self.library.linearise(self.reference, address(unknown))
 
+    def regularised_step(self, stiffness, unknown, step):
+        """Change a step (the update is unknown - step) where it is long, as
+        `solvers.regularised.RegularisedStep`; whether it was changed here.
+
+        Parameters
+        ----------
+        stiffness : float, kappa, phi_n/delta_n^2
+        unknown, step : arrays of the form's size; the step is overwritten
+        """
+        changed = np.zeros(1, dtype=np.intc)
+        self.library.regularised_step(self.reference, stiffness, address(unknown), address(step),
+                                      address(changed))
+        return bool(changed[0])
+
     def make_quick(self):
         """Have what products in single precision take, in the memory of those in double."""
         if self._quick is None:
@@ -181,52 +196,73 @@ class CompiledForm:
         return out
 
 
-class CompiledArc:
-    """The row and column of arc length around a compiled form.
+class SharedForm(CompiledForm):
+    """The same where processes share out the nodes: what each node has for itself is the library's,
+    transforms and sums are the grid's, and scalars are where that keeps them.
 
     Parameters
     ----------
-    arc : ArcLength whose form has a kernel
+    form, half, law, scale : as of `CompiledForm`
     """
 
-    def __init__(self, arc):
-        half = arc.form.kernel.half
-        contact, count = half.contact, half.components
-        self._factor = np.zeros(2 * MOST)
-        self._factor[:count] = half.factor
-        self._factor[MOST:MOST + count] = contact.far_displacement(count, np.ones(count))
-        self.kernel, self.structure = arc.form.kernel, structures.Arc()
-        self._shared = {"factor": self._factor, "load": half.load, "target": half.row_target,
-                        "far": half.far, "row_scale": half.row_scale,
-                        "load_column": arc.load_column}
-        for name, array in self._shared.items():
-            setattr(self.structure, name, address(array))
-        self.aim(arc)
-        self.reference = ctypes.addressof(self.structure)
+    def __init__(self, form, half, law, scale):
+        super().__init__(form, half, law, scale)
+        self._sums = np.empty(half.components)
 
-    def aim(self, arc):
-        """Take where an arc leads, and how far."""
-        own = self.structure
-        own.length, own.rate = arc.length, arc.rate
-        self._given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
-                       for name in ("start", "direction", "anchor", "tangent")}
-        for name, array in self._given.items():
-            setattr(own, name, address(array))
+    def _totals(self, begin, vector):
+        """Sums over the cell of what a function of the library puts in the transform."""
+        begin(self.reference, address(vector), address(self._sums))
+        return self.grid.together(self._sums)
+
+    def _respond(self, single, transposed=False):
+        """What stands in the transform times the operator."""
+        response, (transform, *_) = self._quick if single else (self._response, self._kept[0])
+        transform.respond(response, transposed)
 
     def residual(self, unknown, out):
-        """F of the form and of the arc length."""
-        call(self.kernel.library.arc_residual, self.kernel.grid.counter, self.kernel.reference,
-             self.reference, address(unknown), address(out))
+        """F."""
+        half, self.structure.single = self.half, False
+        total = self._totals(self.library.begin_residual, unknown)
+        self._respond(False)
+        mean = half.far - half.rigid_compliance * total / self.grid.size
+        mean[half.forced] = half.scalars(unknown)
+        self.library.end_product(self.reference, address(mean), 1.0 / half.root, address(unknown),
+                                 address(out))
+        rows = half.row_scale * total - half.row_target
+        out[half.count:] = self.grid.held(rows[half.forced])
         return out
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector."""
-        call(self.kernel.library.arc_product, self.kernel.grid.counter, self.kernel.reference,
-             self.reference, address(vector), address(out))
+    def apply_jacobian(self, vector, out, single=False):
+        """out = J vector.
+
+        Parameters
+        ----------
+        vector, out, single : as of `CompiledForm`
+        """
+        self.set_precision(single)
+        half, forced = self.half, self.half.forced
+        total = self._totals(self.library.begin_product, vector)
+        self._respond(single)
+        mean, scalars = -half.rigid_compliance * total / self.grid.size, half.scalars(vector)
+        mean[forced] = scalars / half.root
+        self.library.end_product(self.reference, address(mean), 1.0, address(vector), address(out))
+        out[half.count:] = self.grid.held(half.row_scale[forced] * (total[forced] * half.root
+                                                                    + half.drag[forced] * scalars))
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector."""
-        call(self.kernel.library.arc_transposed, self.kernel.grid.counter, self.kernel.reference,
-             self.reference, address(vector), address(out))
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector.
+
+        Parameters
+        ----------
+        vector, out, single : as of `CompiledForm`
+        """
+        self.set_precision(single)
+        half, forced = self.half, self.half.forced
+        total = self._totals(self.library.begin_transposed, vector)
+        self._respond(single, True)
+        mean = -half.rigid_compliance * total / self.grid.size
+        mean[forced] = -half.row_scale[forced] * half.root * half.scalars(vector)
+        self.library.end_transposed(self.reference, address(mean), address(vector), address(out))
+        out[half.count:] = self.grid.held(-total[forced] / half.root)
         return out

@@ -54,9 +54,15 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     const void *symbol[MOST][MOST]; /* of the transform's precision; null where a block is zero */
     long is_complex[MOST][MOST];
     void *product;   /* count x waves, complex unless even; null where blocks are multiplied in place */
-    long picked;     /* some nodes of one box, if not 0: their number */
+    long picked;     /* if `on_circle` is not null, some nodes of one box: their number, */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
+
+typedef struct { /* of `count` half spectra some columns, rows x columns waves each (slabs.c) */
+    long count, rows, columns, single;
+    void *spectrum, *block; /* block: a few columns of each field and of a symbol, column after column */
+    void *there, *back;     /* plans of the fields' block */
+} Columns;
 
 typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times that of the half form */
     long components, nodes, forced_count, forced[MOST], evaluations, products, known;
@@ -185,6 +191,12 @@ void packed_invert(const Transform *t, const double *compliance, double stiffnes
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
               double *tangent);
 void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);
+void along_columns(const Columns *c, int there, int back, const Response *r, int transposed);
+void begin_residual(Form *f, const double *unknown, double *sum);
+void begin_product(Form *f, const double *vector, double *sum);
+void begin_transposed(Form *f, const double *vector, double *sum);
+void end_product(const Form *f, const double *mean, double factor, const double *own, double *out);
+void end_transposed(Form *f, const double *mean, const double *vector, double *out);
 int residual(Form *f, const double *unknown, double *out);
 void linearise(Form *f, const double *unknown);
 int product(Form *f, const double *vector, double *out);

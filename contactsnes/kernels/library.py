@@ -11,8 +11,8 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "precision.h", "transforms.c", "packed.c", "forms.c", "motion.c",
-           "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
+SOURCES = ("kernels.h", "precision.h", "columns.h", "transforms.c", "packed.c", "slabs.c",
+           "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -118,6 +118,11 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "convolve": [_pointer, ctypes.c_int],
          **dict.fromkeys(("residual", "product", "transposed_product", "precondition"),
                          [_pointer, _pointer, _pointer]),
+         "along_columns": [_pointer, ctypes.c_int, ctypes.c_int, _pointer, ctypes.c_int],
+         **dict.fromkeys(("begin_residual", "begin_product", "begin_transposed"),
+                         [_pointer, _pointer, _pointer]),
+         "end_product": [_pointer, _pointer, _double, _pointer, _pointer],
+         "end_transposed": [_pointer, _pointer, _pointer, _pointer],
          "linearise": [_pointer, _pointer], "set_up": [_pointer],
          **dict.fromkeys(("arc_residual", "arc_product", "arc_transposed"),
                          [_pointer, _pointer, _pointer, _pointer]),

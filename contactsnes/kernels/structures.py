@@ -65,6 +65,14 @@ class Response(ctypes.Structure):
                 ("on_circle", c_void_p), ("in_box", c_void_p)]
 
 
+class Columns(ctypes.Structure):
+    """Columns of spectra that are shared out."""
+
+    _fields_ = [("count", c_long), ("rows", c_long), ("columns", c_long), ("single", c_long),
+                ("spectrum", c_void_p), ("block", c_void_p), ("there", c_void_p),
+                ("back", c_void_p)]
+
+
 class Form(ctypes.Structure):
     """The equations of a form."""
 
@@ -156,6 +164,6 @@ class Libraries(ctypes.Structure):
                  "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]
 
 
-STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Form, Motion, Arc,
-                                            Circle, Block, Zone, System, Libraries)}
+STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Columns, Form,
+                                            Motion, Arc, Circle, Block, Zone, System, Libraries)}
 """By the name that kernels.h gives them."""

@@ -50,8 +50,10 @@ def connected():
 
 
 def available(form):
-    """Whether the solves of a form can be the library's."""
-    return getattr(form, "kernel", None) is not None and connected() is not None
+    """Whether the solves of a form can be the library's: where processes share out its nodes, what
+    they tell each other is Python's to send."""
+    return (getattr(form, "kernel", None) is not None and not form.grid.shared
+            and connected() is not None)
 
 
 def _call(name, *arguments):

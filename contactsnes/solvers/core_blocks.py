@@ -26,6 +26,7 @@ class CoreBlock:
 
     def __init__(self, form, component, weight, mean_tangent, pad):
         window = form.window
+        self.grid = window.grid
         self.boxes = (len(window.parts), *window.shape)
         extents = self._find(window, weight)
         # Few sizes, so that transforms and symbols are made once and found again.
@@ -79,9 +80,7 @@ class CoreBlock:
         np.multiply(self.root, core, out=inner, casting="same_kind")
         # Other blocks, with cores of other extents, use the same circle.
         clear_padding(plan.real, inner.shape[1:])
-        plan.forward()
-        plan.spectrum *= symbol
-        plan.backward()
+        self.grid.filter(plan, symbol)
         inner *= self.root
         core *= self.outside
         core += inner
@@ -115,9 +114,7 @@ class ScatteredBlock(CoreBlock):
         plan.real[...] = 0.0
         circle = plan.real.reshape(-1)
         circle[self.inside] = self.root * core
-        plan.forward()
-        plan.spectrum *= symbol
-        plan.backward()
+        self.grid.filter(plan, symbol)
         field[self.core] = self.outside * core + self.root * circle[self.inside]
 
 

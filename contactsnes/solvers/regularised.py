@@ -68,6 +68,10 @@ class RegularisedStep:
     def __call__(self, x, y):
         """Change the step y (the update is x - y) where it is long; True if it was changed."""
         form = self.form
+        kernel = getattr(getattr(form, "form", form), "kernel", None)
+        if kernel:
+            return form.grid.any(kernel.regularised_step(
+                self.newton_stiffness, x.getArray(readonly=True), y.getArray()))
         step = y.getArray()[:form.count].reshape(form.shape)[0]
         root = np.broadcast_to(form.root, step.shape)
         far = np.abs(step) * root > 0.1

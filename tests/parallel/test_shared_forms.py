@@ -1,0 +1,115 @@
+"""Compiled forms of several processes against NumPy's of one, row by row."""
+
+import pytest
+from ranks import SIZES, program, together
+
+from contactsnes.kernels import library
+
+PROGRAM = """
+import itertools
+import numpy as np
+from mpi4py import MPI
+from contactsnes.contact.bordered import ArcLength
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.contact.problem import Contact
+from contactsnes.grid.active import some
+from contactsnes.grid.slabs import Slabs
+from contactsnes.kernels.choice import chosen
+from contactsnes.scene.settings import Scene
+
+comm, random = MPI.COMM_WORLD, np.random.default_rng(3)
+shape, last = (62, 46), MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1
+scene = Scene(points=shape, period=(12.0, 9.0), dimension=2, geometry="sphere", poisson=0.2,
+              normal_maugis=2.0, tangential_maugis=2.0, residual_friction=0.5)
+shared = Contact(scene, kernels=chosen(True), grid=Slabs(shape, scene.periods, comm))
+alone = Contact(scene, kernels=chosen(False))
+masks = {"cell": np.ones(shape, dtype=bool), "nodes": random.random(shape) < 0.5,
+         # of which a process has none
+         "rows": (np.arange(shape[0])[:, None] < 18) & (random.random(shape) < 0.5)}
+
+
+def form_of(contact, part, controls, arc):
+    window = contact.grid.whole
+    if part != "cell":
+        window = some(window, np.flatnonzero(contact.grid.part_of(masks[part])))
+    form = DisplacementForm(contact, window, controls)
+    form.set_load([1.5, 0.3, -0.2][:len(controls)])
+    if not arc:
+        return form
+    numbers = np.random.default_rng(7)
+    start, direction = numbers.normal(size=(2, form.components))
+    anchor, tangent = (mine(form, part, *fields) for fields in numbers_of(form, numbers, 2))
+    return ArcLength(form, start, direction, 0.01 * anchor, tangent, 0.3, 0.7)
+
+
+def numbers_of(form, numbers, count):
+    scalars = len(form.forced) if isinstance(form, DisplacementForm) else 1 + len(form.form.forced)
+    return [(numbers.normal(size=(form.components, *shape)), numbers.normal(size=scalars))
+            for _ in range(count)]
+
+
+def mine(form, part, field, scalars):
+    # nodes that are here, and scalars if they are
+    window = getattr(form, "form", form).window
+    return np.append(window.take(form.grid.part_of(field)), form.grid.held(scalars))
+
+
+def pressed(form, part):
+    field, scalars = numbers_of(form, np.random.default_rng(5), 1)[0]
+    field *= 0.02
+    field -= 1.2 * np.exp(-alone.initial_gap / 3.0) / form.root
+    return mine(form, part, field, 0.02 * scalars)
+
+
+def results(form, part, single):
+    unknown = pressed(form, part)
+    vector = mine(form, part, *numbers_of(form, np.random.default_rng(6), 1)[0])
+    new = lambda: np.empty(form.size)
+    found = {"residual": form.residual(unknown, new())}
+    form.linearise(unknown)
+    how = () if isinstance(form, ArcLength) else (single,)
+    found["product"] = form.apply_jacobian(vector, new(), *how)
+    found["transposed"] = form.apply_transpose(vector, new(), *how)
+    found["after"] = form.residual(unknown, new())
+    return found
+
+
+def on_cell(form, values):
+    # fields over this process's rows; scalars follow, where they are
+    inner = getattr(form, "form", form)
+    fields = np.zeros((form.components, *form.grid.local_shape))
+    inner.window.put(values[:form.count].reshape(form.shape), fields)
+    return fields, values[form.count:]
+
+
+for part, controls, arc, single in itertools.product(
+        masks, (["displacement"], ["force"], ["displacement", "force", "displacement"]),
+        (False, True), (False, True)):
+    if arc and single:
+        continue
+    here, whole = (form_of(contact, part, controls, arc) for contact in (shared, alone))
+    inner = getattr(here, "form", here)
+    assert inner.kernel is not None and getattr(whole, "form", whole).kernel is None
+    expected = results(whole, part, single)
+    for name, values in results(here, part, single).items():
+        fields, scalars = on_cell(here, values)
+        others, tail = on_cell(whole, expected[name])
+        others = np.stack([shared.grid.part_of(field) for field in others])
+        case = part, controls, arc, single, name
+        close = 3e-6 if single and name in ("product", "transposed") else 1e-12
+        most = np.max(np.abs(expected[name]))
+        assert np.max(np.abs(fields - others), initial=0.0) < close * most, case
+        assert not last or np.allclose(scalars, tail, rtol=close, atol=close * most), case
+        assert last or not scalars.size, case
+    assert inner.evaluations == 2 and inner.products == 2
+print("alike")
+"""
+
+
+@together
+@pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
+@pytest.mark.parametrize("size", (1, *SIZES, 4))
+def test_compiled_forms_of_several_processes_are_numpys_of_one(size, tmp_path):
+    done = program(size, PROGRAM, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("alike") == size
