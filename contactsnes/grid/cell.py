@@ -13,11 +13,12 @@ import pyfftw
 
 from .counter import Counter, transform_cost
 from .fields import Fields
+from .filtering import Filtering
 from .precision import first_half
 from .windows import Window
 
 
-class Transform:
+class Transform(Filtering):
     """A planned pair of real transforms of ``count`` arrays of one shape, on aligned memory.
 
     Plans are estimated, not measured: what was fastest on a busy machine would decide the last

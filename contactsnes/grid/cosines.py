@@ -10,11 +10,12 @@ from scipy import fft
 
 from .cell import Convolution
 from .counter import transform_cost
+from .filtering import Filtering
 from .parity import parity
 from .precision import first_half
 
 
-class Cosines:
+class Cosines(Filtering):
     """A pair of cosine transforms of ``count`` even arrays, sine transforms where they are odd,
     with the interface of `cell.Transform`, in place.
 

@@ -129,18 +129,6 @@ class Fields:
         """
         return transform
 
-    def filter(self, transform, symbol):
-        """Multiply fields on a transform's circle by real symbols, in place.
-
-        Parameters
-        ----------
-        transform : with the fields in ``real``
-        symbol : array (fields, *half spectrum) in the transform's precision
-        """
-        transform.forward()
-        transform.spectrum *= symbol
-        transform.backward()
-
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), as a view."""
         return spectrum[(..., *[slice(0, 1)] * len(self.shape))]

@@ -7,6 +7,7 @@ import numpy as np
 import pyfftw
 
 from .counter import transform_cost
+from .filtering import Filtering
 
 PLANS = {"threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
 """Plans of rows and columns: estimated, not measured, as in one process."""
@@ -27,7 +28,7 @@ def share(total, rank, size):
     return slice(first, first + each + (rank < more))
 
 
-class SlabTransform:
+class SlabTransform(Filtering):
     """A planned pair of real transforms of ``count`` arrays, with the interface of
     `cell.Transform`; ``real`` has this process's rows, ``spectrum`` its columns of waves.
 
@@ -154,12 +155,6 @@ class SlabTransform:
         """``spectrum`` to ``real``."""
         self._along_columns(True)
         self._from_columns()
-
-    def filter(self, symbol):
-        """``real`` times real symbols of its precision, (count, *spectrum), in place."""
-        self.forward()
-        self.spectrum *= symbol
-        self.backward()
 
 
 class SlabCircle:

@@ -119,15 +119,6 @@ class Slabs(Grid):
         """
         return transform.placed(first, count)
 
-    def filter(self, transform, symbol):
-        """Multiply fields on a transform's circle by real symbols, in place.
-
-        Parameters
-        ----------
-        transform, symbol : SlabTransform, and as of `Fields.filter`
-        """
-        transform.filter(symbol)
-
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
         view: else one without values."""

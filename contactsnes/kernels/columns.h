@@ -1,5 +1,4 @@
-/* Columns of spectra that are shared out, in the precision REAL: included once for each by `slabs.c`,
-   which says what OF and EXECUTE are. */
+/* Columns of spectra that are shared out, in the precision REAL: the BODY of `both.h` for `slabs.c`. */
 
 /* some columns of an array of rows, one after another: each place holds one number or two */
 CLONES static void OF(gather)(const REAL *restrict from, long rows, long wide, long columns, long numbers,
@@ -28,14 +27,6 @@ CLONES static void OF(scatter)(const REAL *restrict from, long rows, long wide, 
                 to[2 * (j * wide + k)] = from[2 * (k * rows + j)];
                 to[2 * (j * wide + k) + 1] = from[2 * (k * rows + j) + 1];
             }
-    }
-}
-
-CLONES static void OF(times)(REAL *restrict x, const REAL *restrict s, long n)
-{
-    for (long k = 0; k < n; k++) {
-        x[2 * k] *= s[k];
-        x[2 * k + 1] *= s[k];
     }
 }
 

@@ -16,6 +16,7 @@
 #endif
 
 enum { NONE = -1, MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
+enum { COLUMNS = 8 }; /* of spectra that are transformed at a time: a line of the cache in a row */
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
                         double *, double *, double *, double *);
@@ -175,6 +176,8 @@ int filter(Transform *t, const long *shape, const void *symbol);
 long place_of(const Transform *t, long row, long column);
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
 int convolve(const Response *r, int transposed);
+void times_in_double(double *x, const double *s, long n);
+void times_in_single(float *x, const float *s, long n);
 void add_times_in_double(double *x, const double *s, const double *y, long n, int is_complex, double sign);
 void add_times_in_single(float *x, const float *s, const float *y, long n, int is_complex, float sign);
 long packed_place(const Transform *t, long row, long column);

@@ -11,8 +11,9 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "precision.h", "columns.h", "transforms.c", "packed.c", "slabs.c",
-           "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c", "laws.c", "library.c")
+SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "transforms.c", "packed.c",
+           "slabs.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c", "laws.c",
+           "library.c")
 """What the library is made of, in the order of its checksum."""
 
 

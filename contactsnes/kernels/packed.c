@@ -7,8 +7,6 @@
 #include "kernels.h"
 #include <string.h>
 
-enum { COLUMNS = 8 }; /* of a block: a line of the cache in a row */
-
 static float *field_of(const Transform *t, long field)
 {
     return (float *)t->real + field * t->shape[0] * t->shape[1];
@@ -106,14 +104,6 @@ CLONES static void scatter(const Transform *t, long field, long first, long colu
     }
 }
 
-CLONES static void times(float *restrict x, const float *restrict s, long n)
-{
-    for (long k = 0; k < n; k++) {
-        x[2 * k] *= s[k];
-        x[2 * k + 1] *= s[k];
-    }
-}
-
 /* the blocks, or their transpose, times the waves of some columns */
 static void couple(const Response *r, long first, long columns, int transposed)
 {
@@ -157,7 +147,7 @@ void packed_multiply(const Transform *t, const Response *response, const float *
         else
             for (long i = 0; i < t->count; i++) {
                 const float *s = response ? response->symbol[i][i] : symbol + i * t->waves;
-                times(t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
+                times_in_single(t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
             }
         libraries.execute_single(t->columns_back);
         for (long i = 0; i < t->count; i++) scatter(t, i, first, columns, used);

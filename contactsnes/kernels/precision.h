@@ -1,6 +1,5 @@
 /* Transforms of fields on a circle, what goes to them and comes back, and products with symbols, in the
-   precision REAL: included once for each, by `transforms.c`, which says what OF and EXECUTE are. What is
-   not on a circle is of doubles always.
+   precision REAL: the BODY of `both.h` for `transforms.c`. What is not on a circle is of doubles always.
 
    Real transforms of fields on a circle, and cosine transforms of even ones made from real FFTs:
    FFTW's own cosine transforms take several times as long.
@@ -225,6 +224,15 @@ static void OF(blend_nodes)(const Transform *t, long field, const int *at, const
     for (long k = 0; k < n; k++) x[node[k]] = outside[k] * x[node[k]] + back[k] * r[at[k]];
 }
 
+/* complex x times a real symbol, in place */
+CLONES void OF(times)(REAL *restrict x, const REAL *restrict s, long n)
+{
+    for (long k = 0; k < n; k++) {
+        x[2 * k] *= s[k];
+        x[2 * k + 1] *= s[k];
+    }
+}
+
 /* the spectrum of a field times a real symbol, in place */
 CLONES static void OF(filter)(const Transform *t, long field, const void *symbol)
 {
@@ -232,10 +240,7 @@ CLONES static void OF(filter)(const Transform *t, long field, const void *symbol
     REAL *restrict x = (REAL *)t->spectrum + (t->even ? n : 2 * n) * field;
     const REAL *restrict s = symbol;
     for (long k = 0; k < n && t->even; k++) x[k] *= s[k];
-    for (long k = 0; k < n && !t->even; k++) {
-        x[2 * k] *= s[k];
-        x[2 * k + 1] *= s[k];
-    }
+    if (!t->even) OF(times)(x, s, n);
 }
 
 /* the symbol 1 / gain / (1 + C D) of compliances C, D the stiffness */

@@ -4,19 +4,10 @@
 #include "kernels.h"
 #include <string.h>
 
-enum { COLUMNS = 8, TILE = 16 }; /* of a block; rows of which it is filled at a time */
+enum { TILE = 16 }; /* rows of which a block is filled at a time */
 
-#define REAL double
-#define OF(name) name##_in_double
-#define EXECUTE libraries.execute
-#include "columns.h"
-#undef REAL
-#undef OF
-#undef EXECUTE
-#define REAL float
-#define OF(name) name##_in_single
-#define EXECUTE libraries.execute_single
-#include "columns.h"
+#define BODY "columns.h"
+#include "both.h"
 
 /* The columns here, transformed there, times the symbols of a response unless that is null, and back. */
 void along_columns(const Columns *c, int there, int back, const Response *r, int transposed)

@@ -6,13 +6,12 @@ import ctypes
 import numpy as np
 import pyfftw
 
-from ..grid.precision import SINGLE
 from ..grid.slab_transform import SlabTransform
 from . import structures
 from .fftw import Rows
 from .library import shared
 from .structures import address
-from .transforms import COLUMNS
+from .transforms import COLUMNS, Compiled
 
 
 class SlabReal(SlabTransform):
@@ -27,6 +26,8 @@ class SlabReal(SlabTransform):
     structure : of the library, with this process's rows of ``real`` as a field's
     block : a few columns of each field, and of a symbol
     """
+
+    fitting = Compiled.fitting
 
     def _plan_columns(self, planned):
         """Plan columns, some of which are transformed at a time.
@@ -46,11 +47,6 @@ class SlabReal(SlabTransform):
             spectrum=address(self.spectrum), block=address(self.block),
             there=self._plans.forward, back=self._plans.backward)
         self._reference = ctypes.addressof(self._columns)
-
-    def fitting(self, block):
-        """A symbol as the library takes it."""
-        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
-        return np.ascontiguousarray(block, dtype=kind)
 
     def places(self, numbers):
         """Where the library has the nodes of some numbers in ``real``."""

@@ -5,17 +5,8 @@
 
 struct Libraries libraries;
 
-#define REAL double
-#define OF(name) name##_in_double
-#define EXECUTE libraries.execute
-#include "precision.h"
-#undef REAL
-#undef OF
-#undef EXECUTE
-#define REAL float
-#define OF(name) name##_in_single
-#define EXECUTE libraries.execute_single
-#include "precision.h"
+#define BODY "precision.h"
+#include "both.h"
 
 #define IN_ITS_PRECISION(t, name, ...) \
     do { \

@@ -8,6 +8,7 @@ import numpy as np
 import pyfftw
 
 from ..grid.counter import transform_cost
+from ..grid.filtering import Filtering
 from ..grid.precision import SINGLE, first_half
 from . import structures
 from .fftw import Plans, Rows
@@ -15,10 +16,10 @@ from .library import shared
 from .structures import TOO_MANY, address
 
 COLUMNS = 8
-"""Columns of a block, as packed.c has it."""
+"""Columns of a block, as kernels.h has it."""
 
 
-class Compiled:
+class Compiled(Filtering):
     """Base of what calls the library.
 
     Parameters

@@ -26,7 +26,6 @@ class CoreBlock:
 
     def __init__(self, form, component, weight, mean_tangent, pad):
         window = form.window
-        self.grid = window.grid
         self.boxes = (len(window.parts), *window.shape)
         extents = self._find(window, weight)
         # Few sizes, so that transforms and symbols are made once and found again.
@@ -80,7 +79,7 @@ class CoreBlock:
         np.multiply(self.root, core, out=inner, casting="same_kind")
         # Other blocks, with cores of other extents, use the same circle.
         clear_padding(plan.real, inner.shape[1:])
-        self.grid.filter(plan, symbol)
+        plan.filter(symbol)
         inner *= self.root
         core *= self.outside
         core += inner
@@ -114,7 +113,7 @@ class ScatteredBlock(CoreBlock):
         plan.real[...] = 0.0
         circle = plan.real.reshape(-1)
         circle[self.inside] = self.root * core
-        self.grid.filter(plan, symbol)
+        plan.filter(symbol)
         field[self.core] = self.outside * core + self.root * circle[self.inside]
 
 
