@@ -12,19 +12,16 @@ USABLE = 0.8
 
 ITERATIONS = 20
 """Krylov iterations of a linear solve, rarely more."""
-HELD = {"fgmres": 2, "gmres": 1}
-"""Vectors that a solve holds for each iteration that it makes, by -ksp_type; other methods hold a
-few in all. (GMRES asks the preconditioner once more at the end of a solve: 7 to 11 % more
-transforms.)"""
-LEAN = "-ksp_type gmres -ksp_pc_side right"
-"""What takes less memory than the default."""
+HELD = {"own": 1, "fgmres": 2, "gmres": 1}
+"""Vectors in double precision that a solve holds for each iteration that it makes, by -ksp_type
+(ours, the default of many unknowns: two in single); other methods hold a few in all."""
 
 
 def memory_of_solve(unknowns, whole, kind=None):
-    """Bytes of a solve: Krylov vectors and 40 arrays of the unknowns, 10 arrays over the cell.
+    """Bytes of a solve: Krylov vectors and 30 arrays of the unknowns, 10 arrays over the cell.
 
-    Measured on rough planes without a window, in arrays of the nodes: 84 of one component on 1024 x
-    1024 nodes, 223 of three on 512 x 512; by GMRES 68 and 192.
+    Measured on rough planes without a window, in arrays of the nodes: 46 of one component on 1024 x
+    1024 nodes, 121 of three on 512 x 512; by PETSc's FGMRES 81 and 205.
 
     Parameters
     ----------
@@ -34,8 +31,8 @@ def memory_of_solve(unknowns, whole, kind=None):
     """
     from petsc4py import PETSc  # its start takes options, which nobody has read when this is loaded
 
-    kind = kind or PETSc.Options().getString("ksp_type", "fgmres")
-    return 8 * ((HELD.get(kind, 0) * ITERATIONS + 40) * unknowns + 10 * whole)
+    kind = kind or PETSc.Options().getString("ksp_type", "own")
+    return 8 * ((HELD.get(kind, 0) * ITERATIONS + 30) * unknowns + 10 * whole)
 
 
 def memory():

@@ -7,7 +7,7 @@ from ..interface import shapes
 from ..options.fields import InputError, as_text
 from ..scene.settings import loaded_legs, tangential_legs
 from .grid_choice import cell_of, nice_below, window_part
-from .memory import LEAN, memory, memory_of_solve
+from .memory import memory, memory_of_solve
 
 MOST_UNKNOWNS = 2 ** 31 - 1
 """Unknowns that PETSc's whole numbers of 32 bits can count."""
@@ -35,10 +35,8 @@ def refuse_too_large(scene, load, form):
         needed = memory_of_solve(unknowns, nodes) + shape
     share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
     if share < 1.0:
-        lean = memory_of_solve(unknowns, nodes, "gmres") + shape
         raise InputError(_too_many(scene, cell, needed, room, unknowns,
-                                   share ** (1 / cell.dimension))
-                         + (f"; {LEAN} takes {lean / 1e9:.3g} GB" if lean <= room < needed else ""))
+                                   share ** (1 / cell.dimension)))
 
 
 def _least_part(cell, load):

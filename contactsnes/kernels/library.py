@@ -12,8 +12,8 @@ from . import structures
 
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "transforms.c", "packed.c",
-           "slabs.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "petsc.c", "laws.c",
-           "library.c")
+           "slabs.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "krylov.c", "petsc.c",
+           "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -135,6 +135,8 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
          "pseudo_inverse": [_pointer, _long, _double, _pointer],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
+         **dict.fromkeys(("inner_products", "add_rows"),
+                         [_long, _long, _pointer, _pointer, _pointer]),
          "works": [_pointer, _long, _long, _pointer, _pointer, _pointer, _long, _pointer, _pointer,
                    _double, _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""

@@ -13,6 +13,7 @@ from ..kernels.zones import CompiledZone
 from ..options.database import read
 from ..options.fields import InputError
 from .core_zone import CoreOptions
+from .krylov import release
 from .operators import about
 from .precision import PATIENCE, SAFE
 
@@ -261,3 +262,5 @@ def solve(snes, solution):
             own.zone.raise_error()
             own.form.grid.counter.check()
         raise
+    finally:
+        release(snes.getKSP() if isinstance(snes, PETSc.SNES) else snes)

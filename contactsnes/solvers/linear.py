@@ -3,6 +3,7 @@
 from petsc4py import PETSc
 
 from . import callbacks
+from .krylov import set_defaults
 from .operators import Jacobian
 from .precision import Precision, pays
 from .snes import kept
@@ -21,10 +22,8 @@ def create_ksp(form, prefix, precision):
     """
     ksp = PETSc.KSP().create(communicator(form))
     ksp.setOptionsPrefix(prefix)
-    ksp.setType("fgmres")
-    ksp.setGMRESRestart(60)
-    ksp.setTolerances(max_it=150)
     single = pays(form, precision)
+    set_defaults(ksp, form, single)
     if callbacks.available(form):
         matrix = callbacks.operator(ksp, form, single)
     else:

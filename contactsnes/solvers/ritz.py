@@ -2,8 +2,16 @@
 
 import numpy as np
 
+from .krylov import of_ksp
+
 TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
+
+
+def ritz_values(ksp):
+    """Ritz values of the last solve of a KSP."""
+    own = of_ksp(ksp)
+    return own.ritz_values() if own else ksp.computeEigenvalues()
 
 
 class Ritz:
@@ -22,7 +30,7 @@ class Ritz:
         if iteration == 0:
             self.found = []
             return
-        values = snes.getKSP().computeEigenvalues()
+        values = ritz_values(snes.getKSP())
         if len(values) >= TELLING:
             self.found.append(float(values.real.min()))
 

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from ..options.database import read
 from . import callbacks
 from .capabilities import asked
+from .krylov import of_ksp, set_defaults
 from .multigrid import create_levels
 from .operators import Jacobian
 from .precision import Precision
@@ -38,10 +39,7 @@ def equip(snes, form, single=False):
     form : of the equations
     single : bool, whether linear solves may be in single precision
     """
-    ksp = snes.getKSP()
-    ksp.setType("fgmres")
-    ksp.setGMRESRestart(60)
-    ksp.setTolerances(max_it=150)
+    set_defaults(snes.getKSP(), form, single)
     if callbacks.available(form):
         return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
@@ -57,8 +55,8 @@ def equip(snes, form, single=False):
             preconditioner.assemble()
 
     snes.setJacobian(linearise, matrix, matrix)
-    ksp.getPC().setType("python")
-    ksp.getPC().setPythonType(callbacks.OWN_ZONE)
+    snes.getKSP().getPC().setType("python")
+    snes.getKSP().getPC().setPythonType(callbacks.OWN_ZONE)
     return precision
 
 
@@ -138,7 +136,7 @@ def watch_modes(snes, form, method):
     if not method.has_tangent:
         return
     snes.getKSP().setComputeEigenvalues(True)
-    if callbacks.of(snes):
+    if callbacks.of(snes) and not of_ksp(snes.getKSP()):
         form.ritz = callbacks.watch_modes(snes)
     else:
         snes.setMonitor(form.ritz)

@@ -1,0 +1,337 @@
+"""Flexible GMRES for many unknowns: its vectors are in the precision of the products, are made when
+an iteration asks for them, and are given back when a nonlinear solve has ended.
+
+PETSc's own makes twice ten of them at once, in double precision, and keeps them: more than all else
+that a plane takes.
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..kernels import krylov as compiled
+from .precision import PATIENCE, SAFE
+
+LARGE = 2 ** 16
+"""Unknowns from which that is taken: below, PETSc's own vectors take little memory, and the way
+into Python would take time."""
+
+PIECE = 2 ** 13
+CANCELLED = 1e-3
+"""Part of a vector below which what is left of it is made orthogonal once more."""
+LEFT = 1e-13
+"""The same of a vector that the others span."""
+
+
+def set_defaults(ksp, form, single):
+    """Give a KSP our defaults: flexible GMRES, the one below where the solves are large and may be
+    in single precision.
+
+    Parameters
+    ----------
+    ksp : KSP
+    form : of the equations
+    single : bool, whether solves may be in single precision
+    """
+    if single and form.components * form.window.total >= LARGE:
+        ksp.setType("python")
+        ksp.setPythonContext(FlexibleGMRES(form.grid, not form.contact.kernels.compiled))
+    else:
+        ksp.setType("fgmres")
+        ksp.setGMRESRestart(PATIENCE)
+    ksp.setTolerances(max_it=150)
+
+
+def of_ksp(ksp):
+    """The FlexibleGMRES of a KSP, or None."""
+    own = ksp.getPythonContext() if ksp.getType() == "python" else None
+    return own if isinstance(own, FlexibleGMRES) else None
+
+
+def release(ksp):
+    """Have a KSP give back the vectors of its last solve, where they are ours."""
+    own = of_ksp(ksp)
+    if own:
+        own.release()
+
+
+def inner_products(rows, vector):
+    """Inner products of rows in single precision and a vector, summed in double."""
+    found = np.zeros(len(rows))
+    for first in range(0, len(vector), PIECE):
+        part = vector[first:first + PIECE]
+        found += [np.dot(row[first:first + PIECE].astype(float), part) for row in rows]
+    return found
+
+
+def add_rows(rows, factors, vector):
+    """Add rows in single precision, times factors, to a vector in place.
+
+    Parameters
+    ----------
+    rows : list of arrays of float32
+    factors : numbers, one a row
+    vector : array of float
+    """
+    for first in range(0, len(vector), PIECE):
+        part = vector[first:first + PIECE]
+        for row, factor in zip(rows, factors):
+            part += factor * row[first:first + PIECE].astype(float)
+
+
+class Basis:
+    """Rows of one precision, made when they are asked for.
+
+    Parameters
+    ----------
+    kind : type of their numbers
+    products : what computes: a module, or class, with ``inner_products`` and ``add_rows``
+    grid : Grid, which sums over processes
+    """
+
+    def __init__(self, kind, products, grid):
+        self._kind, self._products, self._rows = kind, products, []
+        self._grid = grid
+
+    def keep(self, place, vector):
+        """Take a vector as the row of a number, the first that is free at most."""
+        if place == len(self._rows):
+            self._rows.append(np.empty(len(vector), dtype=self._kind))
+        self._rows[place][...] = vector
+
+    def inner(self, count, vector):
+        """Inner products of the first rows and a vector."""
+        return self._grid.together(self._products.inner_products(self._rows[:count], vector))
+
+    def norm(self, vector):
+        """Length of a vector."""
+        return float(np.sqrt(self._grid.together(np.dot(vector, vector))))
+
+    def add(self, factors, vector):
+        """Add the first rows, times factors, to a vector in place."""
+        self._products.add_rows(self._rows[:len(factors)], factors, vector)
+
+
+class InDouble:
+    """The products of rows in double precision."""
+
+    @staticmethod
+    def inner_products(rows, vector):
+        """As of the module."""
+        return np.array([np.dot(row, vector) for row in rows])
+
+    @staticmethod
+    def add_rows(rows, factors, vector):
+        """As of the module.
+
+        Parameters
+        ----------
+        rows, factors, vector : as of that
+        """
+        for row, factor in zip(rows, factors):
+            vector += factor * row
+
+
+class InSingle:
+    """The products of rows in single precision, NumPy's."""
+
+    inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
+
+
+class Triangle:
+    """The least-squares problem of a cycle: its Hessenberg matrix, turned to a triangle by Givens
+    rotations.
+
+    Parameters
+    ----------
+    size : float, norm of the residual that the cycle begins with
+    most : int, iterations
+    """
+
+    def __init__(self, size, most):
+        self.matrix = np.zeros((most + 1, most))
+        self._turned, self._right = np.zeros((most + 1, most)), np.zeros(most + 1)
+        self._right[0], self._turns, self.count = size, [], 0
+
+    def add(self, column):
+        """Take the next column; the norm of the residual that is left.
+
+        Parameters
+        ----------
+        column : array, the products with the rows, and the norm of what they leave
+        """
+        place = self.count
+        self.matrix[:place + 2, place] = column
+        values = list(map(float, column))
+        for k, (cosine, sine) in enumerate(self._turns):
+            above, below = values[k], values[k + 1]
+            values[k], values[k + 1] = cosine * above + sine * below, cosine * below - sine * above
+        length = float(np.hypot(values[place], values[place + 1]))
+        turn = ((values[place] / length, values[place + 1] / length) if length > 0.0
+                else (0.0, 1.0))
+        self._turns.append(turn)
+        self._turned[:place + 1, place] = [*values[:place], length]
+        right = self._right[place]
+        self._right[place], self._right[place + 1] = turn[0] * right, -turn[1] * right
+        self.count += 1
+        return abs(float(self._right[self.count]))
+
+    def factors(self):
+        """The solution: the part of each row."""
+        count = self.count
+        triangle, found = self._turned[:count, :count], np.zeros(count)
+        for k in range(count - 1, -1, -1):
+            known = triangle[k, k + 1:] @ found[k + 1:]
+            found[k] = (self._right[k] - known) / triangle[k, k] if triangle[k, k] else 0.0
+        return found
+
+    def ritz_values(self):
+        """Eigenvalues of the square part of the matrix."""
+        return np.linalg.eigvals(self.matrix[:self.count, :self.count])
+
+
+class FlexibleGMRES:
+    """PETSc's KSP context: flexible GMRES (Saad, SIAM J. Sci. Comput. 14, 461, 1993),
+    preconditioned from the right, with classical Gram-Schmidt.
+
+    A cycle whose products are in single precision keeps its vectors so, too; the next begins from
+    the residual, in double precision, as the products do then.
+
+    Parameters
+    ----------
+    grid : Grid of the unknowns, which sums over processes
+    interpreted : bool, whether NumPy computes, not the library
+    """
+
+    def __init__(self, grid, interpreted=False):
+        self._grid = grid
+        self._products = InSingle if interpreted else compiled
+        self._single, self.triangle, self._restart = None, None, PATIENCE
+
+    def setFromOptions(self, ksp):
+        """Read -ksp_gmres_restart, and ask for the side and the norm that are ours."""
+        self._restart = PETSc.Options(ksp.getOptionsPrefix() or "").getInt("ksp_gmres_restart",
+                                                                          PATIENCE)
+        ksp.setPCSide(PETSc.PC.Side.RIGHT)
+
+    def release(self):
+        """Give back the vectors."""
+        self._single = None
+
+    def view(self, ksp, viewer):
+        """What -ksp_view prints."""
+        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors in the precision "
+                           "of the products\n")
+
+    def solve(self, ksp, b, x):
+        """Solve for x.
+
+        Parameters
+        ----------
+        ksp : petsc4py KSP
+        b, x : petsc4py Vec; x is filled, or what the solve begins with
+        """
+        residual, work = b.duplicate(), b.duplicate()
+        if ksp.getInitialGuessNonzero():
+            ksp.getOperators()[0].mult(x, residual)
+            residual.aypx(-1.0, b)
+        else:
+            x.set(0.0)
+            b.copy(residual)
+        single, size = self._trusts(ksp, b), residual.norm()
+        ksp.setIterationNumber(0)
+        self._judge(ksp, 0, size)
+        while not ksp.getConvergedReason():
+            self._cycle(ksp, x, (residual, work), size, self._basis(single))
+            single = False
+            if not ksp.getConvergedReason():
+                ksp.getOperators()[0].mult(x, residual)
+                residual.aypx(-1.0, b)
+                size = residual.norm()
+        for vector in (residual, work):
+            vector.destroy()
+
+    def ritz_values(self):
+        """Ritz values of the last cycle, none of no solve."""
+        return np.zeros(0) if self.triangle is None else self.triangle.ritz_values()
+
+    @staticmethod
+    def _trusts(ksp, right):
+        """Whether a solve is asked for no more than single precision holds."""
+        relative, absolute = ksp.getTolerances()[:2]
+        return relative >= SAFE or absolute >= SAFE * right.norm()
+
+    def _basis(self, single):
+        """(rows of the space, what the preconditioner made of them); those in single precision are
+        kept for the next solve."""
+        if not single:
+            return self._pair(float, InDouble)
+        if self._single is None:
+            self._single = self._pair(np.float32, self._products)
+        return self._single
+
+    def _pair(self, kind, products):
+        return Basis(kind, products, self._grid), Basis(kind, products, self._grid)
+
+    def _judge(self, ksp, iteration, norm):
+        """Tell PETSc of an iteration, and ask whether it is the last."""
+        ksp.setResidualNorm(norm)
+        ksp.logConvergenceHistory(norm)
+        ksp.monitor(iteration, norm)
+        reason = ksp.callConvergenceTest(iteration, norm)
+        if not reason and iteration >= ksp.getTolerances()[3]:
+            reason = PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
+        ksp.setConvergedReason(reason)
+
+    def _cycle(self, ksp, x, vectors, size, basis):
+        """A cycle, after which x is better.
+
+        Parameters
+        ----------
+        ksp, x : petsc4py KSP and Vec
+        vectors : (Vec, Vec), the residual, which is overwritten, and one to work in
+        size : float, its norm
+        basis : (Basis, Basis)
+        """
+        (vector, work), (space, made) = vectors, basis
+        operator, pc = ksp.getOperators()[0], ksp.getPC()
+        self.triangle = triangle = Triangle(size, self._restart)
+        if size > 0.0:
+            vector.scale(1.0 / size)
+        while triangle.count < self._restart and not ksp.getConvergedReason():
+            place = triangle.count
+            space.keep(place, vector.getArray(readonly=True))
+            pc.apply(vector, work)
+            made.keep(place, work.getArray(readonly=True))
+            operator.mult(work, vector)
+            column = _orthogonalised(space, place + 1, vector.getArray())
+            norm = triangle.add(column)
+            ksp.setIterationNumber(ksp.getIterationNumber() + 1)
+            self._judge(ksp, ksp.getIterationNumber(), norm)
+            if column[-1] == 0.0 and not ksp.getConvergedReason():
+                ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
+        made.add(triangle.factors(), x.getArray())
+
+
+def _orthogonalised(space, count, vector):
+    """Make a vector orthogonal to the first rows of a basis, and one long, in place; its products
+    with them, and the norm of what was left: 0 for one that they span.
+
+    Parameters
+    ----------
+    space : Basis
+    count : int
+    vector : array
+    """
+    found = space.inner(count, vector)
+    before = space.norm(vector)
+    space.add(-found, vector)
+    left = space.norm(vector)
+    if left < CANCELLED * before:
+        again = space.inner(count, vector)
+        space.add(-again, vector)
+        found += again
+        left = space.norm(vector)
+    if not left > LEFT * before:
+        return np.append(found, 0.0)
+    vector *= 1.0 / left
+    return np.append(found, left)

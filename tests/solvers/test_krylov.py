@@ -1,0 +1,221 @@
+"""Flexible GMRES with vectors in single precision: PETSc's iterations and answers, and rows that are
+given back."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+from petsc4py import PETSc  # noqa: E402
+
+from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.grid.cell import Grid  # noqa: E402
+from contactsnes.kernels import krylov as compiled  # noqa: E402
+from contactsnes.kernels import library  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
+from contactsnes.solvers import krylov  # noqa: E402
+from contactsnes.solvers.krylov import FlexibleGMRES, of_ksp  # noqa: E402
+from contactsnes.solvers.ritz import ritz_values  # noqa: E402
+
+ALONE = Grid((4,), (1.0,))
+WAYS = [True] + [False] * (library.reason() is None)
+REASONS = PETSc.KSP.ConvergedReason
+SIZE = 300
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(7)
+
+
+class Varying:
+    """A preconditioner that is another one each time it is asked."""
+
+    def __init__(self):
+        self.count = 0
+
+    def apply(self, pc, x, y):
+        """y = x over a diagonal that varies."""
+        self.count += 1
+        y.setArray(x.getArray() / (1.0 + 0.2 * np.sin(self.count + np.arange(len(x.getArray())))))
+
+
+def ksp_of(matrix, own, pc="jacobi", **tolerances):
+    """A KSP, PETSc's fgmres or a FlexibleGMRES, for a dense matrix."""
+    operator = PETSc.Mat().createDense(matrix.shape, array=matrix, comm=PETSc.COMM_SELF)
+    operator.assemble()
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setOperators(operator)
+    if own is None:
+        ksp.setType("fgmres")
+        ksp.setGMRESRestart(60)
+    else:
+        ksp.setType("python")
+        ksp.setPythonContext(own)
+    ksp.setComputeEigenvalues(True)
+    if pc == "varying":
+        ksp.getPC().setType("python")
+        ksp.getPC().setPythonContext(Varying())
+    else:
+        ksp.getPC().setType(pc)
+    ksp.setFromOptions()
+    ksp.setTolerances(**{"rtol": 1e-4, "atol": 1e-50, "max_it": 150, **tolerances})
+    ksp.setConvergenceHistory()
+    return ksp
+
+
+def solved(ksp, right, start=None):
+    """(solution, norms on the way) of a KSP."""
+    b = PETSc.Vec().createWithArray(right.copy(), comm=PETSc.COMM_SELF)
+    x = PETSc.Vec().createWithArray(np.zeros(len(right)) if start is None else start.copy(),
+                                    comm=PETSc.COMM_SELF)
+    ksp.setInitialGuessNonzero(start is not None)
+    ksp.solve(b, x)
+    return x.getArray().copy(), np.array(ksp.getConvergenceHistory())
+
+
+@pytest.fixture
+def system(rng):
+    """The identity and something compact, as Jacobians are, and a right side."""
+    basis = np.linalg.qr(rng.normal(size=(SIZE, SIZE)))[0]
+    matrix = np.eye(SIZE) + basis @ np.diag(5.0 * 0.85 ** np.arange(SIZE)) @ rng.normal(
+        size=(SIZE, SIZE)) / np.sqrt(SIZE)
+    return matrix, rng.normal(size=SIZE)
+
+
+@pytest.mark.parametrize("interpreted", WAYS)
+@pytest.mark.parametrize("pc", ["jacobi", "varying", "none"])
+@pytest.mark.parametrize("tolerance, near", [(1e-4, 1e-4), (1e-10, 1e-7)])
+def test_iterations_and_norms_are_those_of_petsc(system, interpreted, pc, tolerance, near):
+    own, theirs = (ksp_of(system[0], context, pc, rtol=tolerance)
+                   for context in (FlexibleGMRES(ALONE, interpreted), None))
+    (found, norms), (expected, known) = (solved(ksp, system[1]) for ksp in (own, theirs))
+    assert own.getIterationNumber() == theirs.getIterationNumber() > 8
+    assert own.getConvergedReason() == theirs.getConvergedReason() == REASONS.CONVERGED_RTOL
+    np.testing.assert_allclose(norms, known, rtol=near, atol=1e-13 * norms[0])
+    np.testing.assert_allclose(found, expected, atol=10.0 * near * tolerance * np.abs(found).max()
+                               + 1e-2 * tolerance)
+    left = np.linalg.norm(system[0] @ found - system[1])
+    assert left <= 1.001 * tolerance * np.linalg.norm(system[1])
+    assert abs(own.getResidualNorm() - left) < 2e-6 * np.linalg.norm(system[1])
+    values, others = (np.sort_complex(ritz_values(ksp)) for ksp in (own, theirs))
+    np.testing.assert_allclose(values, others, atol=0.01)
+    np.testing.assert_allclose(values.real.min(), others.real.min(), rtol=1e-4)
+
+
+@pytest.mark.parametrize("interpreted", WAYS)
+def test_cycles_begin_anew_in_double_precision(system, options, interpreted):
+    options(ksp_gmres_restart="4")
+    own, theirs = (ksp_of(system[0], context) for context in (FlexibleGMRES(ALONE, interpreted), None))
+    (found, norms), (expected, known) = (solved(ksp, system[1]) for ksp in (own, theirs))
+    assert own.getIterationNumber() == theirs.getIterationNumber() > 8
+    assert np.abs(norms[-1] / known[-1] - 1.0) < 1e-3
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
+def test_what_a_solve_begins_with_counts(system):
+    exact = np.linalg.solve(*system)
+    ksp = ksp_of(system[0], FlexibleGMRES(ALONE, True), atol=1e-3)
+    found, norms = solved(ksp, system[1], exact + 1e-5)
+    assert norms[0] == pytest.approx(1e-5 * np.linalg.norm(system[0].sum(axis=1)), rel=1e-3)
+    assert ksp.getIterationNumber() == 0 and np.array_equal(found, exact + 1e-5)
+    found, _ = solved(ksp, system[1], exact + 0.1)
+    left = np.linalg.norm(system[0] @ found - system[1])
+    assert left < max(1e-3, 1.001e-4 * np.linalg.norm(system[1]))
+
+
+def test_it_ends_at_the_limit_and_where_nothing_is_left(system):
+    ksp = ksp_of(system[0], FlexibleGMRES(ALONE, True), max_it=3)
+    solved(ksp, system[1])
+    assert ksp.getConvergedReason() == REASONS.DIVERGED_MAX_IT and ksp.getIterationNumber() == 3
+    ksp = ksp_of(2.0 * np.eye(SIZE), FlexibleGMRES(ALONE, True), pc="none", rtol=1e-12)
+    found, _ = solved(ksp, system[1])
+    assert ksp.getIterationNumber() == 1 and ksp.getConvergedReason() > 0
+    np.testing.assert_allclose(found, 0.5 * system[1], rtol=1e-12)
+    assert not solved(ksp, 0.0 * system[1])[0].any() and ksp.getIterationNumber() == 0
+    singular = ksp_of(np.zeros((SIZE, SIZE)), FlexibleGMRES(ALONE, True), pc="none")
+    solved(singular, system[1])
+    assert singular.getConvergedReason() < 0
+
+
+@pytest.mark.parametrize("size", [1, 1023, 1024, 5000, 3 * krylov.PIECE + 17])
+def test_rows_in_single_precision(rng, size):
+    rows = list(rng.normal(size=(5, size)).astype(np.float32))
+    vector, factors = rng.normal(size=size), rng.normal(size=5)
+    wide = np.array(rows, dtype=float)
+    for products in [krylov.InSingle] + [compiled] * (len(WAYS) > 1):
+        np.testing.assert_allclose(products.inner_products(rows, vector), wide @ vector,
+                                   rtol=1e-12, atol=1e-12 * size)
+        changed = vector.copy()
+        products.add_rows(rows, factors, changed)
+        np.testing.assert_allclose(changed, vector + factors @ wide, rtol=1e-13, atol=1e-13)
+
+
+SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
+          "geometry": "sphere"}
+PATHS = {"normal": ("normal_displacement=1.6", {}), "force": ("normal_force=3", {}),
+         "sheared": ("tangential_displacement_x=1.5", {"tangential_maugis": 1.0}),
+         "arc length": ("normal_displacement=-3", {})}
+
+
+def path(kernels="auto", way="normal"):
+    """(points, log, branch) of a sphere pressed, sheared or pulled off."""
+    told, (leg, more) = [], PATHS[way]
+    branch = Branch(Scene(**SPHERE, **more), Load(start="normal_displacement=1", path=leg),
+                    Steps(initial_step=0.2, largest_step=0.2), log=told.append,
+                    form=Form(kernels=kernels, linear_precision="single", symmetry="off"))
+    return list(branch), told, branch
+
+
+@pytest.mark.parametrize("kernels", ["auto", "off"])
+@pytest.mark.parametrize("way", PATHS)
+def test_paths_are_those_of_petsc(monkeypatch, options, kernels, way):
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    found, told, branch = path(kernels, way)
+    assert of_ksp(branch.corrector.snes.getKSP())
+    options(ksp_type="fgmres")
+    expected, also, branch = path(kernels, way)
+    assert of_ksp(branch.corrector.snes.getKSP()) is None
+    assert told == also and len(found) == len(expected) > 2
+    for point, other in zip(found, expected):
+        np.testing.assert_allclose(point.load, other.load, rtol=1e-7)
+        np.testing.assert_allclose(point.forces, other.forces, rtol=1e-6, atol=1e-7)
+        assert point.event == other.event
+        for name in ("nonlinear_iterations", "linear_iterations"):
+            assert abs(point.spent[name] - other.spent[name]) <= 1 + 0.03 * other.spent[name]
+        if point.event is None and not np.isnan(other.softest):
+            assert point.softest == pytest.approx(other.softest, rel=1e-3)
+
+
+def test_vectors_are_made_when_they_are_asked_for_and_given_back(monkeypatch):
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    most, keep = [], krylov.Basis.keep
+
+    def watched(self, place, vector):
+        keep(self, place, vector)
+        most.append((len(self._rows), self._rows[-1].dtype, place))
+
+    monkeypatch.setattr(krylov.Basis, "keep", watched)
+    points, _, branch = path()
+    assert max(rows for rows, _, _ in most) == 1 + max(place for _, _, place in most) < 20
+    assert {kind for _, kind, _ in most[-5:]} == {np.dtype(np.float32)}
+    assert of_ksp(branch.corrector.snes.getKSP())._single is None
+
+
+def test_small_solves_and_those_in_double_precision_are_petscs(monkeypatch):
+    _, _, branch = path()
+    assert branch.corrector.snes.getKSP().getType() == "fgmres"
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    branch = Branch(Scene(**SPHERE), Load(start="normal_displacement=1",
+                                          path="normal_displacement=1.2"),
+                    form=Form(linear_precision="double"))
+    list(branch)
+    assert branch.corrector.snes.getKSP().getType() == "fgmres"
+
+
+def test_a_type_of_the_users_is_taken(monkeypatch, options):
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    options(ksp_type="bcgs")
+    points, _, branch = path()
+    assert branch.corrector.snes.getKSP().getType() == "bcgs" and len(points) > 2
