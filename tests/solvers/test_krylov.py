@@ -1,5 +1,5 @@
-"""Flexible GMRES with vectors in single precision: PETSc's iterations and answers, and rows that are
-given back."""
+"""Flexible GMRES with vectors in single precision: PETSc's iterations and answers, and rows that
+are given back."""
 
 import numpy as np
 import petsc4py
@@ -107,7 +107,8 @@ def test_iterations_and_norms_are_those_of_petsc(system, interpreted, pc, tolera
 @pytest.mark.parametrize("interpreted", WAYS)
 def test_cycles_begin_anew_in_double_precision(system, options, interpreted):
     options(ksp_gmres_restart="4")
-    own, theirs = (ksp_of(system[0], context) for context in (FlexibleGMRES(ALONE, interpreted), None))
+    own, theirs = (ksp_of(system[0], context)
+                   for context in (FlexibleGMRES(ALONE, interpreted), None))
     (found, norms), (expected, known) = (solved(ksp, system[1]) for ksp in (own, theirs))
     assert own.getIterationNumber() == theirs.getIterationNumber() > 8
     assert np.abs(norms[-1] / known[-1] - 1.0) < 1e-3
