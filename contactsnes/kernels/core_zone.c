@@ -1,6 +1,7 @@
 /* The core-zone preconditioner of the displacement form (solvers/core_zone.py and core_blocks.py have its
    mathematics), set up and applied; under arc length the load is eliminated besides. */
 #include "kernels.h"
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,11 @@
 static double at_or_one(const double *x, long k)
 {
     return x ? x[k] : 1.0;
+}
+
+static void copy(const double *from, double *to, long n)
+{
+    if (to != from) memcpy(to, from, n * sizeof *to);
 }
 
 static long nodes_of_box(const Form *f)
@@ -39,160 +45,286 @@ static void mean_along(const double *from, double *to, long n, long reach, int w
     }
 }
 
-/* The same across n rows of some columns, whose sums are kept. */
-CLONES static void mean_across(const double *from, double *to, double *restrict sums, const long *shape,
-                               long reach, int wraps, int mirrors)
-{
-    const long n = shape[0], c = shape[1];
-    const double width = 2 * reach + 1;
-    memset(sums, 0, c * sizeof *sums);
-    for (long j = -reach; j < reach; j++) {
-        const double *restrict row = from + continued(j, n, wraps, mirrors) * c;
-        for (long k = 0; k < c; k++) sums[k] += row[k];
-    }
-    for (long j = 0; j < n; j++) {
-        const double *restrict next = from + continued(j + reach, n, wraps, mirrors) * c;
-        const double *restrict old = from + continued(j - reach, n, wraps, mirrors) * c;
-        double *restrict out = to + j * c;
-        for (long k = 0; k < c; k++) {
-            sums[k] += next[k];
-            out[k] = sums[k] / width;
-            sums[k] -= old[k];
-        }
-    }
+enum { ACROSS = 16, ALONG = 8 }; /* columns, and rows, of a box that are blurred side by side */
+
+typedef float Across __attribute__((vector_size(ACROSS * sizeof(float)), aligned(sizeof(float))));
+typedef double Along __attribute__((vector_size(ALONG * sizeof(double)), aligned(sizeof(double))));
+
+/* Sums of 2 reach + 1 places along n of them, each of a few lines side by side. */
+#define SUMS(name, Side) \
+CLONES static void name(const Side *restrict from, Side *restrict to, long n, long reach, int wraps, \
+                        int mirrors) \
+{ \
+    Side sum = {0}; \
+    for (long j = -reach; j < reach; j++) sum += from[continued(j, n, wraps, mirrors)]; \
+    for (long j = 0; j < n; j++) { \
+        sum += from[continued(j + reach, n, wraps, mirrors)]; \
+        to[j] = sum; \
+        sum -= from[continued(j - reach, n, wraps, mirrors)]; \
+    } \
 }
 
-static void smooth_axis(const Zone *z, double **mask, double **blur, int axis, int even)
-{
-    const long *shape = z->form->response->shape, reach = z->reach[axis], c = shape[1];
-    const int wraps = (int)z->wraps[axis];
-    for (int turn = 0; turn < 3 && reach; turn++) {
-        if (axis == 0) mean_across(*mask, *blur, z->sums, shape, reach, wraps, even);
-        else
-            for (long j = 0; j < shape[0]; j++)
-                mean_along(*mask + j * c, *blur + j * c, c, reach, wraps, even);
-        double *swap = *mask;
-        *mask = *blur;
-        *blur = swap;
-    }
-}
+SUMS(sums_across, Across)
+SUMS(sums_along, Along)
 
-/* Weights of the core, 0 to 1, of one box into z->mask, which is zero before. */
-static void smooth(Zone *z, const double *tangent, double level, int even)
+/* Nodes of a box in the plane that are stiff, rows and columns that have such. */
+CLONES static void find_stiff(const Zone *z, const double *tangent, double level, unsigned char *stiff,
+                              long *first, long *last)
 {
     const Response *r = z->form->response;
-    const long n = nodes_of_box(z->form), known = r->picked ? r->picked : n;
-    double *mask = z->mask, *blur = z->blur;
-    int any = 0;
-    for (long k = 0; k < known; k++) {
-        mask[r->picked ? r->in_box[k] : k] = tangent[k] > level;
-        any |= tangent[k] > level;
+    const long n = r->shape[0], c = r->shape[1];
+    unsigned char *seen = (unsigned char *)z->sums;
+    if (r->picked) {
+        memset(stiff, 0, n * c);
+        for (long k = 0; k < r->picked; k++) stiff[r->in_box[k]] = tangent[k] > level;
+    } else
+        for (long k = 0; k < n * c; k++) stiff[k] = tangent[k] > level;
+    memset(seen, 0, c);
+    for (long j = 0; j < n; j++) {
+        const unsigned char *restrict row = stiff + j * c;
+        unsigned char any = 0;
+        for (long k = 0; k < c; k++) {
+            seen[k] |= row[k];
+            any |= row[k];
+        }
+        if (any && j < first[0]) first[0] = j;
+        if (any && j > last[0]) last[0] = j;
     }
-    if (!any) return;
-    if (z->form->response->shape[0] > 1) smooth_axis(z, &mask, &blur, 0, even);
-    smooth_axis(z, &mask, &blur, 1, even);
+    for (long k = 0; k < c; k++) {
+        if (seen[k] && k < first[1]) first[1] = k;
+        if (seen[k] && k > last[1]) last[1] = k;
+    }
+}
+
+/* Sums across the rows of a box, for its columns from the first to the last; zero in the others. */
+CLONES static void blur_columns(const Zone *z, const unsigned char *stiff, long first, long last, int even,
+                                float *out)
+{
+    const long n = z->form->response->shape[0], c = z->form->response->shape[1], reach = z->reach[0];
+    float *from = (float *)z->sums, *to = from + n * ACROSS;
+    for (long j = 0; j < n; j++) {
+        memset(out + j * c, 0, first * sizeof *out);
+        memset(out + j * c + last + 1, 0, (c - last - 1) * sizeof *out);
+    }
+    for (long k = first; k <= last; k += ACROSS) {
+        const long wide = last + 1 - k < ACROSS ? last + 1 - k : ACROSS;
+        for (long j = 0; j < n; j++)
+            for (long l = 0; l < ACROSS; l++) from[j * ACROSS + l] = l < wide ? stiff[j * c + k + l] : 0;
+        for (int turn = 0; turn < 3 && reach; turn++) {
+            sums_across((Across *)from, (Across *)to, n, reach, (int)z->wraps[0], even);
+            float *swap = from;
+            from = to;
+            to = swap;
+        }
+        for (long j = 0; j < n; j++)
+            for (long l = 0; l < wide; l++) out[j * c + k + l] = from[j * ACROSS + l];
+    }
+}
+
+/* Sums along some rows, which are then in columns side by side; where they are. */
+CLONES static const double *blur_rows(const Zone *z, const float *rows, long count, int even)
+{
+    const long c = z->form->response->shape[1], reach = z->reach[1];
+    double *from = z->sums, *to = from + c * ALONG;
+    for (long l = 0; l < ALONG; l++)
+        for (long k = 0; k < c; k++) from[k * ALONG + l] = l < count ? rows[l * c + k] : 0.0f;
+    for (int turn = 0; turn < 3 && reach; turn++) {
+        sums_along((Along *)from, (Along *)to, c, reach, (int)z->wraps[1], even);
+        double *swap = from;
+        from = to;
+        to = swap;
+    }
+    return from;
+}
+
+static double cube(double x)
+{
+    return x * x * x;
+}
+
+/* The extent of a core whose stiff nodes, somewhere in all boxes, lie between two places: as far as a
+   blur reaches. */
+static void set_extent(const Zone *z, Block *b, const long *first, const long *last, int even)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        const long n = z->form->response->shape[axis], margin = 3 * z->reach[axis];
+        long low = first[axis] - margin, high = last[axis] + margin;
+        if ((low < 0 || high >= n) && z->wraps[axis]) low = 0, high = n - 1;
+        low = low < 0 || even ? 0 : low;
+        high = high < n ? high : n - 1;
+        b->first[axis] = low;
+        b->extent[axis] = high + 1 - low;
+    }
+}
+
+/* What of a row of weights the block keeps, and its part of their sum and of the tangent's. */
+CLONES static void keep_row(const Form *f, Block *b, const double *restrict weight, const double *restrict tangent,
+                            long node, long at, double *restrict count, double *restrict sum)
+{
+    const long n = b->extent[1];
+    double *restrict into = b->into + at, *restrict outside = b->outside + at, *restrict back = b->back + at;
+    double whole = 0.0, stiffness = 0.0;
+    for (long k = 0; k < n; k++) {
+        const double w = weight[k], own = f->weight ? w * f->weight[node + k] : w;
+        whole += own;
+        stiffness += own * tangent[k];
+        outside[k] = 1.0 - w;
+    }
+    *count += whole;
+    *sum += stiffness;
+    if (f->scale)
+        for (long k = 0; k < n; k++) {
+            const double root = sqrt(weight[k]);
+            back[k] = root * f->scale[node + k];
+            into[k] = root * f->unscale[node + k];
+        }
+    else
+        for (long k = 0; k < n; k++) into[k] = sqrt(weight[k]);
+}
+
+/* The core in the plane: weights 0 or 1 of its nodes, blurred. Sums of these are exact: they are scaled
+   once, at the end. Of picked nodes weights are left in z->mask. */
+CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double level, int even)
+{
+    const Form *f = z->form;
+    const Response *r = f->response;
+    const long n = nodes_of_box(f), c = r->shape[1];
+    const double gain = 1.0 / (cube(2 * z->reach[0] + 1) * cube(2 * z->reach[1] + 1));
+    float *sums = (float *)z->blur;
+    unsigned char *stiff = (unsigned char *)(sums + n);
+    long first[2] = {LONG_MAX, LONG_MAX}, last[2] = {-1, -1}, at = 0;
+    for (long box = 0; box < r->boxes; box++) find_stiff(z, tangent + box * n, level, stiff, first, last);
+    set_extent(z, b, first, last, even);
+    for (long box = 0; box < r->boxes; box++) {
+        const double *d = tangent + box * n;
+        double count = 0.0, sum = 0.0;
+        if (r->boxes > 1) {
+            first[1] = LONG_MAX;
+            last[1] = -1;
+            find_stiff(z, d, level, stiff, first, last);
+            if (last[1] < 0) first[1] = last[1] = 0;
+        }
+        blur_columns(z, stiff, first[1], last[1], even, sums);
+        for (long j = b->first[0]; j < b->first[0] + b->extent[0]; j += ALONG) {
+            const long rest = b->first[0] + b->extent[0] - j, rows = rest < ALONG ? rest : ALONG;
+            const double *found = blur_rows(z, sums + j * c, rows, even);
+            for (long l = 0; l < rows; l++) {
+                double *restrict weight = z->mask + (r->picked ? (j + l) * c : 0);
+                for (long k = 0; k < c; k++) {
+                    const double w = found[k * ALONG + l] * gain;
+                    weight[k] = w < 1e-12 ? 0.0 : w < 1.0 ? w : 1.0;
+                }
+                const long node = (j + l) * c + b->first[1];
+                if (!r->picked) keep_row(f, b, weight + b->first[1], d + node, node, at, &count, &sum);
+                at += b->extent[1];
+            }
+        }
+        b->mean[box] = sum / (count > 0.0 ? count : 1.0);
+    }
+}
+
+/* Weights of the core of a box of a line, 0 to 1, blurred. */
+CLONES static void smooth_line(const Zone *z, const double *tangent, double level, int even, double *out)
+{
+    const long n = z->form->response->shape[1];
+    double *mask = z->mask, *blur = z->blur;
+    for (long k = 0; k < n; k++) mask[k] = tangent[k] > level;
+    for (int turn = 0; turn < 3 && z->reach[1]; turn++) {
+        mean_along(mask, blur, n, z->reach[1], (int)z->wraps[1], even);
+        double *swap = mask;
+        mask = blur;
+        blur = swap;
+    }
     for (long k = 0; k < n; k++)
         /* running sums leave rounding where they have passed the last value */
-        blur[k] = fabs(mask[k]) < 1e-12 ? 0.0 : mask[k] < 1.0 ? mask[k] : 1.0;
-    if (blur != z->mask) memcpy(z->mask, blur, n * sizeof *blur);
+        out[k] = fabs(mask[k]) < 1e-12 ? 0.0 : mask[k] < 1.0 ? mask[k] : 1.0;
 }
 
-static void widen(Block *b, const long *shape, const double *weight, int even, long *last)
+CLONES static double largest(const double *restrict x, long n)
 {
-    for (long j = 0; j < shape[0]; j++)
-        for (long k = 0; k < shape[1]; k++)
-            if (weight[j * shape[1] + k] > 0.0) {
-                if (j < b->first[0]) b->first[0] = j;
-                if (k < b->first[1]) b->first[1] = k;
-                if (j > last[0]) last[0] = j;
-                if (k > last[1]) last[1] = k;
-            }
-    if (even) b->first[0] = b->first[1] = 0;
+    double most[2 * ALONG], found = x[0];
+    long k = 0;
+    for (int l = 0; l < 2 * ALONG; l++) most[l] = x[0];
+    for (; k + 2 * ALONG <= n; k += 2 * ALONG)
+        for (int l = 0; l < 2 * ALONG; l++) most[l] = x[k + l] > most[l] ? x[k + l] : most[l];
+    for (int l = 0; l < 2 * ALONG; l++) found = most[l] > found ? most[l] : found;
+    for (; k < n; k++) found = x[k] > found ? x[k] : found;
+    return found;
 }
 
-static double largest(const double *x, long n)
-{
-    double most = x[0];
-    for (long k = 1; k < n; k++) most = x[k] > most ? x[k] : most;
-    return most;
-}
-
-/* The same of picked nodes: those of the core, their weights and mean tangent, and its extent. */
-static int find_picked(Zone *z, Block *b, const double *tangent, double level)
+/* The core among picked nodes, whose weights in their box are in z->mask. */
+static void keep_picked(Zone *z, Block *b, const double *tangent)
 {
     const Response *r = z->form->response;
     const long c = r->shape[1];
-    long last[2] = {-1, -1};
     double count = 0.0, sum = 0.0;
-    memset(z->mask, 0, nodes_of_box(z->form) * sizeof *z->mask);
-    smooth(z, tangent, level, 0);
+    long first[2] = {LONG_MAX, LONG_MAX}, last[2] = {-1, -1};
+    const long low = b->first[0] * c, high = (b->first[0] + b->extent[0]) * c;
     b->picked = 0;
     for (long k = 0; k < r->picked; k++) {
-        const double w = z->mask[r->in_box[k]];
-        const long place[2] = {r->in_box[k] / c, r->in_box[k] % c};
+        const long here = r->in_box[k];
+        const double w = here >= low && here < high ? z->mask[here] : 0.0;
+        const long place[2] = {here / c, here % c};
         if (!(w > 0.0)) continue;
         b->node[b->picked] = (int)k;
         b->into[b->picked] = b->back[b->picked] = sqrt(w);
         b->outside[b->picked++] = 1.0 - w;
         for (int axis = 0; axis < 2; axis++) {
-            if (place[axis] < b->first[axis]) b->first[axis] = place[axis];
+            if (place[axis] < first[axis]) first[axis] = place[axis];
             if (place[axis] > last[axis]) last[axis] = place[axis];
         }
         count += w;
         sum += w * tangent[k];
     }
     b->mean[0] = sum / (count > 0.0 ? count : 1.0);
-    for (int axis = 0; axis < 2; axis++) b->extent[axis] = last[axis] + 1 - b->first[axis];
-    return 1;
+    for (int axis = 0; axis < 2; axis++) {
+        b->first[axis] = first[axis];
+        b->extent[axis] = last[axis] + 1 - first[axis];
+    }
 }
 
-/* Weight of each node of the window, in b->outside until the block has taken it; mean tangents; extent. */
-CLONES static int find_core(Zone *z, long i)
+/* The core on a line. */
+CLONES static void find_line(Zone *z, Block *b, const double *tangent, double level, int even)
 {
     const Form *f = z->form;
-    const long n = nodes_of_box(f), *shape = f->response->shape, m = f->components;
-    const double *tangent = f->tangent + (i * m + i) * f->nodes;
+    const long n = nodes_of_box(f), boxes = f->response->boxes;
+    long first = n, last = -1, at = 0;
+    for (long box = 0; box < boxes; box++) {
+        /* they stay there until the block has taken them: what is written never lies beyond */
+        double *weight = b->outside + box * n;
+        smooth_line(z, tangent + box * n, level, even, weight);
+        for (long k = 0; k < n; k++)
+            if (weight[k] > 0.0) {
+                if (k < first) first = k;
+                if (k > last) last = k;
+            }
+    }
+    b->first[0] = 0;
+    b->extent[0] = 1;
+    b->first[1] = even ? 0 : first;
+    b->extent[1] = last + 1 - b->first[1];
+    for (long box = 0; box < boxes; box++, at += b->extent[1]) {
+        double count = 0.0, sum = 0.0;
+        memcpy(z->mask, b->outside + box * n + b->first[1], b->extent[1] * sizeof *z->mask);
+        keep_row(f, b, z->mask, tangent + box * n + b->first[1], b->first[1], at, &count, &sum);
+        b->mean[box] = sum / (count > 0.0 ? count : 1.0);
+    }
+}
+
+/* The core of a component: its extent, weights and mean tangents; whether there is one. */
+static int find_core(Zone *z, long i)
+{
+    const Form *f = z->form;
+    const double *tangent = f->tangent + (i * f->components + i) * f->nodes;
     const double most = largest(tangent, f->nodes), level = z->threshold * (most < 1.0 ? most : 1.0);
     const int even = (int)f->response->transform->even;
     Block *b = &z->block[i];
-    long last[2] = {-1, -1};
     b->on = most > 1e-6;
     if (!b->on) return 0;
-    b->first[0] = shape[0];
-    b->first[1] = shape[1];
-    if (f->response->picked) return find_picked(z, b, tangent, level);
-    for (long box = 0; box < f->response->boxes; box++) {
-        double count = 0.0, sum = 0.0;
-        memset(z->mask, 0, n * sizeof *z->mask);
-        smooth(z, tangent + box * n, level, even);
-        widen(b, shape, z->mask, even, last);
-        for (long k = 0; k < n; k++) {
-            const double w = z->mask[k] * at_or_one(f->weight, k);
-            count += w;
-            sum += w * tangent[box * n + k];
-        }
-        b->mean[box] = sum / (count > 0.0 ? count : 1.0);
-        memcpy(b->outside + box * n, z->mask, n * sizeof *z->mask);
-    }
-    for (int axis = 0; axis < 2; axis++) b->extent[axis] = last[axis] + 1 - b->first[axis];
+    if (f->response->shape[0] > 1) find_plane(z, b, tangent, level, even);
+    else find_line(z, b, tangent, level, even);
+    if (f->response->picked) keep_picked(z, b, tangent);
     return 1;
-}
-
-CLONES static void keep_weights(Zone *z, Block *b)
-{
-    const Form *f = z->form;
-    const long *shape = f->response->shape, n = nodes_of_box(f);
-    long at = 0;
-    for (long box = 0; box < f->response->boxes && !f->response->picked; box++)
-        for (long j = 0; j < b->extent[0]; j++)
-            for (long k = 0; k < b->extent[1]; k++, at++) {
-                const long node = (b->first[0] + j) * shape[1] + b->first[1] + k;
-                /* what is written never lies beyond what is read */
-                const double w = b->outside[box * n + node], root = sqrt(w);
-                b->outside[at] = 1.0 - w;
-                b->into[at] = root * at_or_one(f->unscale, node);
-                b->back[at] = root * at_or_one(f->scale, node);
-            }
 }
 
 static long rounded(double extent) /* up to a sixteenth of its power of two */
@@ -242,25 +374,38 @@ static Transform *circle_of(const Zone *z, Block *b)
     return t;
 }
 
-static int apply_block(const Zone *z, Block *b, double *field)
+/* The block times a field, to another one or in place. */
+static int apply_block(const Zone *z, Block *b, const double *field, double *out)
 {
     const Response *response = z->form->response;
     const long *shape = response->shape, n = nodes_of_box(z->form), *e = b->extent;
-    const long boxes = response->boxes;
+    const long boxes = response->boxes, c = shape[1], right = b->first[1] + e[1];
     Transform *t = circle_of(z, b);
-    double *first = field + b->first[0] * shape[1] + b->first[1];
     int status;
     long at = 0;
     if (response->picked) put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
     for (long box = 0; box < boxes && !response->picked; box++)
         for (long j = 0; j < e[0]; j++, at += e[1])
-            put_row(t, box, j, b->into + at, first + box * n + j * shape[1], e[1]);
+            put_row(t, box, j, b->into + at, field + box * n + (b->first[0] + j) * c + b->first[1], e[1]);
     if ((status = filter(t, e, b->circle->symbol))) return status;
     at = 0;
-    if (response->picked) blend_nodes(t, 0, b->at, b->node, b->outside, b->back, field, b->picked);
-    for (long box = 0; box < boxes && !response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1])
-            blend_row(t, box, j, b->outside + at, b->back + at, first + box * n + j * shape[1], e[1]);
+    if (response->picked) {
+        copy(field, out, z->form->nodes);
+        blend_nodes(t, 0, b->at, b->node, b->outside, b->back, out, b->picked);
+        return 0;
+    }
+    for (long box = 0; box < boxes; box++) {
+        const double *x = field + box * n;
+        double *y = out + box * n;
+        copy(x, y, b->first[0] * c);
+        for (long j = b->first[0]; j < b->first[0] + e[0]; j++, at += e[1]) {
+            const long row = j * c, first = row + b->first[1];
+            copy(x + row, y + row, b->first[1]);
+            blend_row(t, box, j - b->first[0], b->outside + at, b->back + at, x + first, y + first, e[1]);
+            copy(x + row + right, y + row + right, c - right);
+        }
+        copy(x + (b->first[0] + e[0]) * c, y + (b->first[0] + e[0]) * c, n - (b->first[0] + e[0]) * c);
+    }
     return 0;
 }
 
@@ -276,12 +421,15 @@ CLONES static void by_box(const Zone *z, long i, const double *field, double *su
     }
 }
 
-static int apply_component(Zone *z, long i, double *field)
+static int apply_component(Zone *z, long i, const double *from, double *field)
 {
     Block *b = &z->block[i];
     const long boxes = z->form->response->boxes, n = nodes_of_box(z->form);
-    if (!b->on) return 0;
-    int status = apply_block(z, b, field);
+    if (!b->on) {
+        copy(from, field, z->form->nodes);
+        return 0;
+    }
+    int status = apply_block(z, b, from, field);
     if (status || boxes == 1) return status;
     double *sums = b->mean + boxes;
     by_box(z, i, field, sums);
@@ -301,7 +449,7 @@ static int couple_boxes(Zone *z, long i)
     const long m = z->form->response->boxes, n = z->form->nodes;
     double *sums = b->mean + m, *matrix = b->inverse, *between = matrix + m * m;
     for (long k = 0; k < n; k++) b->column[k] = 1.0;
-    int status = apply_block(z, b, b->column);
+    int status = apply_block(z, b, b->column, b->column);
     if (status) return status;
     by_box(z, i, b->column, sums);
     memcpy(between, z->between[i], m * m * sizeof *between);
@@ -416,7 +564,7 @@ static int eliminate_means(Zone *z)
         const long i = z->means[place];
         double *column = z->columns + place * n;
         for (long k = 0; k < n; k++) column[k] = at_or_one(f->scale, k);
-        int status = apply_component(z, i, column);
+        int status = apply_component(z, i, column, column);
         if (status) return status;
         for (long row = 0; row < q; row++)
             matrix[row * q + place] = answer(f, z->means[row], i, column);
@@ -444,9 +592,8 @@ CLONES static int apply_zone(Zone *z, const double *vector, double *out)
     const Form *f = z->form;
     const long n = f->nodes, m = f->components, q = z->mean_count;
     double right[MOST], scalar[MOST] = {0};
-    memcpy(out, vector, (m * n + f->forced_count) * sizeof *out);
     for (long i = 0; i < m; i++) {
-        int status = apply_component(z, i, out + i * n);
+        int status = apply_component(z, i, vector + i * n, out + i * n);
         if (status) return status;
     }
     for (long row = 0; row < q; row++) {
@@ -484,7 +631,6 @@ int set_up(Zone *z)
     for (long i = 0; i < f->components; i++) {
         if (!find_core(z, i)) continue;
         if (find_circle(z, i)) return 1;
-        keep_weights(z, &z->block[i]);
         z->block[i].made = NONE;
         if (f->response->boxes > 1 && (status = couple_boxes(z, i))) return status;
     }

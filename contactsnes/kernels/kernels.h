@@ -169,7 +169,7 @@ void take_row(const Transform *t, long field, long row, double mean, double fact
 void take_nodes(const Transform *t, long field, const int *at, double mean, double factor,
                 const double *own, double *out, long n);
 void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
-               double *x, long n);
+               const double *x, double *out, long n);
 void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
                  const double *back, double *x, long n);
 int filter(Transform *t, const long *shape, const void *symbol);
@@ -186,7 +186,7 @@ void packed_put_row(const Transform *t, long field, long row, const double *weig
 void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
                      const double *scale, const double *own, double *out, long n);
 void packed_blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
-                      double *x, long n);
+                      const double *x, double *out, long n);
 void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,

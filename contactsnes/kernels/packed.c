@@ -53,10 +53,10 @@ CLONES void packed_take_row(const Transform *t, long field, long row, double mea
 }
 
 CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict outside,
-                             const double *restrict back, double *restrict x, long n)
+                             const double *restrict back, const double *x, double *out, long n)
 {
     const float *restrict r = row_of(t, field, row);
-    for (long k = 0; k < n; k++) x[k] = outside[k] * x[k] + back[k] * r[2 * k];
+    for (long k = 0; k < n; k++) out[k] = outside[k] * x[k] + back[k] * r[2 * k];
 }
 
 /* waves of some columns of a field's rows, a column after the other, zero beyond the rows used */
@@ -160,12 +160,20 @@ void packed_multiply(const Transform *t, const Response *response, const float *
 }
 
 /* the symbol 1 / gain / (1 + C D), column after column */
-void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
-                   float *symbol)
+CLONES void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
+                          float *restrict symbol)
 {
+    enum { TILE = 16 };
     const long rows = t->shape[0], waves = t->shape[1] / 2 + 1;
-    for (long j = 0; j < rows; j += COLUMNS)
-        for (long k = 0; k < waves; k++)
-            for (long i = j; i < rows && i < j + COLUMNS; i++)
-                symbol[k * rows + i] = 1.0 / gain / (compliance[i * waves + k] * stiffness + 1.0);
+    float tile[TILE][TILE];
+    for (long j = 0; j < rows; j += TILE)
+        for (long k = 0; k < waves; k += TILE) {
+            const long high = rows - j < TILE ? rows - j : TILE, wide = waves - k < TILE ? waves - k : TILE;
+            for (long i = 0; i < high; i++) {
+                const double *restrict c = compliance + (j + i) * waves + k;
+                for (long l = 0; l < wide; l++) tile[i][l] = 1.0 / gain / (c[l] * stiffness + 1.0);
+            }
+            for (long l = 0; l < wide; l++)
+                for (long i = 0; i < high; i++) symbol[(k + l) * rows + j + i] = tile[i][l];
+        }
 }

@@ -211,10 +211,10 @@ static void OF(take_nodes)(const Transform *t, long field, const int *at, double
 }
 
 CLONES static void OF(blend_row)(const Transform *t, long field, long row, const double *restrict outside,
-                                 const double *restrict back, double *restrict x, long n)
+                                 const double *restrict back, const double *x, double *out, long n)
 {
     const REAL *restrict r = OF(row_of)(t, field, row);
-    for (long k = 0; k < n; k++) x[k] = outside[k] * x[k] + back[k] * r[k];
+    for (long k = 0; k < n; k++) out[k] = outside[k] * x[k] + back[k] * r[k];
 }
 
 static void OF(blend_nodes)(const Transform *t, long field, const int *at, const int *node,

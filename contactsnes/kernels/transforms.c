@@ -72,15 +72,15 @@ void take_nodes(const Transform *t, long field, const int *at, double mean, doub
     IN_ITS_PRECISION(t, take_nodes, t, field, at, mean, factor, own, out, n);
 }
 
-/* x = outside x + back row */
+/* out = outside x + back row; out may be x */
 void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
-               double *x, long n)
+               const double *x, double *out, long n)
 {
-    if (t->packed) packed_blend_row(t, field, row, outside, back, x, n);
-    else IN_ITS_PRECISION(t, blend_row, t, field, row, outside, back, x, n);
+    if (t->packed) packed_blend_row(t, field, row, outside, back, x, out, n);
+    else IN_ITS_PRECISION(t, blend_row, t, field, row, outside, back, x, out, n);
 }
 
-/* the same of some nodes and n places of a field */
+/* x = outside x + back row of some nodes and n places of a field */
 void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
                  const double *back, double *x, long n)
 {

@@ -12,6 +12,9 @@ from . import structures
 from .forms import call
 from .structures import address
 
+SIDE_BY_SIDE = 8
+"""Rows of doubles that are blurred side by side, as core_zone.c has it."""
+
 
 class CompiledZone:
     """The preconditioner of a compiled form, or of one under arc length.
@@ -60,12 +63,13 @@ class CompiledZone:
                                   (points - 1) // 2)
             own.wraps[axis] = points == total
         nodes = self.form.nodes
-        own.sums = self._array(window.shape[-1])
         if len(window.shape) == 2:
+            own.sums = self._array(2, max(window.shape), SIDE_BY_SIDE)
             # boxes are blurred in memory of their transform, which is not at work then
             transform = self.form.convolution.transform
             own.mask, own.blur = address(transform.real), address(transform.spectrum)
         else:
+            own.sums = self._array(nodes)
             own.mask, own.blur = self._array(nodes), self._array(nodes)
         if self._arc is not None:
             own.column = self._array(self.kernel.size)
