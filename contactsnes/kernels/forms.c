@@ -6,51 +6,70 @@
 
 enum { PART = 256 }; /* nodes of which the law's numbers stay in the processor's nearest memory */
 
-CLONES static void sheared_part(const Law *law, long components, long nodes, long at, long n,
-                         const double *gap, double *traction, double *tangent)
+/* Fields of some nodes: where they begin, and how far components are from each other. */
+typedef struct {
+    double *at;
+    long apart;
+} Part;
+
+CLONES static void sheared_part(const Law *law, long components, long n, const double *gap, long apart,
+                                Part traction, Part tangent)
 {
     double slip[PART], normal[PART], secant[PART], na[PART], nb[PART], sa[PART], sb[PART];
     const double *s[MOST] = {0};
     for (long k = 0; k < n; k++) slip[k] = 0.0;
     for (long i = 1; i < components; i++) {
-        s[i] = gap + i * nodes + at;
+        s[i] = gap + i * apart;
         for (long k = 0; k < n; k++) slip[k] += s[i][k] * s[i][k];
     }
     for (long k = 0; k < n; k++) slip[k] = sqrt(slip[k]);
-    law->sheared(n, law->parameters, gap + at, slip, normal, secant, na, nb, sa, sb);
-    if (tangent) memcpy(tangent + at, na, n * sizeof *na);
-    for (long i = 1; i < components && tangent; i++) {
-        double *restrict weakening = tangent + i * nodes + at;
-        double *restrict opening = tangent + i * components * nodes + at;
+    law->sheared(n, law->parameters, gap, slip, normal, secant, na, nb, sa, sb);
+    if (tangent.at) memcpy(tangent.at, na, n * sizeof *na);
+    for (long i = 1; i < components && tangent.at; i++) {
+        double *restrict weakening = tangent.at + i * tangent.apart;
+        double *restrict opening = tangent.at + i * components * tangent.apart;
         for (long k = 0; k < n; k++) {
             weakening[k] = nb[k] * s[i][k];
             opening[k] = sa[k] * s[i][k];
         }
         for (long j = 1; j < components; j++) {
-            double *restrict slipping = tangent + (i * components + j) * nodes + at;
+            double *restrict slipping = tangent.at + (i * components + j) * tangent.apart;
             for (long k = 0; k < n; k++) slipping[k] = sb[k] * s[i][k] * s[j][k];
             for (long k = 0; k < n && i == j; k++) slipping[k] += secant[k];
         }
     }
     for (long i = 1; i < components; i++)
-        for (long k = 0; k < n; k++) traction[i * nodes + at + k] = secant[k] * s[i][k];
-    memcpy(traction + at, normal, n * sizeof *normal);
+        for (long k = 0; k < n; k++) traction.at[i * traction.apart + k] = secant[k] * s[i][k];
+    memcpy(traction.at, normal, n * sizeof *normal);
+}
+
+/* Tractions of at most PART nodes and, unless null, the tangent; the traction may be the gap. */
+static void evaluate_part(const Law *law, long components, long n, const double *gap, long apart,
+                          Part traction, Part tangent)
+{
+    double normal[PART], slope[PART];
+    if (components > 1) {
+        sheared_part(law, components, n, gap, apart, traction, tangent);
+        return;
+    }
+    law->normal(n, law->parameters, gap, normal, slope);
+    memcpy(traction.at, normal, n * sizeof *normal);
+    if (tangent.at) memcpy(tangent.at, slope, n * sizeof *slope);
+}
+
+static Part part_of(double *field, long at, long nodes)
+{
+    return (Part){field ? field + at : 0, nodes};
 }
 
 /* Tractions and, unless null, the tangent (components, components, nodes); traction may be gap. */
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,
               double *tangent)
 {
-    double normal[PART], slope[PART];
     for (long at = 0; at < nodes; at += PART) {
         const long n = nodes - at < PART ? nodes - at : PART;
-        if (components > 1) {
-            sheared_part(law, components, nodes, at, n, gap, traction, tangent);
-            continue;
-        }
-        law->normal(n, law->parameters, gap + at, normal, slope);
-        memcpy(traction + at, normal, n * sizeof *normal);
-        if (tangent) memcpy(tangent + at, slope, n * sizeof *slope);
+        evaluate_part(law, components, n, gap + at, nodes, part_of(traction, at, nodes),
+                      part_of(tangent, at, nodes));
     }
 }
 
@@ -64,12 +83,13 @@ CLONES static double total(const double *restrict x, const double *restrict w, l
     return sum;
 }
 
-CLONES static void gap_of(const Form *f, const double *unknown)
+/* the gap of some nodes */
+CLONES static void gap_of(const Form *f, const double *unknown, long at, long n, double *part)
 {
-    const long n = f->nodes;
+    const double *restrict z = f->unscale ? f->unscale + at : 0, *restrict a = f->initial_gap + at;
     for (long i = 0; i < f->components; i++) {
-        double *restrict g = f->work + i * n;
-        const double *restrict u = unknown + i * n, *restrict z = f->unscale, *restrict a = f->initial_gap;
+        double *restrict g = part + i * PART;
+        const double *restrict u = unknown + i * f->nodes + at;
         if (z)
             for (long k = 0; k < n; k++) g[k] = u[k] * z[k] * f->root;
         else
@@ -78,25 +98,59 @@ CLONES static void gap_of(const Form *f, const double *unknown)
     }
 }
 
-/* Tractions into `work`; the tangent is kept for a linearisation at the same unknown, where there is
-   room for it. */
-static void tractions_at(Form *f, const double *unknown)
+/* What goes to a transform of at most PART nodes, of a vector: components are PART apart. */
+typedef void (*Fill)(const Form *, const double *vector, long at, long n, double *part);
+
+/* Tractions; the tangent is kept for a linearisation at the same unknown, where there is room for it. */
+static void fill_tractions(const Form *f, const double *unknown, long at, long n, double *part)
 {
-    gap_of(f, unknown);
-    evaluate(f->law, f->components, f->nodes, f->work, f->work, f->ahead);
-    if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
-    f->known = f->ahead != 0;
+    gap_of(f, unknown, at, n, part);
+    evaluate_part(f->law, f->components, n, part, PART, (Part){part, PART},
+                  part_of(f->ahead, at, f->nodes));
 }
 
-/* fields in `work` to the transform of r */
-static void put(const Form *f, const Response *r)
+/* D vector / scale */
+CLONES static void fill_stiffened(const Form *f, const double *vector, long at, long n, double *part)
 {
-    const long c = r->shape[1];
-    const double *x = f->work;
-    for (long i = 0; i < f->components && r->on_circle; i++)
-        put_nodes(r->transform, i, r->on_circle, 0, 0, f->work + i * f->nodes, r->picked);
-    for (long i = 0; i < f->components * r->boxes && !r->on_circle; i++)
-        for (long j = 0; j < r->shape[0]; j++, x += c) put_row(r->transform, i, j, 0, x, c);
+    const long m = f->components, nodes = f->nodes;
+    const double *restrict z = f->unscale;
+    for (long i = 0; i < m; i++) {
+        double *restrict w = part + i * PART;
+        const double *restrict d = f->tangent + i * m * nodes + at, *restrict v = vector + at;
+        for (long k = 0; k < n; k++) w[k] = d[k] * v[k];
+        for (long j = 1; j < m; j++)
+            for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * nodes + k];
+        for (long k = 0; k < n && z; k++) w[k] *= z[at + k];
+    }
+}
+
+/* vector / scale */
+CLONES static void fill_vector(const Form *f, const double *vector, long at, long n, double *part)
+{
+    for (long i = 0; i < f->components; i++)
+        for (long k = 0; k < n; k++)
+            part[i * PART + k] = vector[i * f->nodes + at + k] * (f->unscale ? f->unscale[at + k] : 1.0);
+}
+
+/* Puts what some nodes after the other are filled with in the transform of r, and sums it up. */
+static void put(const Form *f, const Response *r, const double *vector, Fill fill, double *sum)
+{
+    const long m = f->components, rows = r->shape[0], c = r->on_circle ? f->nodes : r->shape[1];
+    const long lines = r->on_circle ? 1 : r->boxes * rows;
+    double part[MOST * PART];
+    memset(sum, 0, m * sizeof *sum);
+    for (long i = 0; i < m && r->on_circle; i++) clear_field(r->transform, i);
+    for (long line = 0; line < lines; line++)
+        for (long first = 0; first < c; first += PART) {
+            const long at = line * c + first, n = c - first < PART ? c - first : PART;
+            fill(f, vector, at, n, part);
+            for (long i = 0; i < m; i++) {
+                const double *x = part + i * PART;
+                sum[i] += total(x, f->weight ? f->weight + at : 0, n);
+                if (r->on_circle) put_nodes(r->transform, i, r->on_circle + at, 0, 0, x, n);
+                else put_row(r->transform, i * r->boxes + line / rows, line % rows, first, 0, x, n);
+            }
+        }
 }
 
 /* out = (response - mean) factor scale + own, by component */
@@ -124,10 +178,9 @@ static const Response *chosen(const Form *f)
 void begin_residual(Form *f, const double *unknown, double *sum)
 {
     f->evaluations++;
-    tractions_at(f, unknown);
-    for (long i = 0; i < f->components; i++)
-        sum[i] = total(f->work + i * f->nodes, f->weight, f->nodes);
-    put(f, f->response);
+    put(f, f->response, unknown, fill_tractions, sum);
+    if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
+    f->known = f->ahead != 0;
 }
 
 int residual(Form *f, const double *unknown, double *out)
@@ -151,39 +204,23 @@ int residual(Form *f, const double *unknown, double *out)
 void linearise(Form *f, const double *unknown)
 {
     const long m = f->components, n = f->nodes;
+    double part[MOST * PART];
     if (f->known && !memcmp(f->last, unknown, m * n * sizeof *unknown)) {
         memcpy(f->tangent, f->ahead, m * m * n * sizeof *unknown);
         return;
     }
-    gap_of(f, unknown);
-    evaluate(f->law, m, n, f->work, f->work, f->tangent);
-}
-
-/* work = D vector / scale; their sums over the cell */
-CLONES static void stiffen(const Form *f, const double *vector, double *sum)
-{
-    const long n = f->nodes, m = f->components;
-    memset(sum, 0, m * sizeof *sum);
-    for (long at = 0; at < n; at += PART)
-        for (long i = 0; i < m; i++) {
-            const long part = n - at < PART ? n - at : PART;
-            double *restrict w = f->work + i * n + at;
-            const double *restrict d = f->tangent + i * m * n + at, *restrict v = vector + at;
-            const double *restrict z = f->unscale;
-            for (long k = 0; k < part; k++) w[k] = d[k] * v[k];
-            for (long j = 1; j < m; j++)
-                for (long k = 0; k < part; k++) w[k] += d[j * n + k] * v[j * n + k];
-            for (long k = 0; k < part && z; k++) w[k] *= z[at + k];
-            sum[i] += total(w, f->weight ? f->weight + at : 0, part);
-        }
+    for (long at = 0; at < n; at += PART) {
+        const long count = n - at < PART ? n - at : PART;
+        gap_of(f, unknown, at, count, part);
+        evaluate_part(f->law, m, count, part, PART, (Part){part, PART}, part_of(f->tangent, at, n));
+    }
 }
 
 /* The law's answer to a vector, in the transform; its sums over the cell, or what of it is here. */
 void begin_product(Form *f, const double *vector, double *sum)
 {
     f->products++;
-    stiffen(f, vector, sum);
-    put(f, chosen(f));
+    put(f, chosen(f), vector, fill_stiffened, sum);
 }
 
 int product(Form *f, const double *vector, double *out)
@@ -205,16 +242,10 @@ int product(Form *f, const double *vector, double *out)
 }
 
 /* A vector, in the transform; its sums over the cell, or what of it is here. */
-CLONES void begin_transposed(Form *f, const double *vector, double *sum)
+void begin_transposed(Form *f, const double *vector, double *sum)
 {
-    const long n = f->nodes;
     f->products++;
-    for (long i = 0; i < f->components; i++) {
-        double *restrict w = f->work + i * n;
-        for (long k = 0; k < n; k++) w[k] = vector[i * n + k] * (f->unscale ? f->unscale[k] : 1.0);
-        sum[i] = total(w, f->weight, n);
-    }
-    put(f, chosen(f));
+    put(f, chosen(f), vector, fill_vector, sum);
 }
 
 /* out = vector + D^T scale (response - mean) */

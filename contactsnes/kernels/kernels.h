@@ -161,7 +161,9 @@ extern struct Libraries libraries;
 int forward(Transform *t, long used);
 int backward(Transform *t, long used);
 void clear_beyond(const Transform *t, const long *shape);
-void put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);
+void put_row(const Transform *t, long field, long row, long first, const double *weight, const double *x,
+             long n);
+void clear_field(const Transform *t, long field);
 void put_nodes(const Transform *t, long field, const int *at, const int *node, const double *weight,
                const double *x, long n);
 void take_row(const Transform *t, long field, long row, double mean, double factor, const double *scale,
@@ -182,7 +184,8 @@ void add_times_in_double(double *x, const double *s, const double *y, long n, in
 void add_times_in_single(float *x, const float *s, const float *y, long n, int is_complex, float sign);
 long packed_place(const Transform *t, long row, long column);
 void packed_clear_beyond(const Transform *t, const long *shape);
-void packed_put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n);
+void packed_put_row(const Transform *t, long field, long row, long first, const double *weight,
+                    const double *x, long n);
 void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
                      const double *scale, const double *own, double *out, long n);
 void packed_blend_row(const Transform *t, long field, long row, const double *outside, const double *back,

@@ -34,10 +34,10 @@ void packed_clear_beyond(const Transform *t, const long *shape)
     }
 }
 
-CLONES void packed_put_row(const Transform *t, long field, long row, const double *restrict weight,
-                           const double *restrict x, long n)
+CLONES void packed_put_row(const Transform *t, long field, long row, long first,
+                           const double *restrict weight, const double *restrict x, long n)
 {
-    float *restrict r = row_of(t, field, row);
+    float *restrict r = row_of(t, field, row) + 2 * first;
     if (weight)
         for (long k = 0; k < n; k++) r[2 * k] = weight[k] * x[k];
     else

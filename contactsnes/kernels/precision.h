@@ -175,10 +175,10 @@ static void OF(clear_beyond)(const Transform *t, const long *shape)
     }
 }
 
-CLONES static void OF(put_row)(const Transform *t, long field, long row, const double *restrict weight,
-                               const double *restrict x, long n)
+CLONES static void OF(put_row)(const Transform *t, long field, long row, long first,
+                               const double *restrict weight, const double *restrict x, long n)
 {
-    REAL *restrict r = OF(row_of)(t, field, row);
+    REAL *restrict r = OF(row_of)(t, field, row) + first;
     if (weight)
         for (long k = 0; k < n; k++) r[k] = weight[k] * x[k];
     else
@@ -189,7 +189,6 @@ static void OF(put_nodes)(const Transform *t, long field, const int *at, const i
                           const double *weight, const double *x, long n)
 {
     REAL *r = OF(row_of)(t, field, 0);
-    memset(r, 0, t->shape[0] * t->shape[1] * sizeof *r);
     for (long k = 0; k < n; k++) r[at[k]] = node ? weight[k] * x[node[k]] : x[k];
 }
 

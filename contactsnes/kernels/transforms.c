@@ -43,14 +43,22 @@ void clear_beyond(const Transform *t, const long *shape)
     else IN_ITS_PRECISION(t, clear_beyond, t, shape);
 }
 
-/* x, or weight x, to a row of a field */
-void put_row(const Transform *t, long field, long row, const double *weight, const double *x, long n)
+/* x, or weight x, to a row of a field from its first column on */
+void put_row(const Transform *t, long field, long row, long first, const double *weight, const double *x,
+             long n)
 {
-    if (t->packed) packed_put_row(t, field, row, weight, x, n);
-    else IN_ITS_PRECISION(t, put_row, t, field, row, weight, x, n);
+    if (t->packed) packed_put_row(t, field, row, first, weight, x, n);
+    else IN_ITS_PRECISION(t, put_row, t, field, row, first, weight, x, n);
 }
 
-/* x, or of some nodes weight x, to n places of a field, which is zero elsewhere */
+/* zeros to a field */
+void clear_field(const Transform *t, long field)
+{
+    const long n = t->shape[0] * t->shape[1] * (t->single ? sizeof(float) : sizeof(double));
+    memset((char *)t->real + field * n, 0, n);
+}
+
+/* x, or of some nodes weight x, to n places of a field */
 void put_nodes(const Transform *t, long field, const int *at, const int *node, const double *weight,
                const double *x, long n)
 {
