@@ -47,10 +47,11 @@ class Rows:
     points, count : int, points of a row and number of rows
     memory : address of (count, points) complex numbers
     single : bool, whether these are in single precision
+    apart : int, from the begin of a row to that of the next one; None: they touch
     """
 
-    def __init__(self, points, count, memory, single=True):
-        sizes, way, self._kind = (c_int * 1)(points), [None, 1, points], KINDS[single]
+    def __init__(self, points, count, memory, single=True, apart=None):
+        sizes, way, self._kind = (c_int * 1)(points), [None, 1, apart or points], KINDS[single]
         make = getattr(_calls(), f"{self._kind}_plan_many_dft")
         self.forward, self.backward = (make(1, sizes, count, memory, *way, memory, *way, sign,
                                             ESTIMATE) for sign in (-1, 1))

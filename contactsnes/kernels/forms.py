@@ -68,7 +68,8 @@ def _response(convolution, count, transform):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        product = None if all(i == j for i, j in symbols) else np.empty_like(transform.spectrum)
+        held = transform.block if own.transform.contents.packed else transform.spectrum
+        product = None if all(i == j for i, j in symbols) else np.empty_like(held)
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
         by_columns = own.transform.contents.packed or window.grid.shared
         product = np.empty_like(transform.block if by_columns else transform.spectrum)

@@ -192,6 +192,10 @@ void packed_blend_row(const Transform *t, long field, long row, const double *ou
                       const double *x, double *out, long n);
 void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed);
+void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+                     int transposed);
+void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
+                   float *symbol);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    float *symbol);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,

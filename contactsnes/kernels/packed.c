@@ -9,7 +9,7 @@
 
 static float *field_of(const Transform *t, long field)
 {
-    return (float *)t->real + field * t->shape[0] * t->shape[1];
+    return (float *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
 }
 
 /* a row's numbers are every other one from here on */

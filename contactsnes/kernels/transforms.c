@@ -107,7 +107,7 @@ int filter(Transform *t, const long *shape, const void *symbol)
     int status;
     clear_beyond(t, shape);
     if (t->packed) {
-        packed_multiply(t, 0, symbol, shape[0], 0);
+        (t->even ? folded_multiply : packed_multiply)(t, 0, symbol, shape[0], 0);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
     if ((status = forward(t, shape[0]))) return status;
@@ -120,7 +120,7 @@ int filter(Transform *t, const long *shape, const void *symbol)
 /* the symbol 1 / gain / (1 + C D) on a transform's waves, in its precision */
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol)
 {
-    if (t->packed) packed_invert(t, compliance, stiffness, gain, symbol);
+    if (t->packed) (t->even ? folded_invert : packed_invert)(t, compliance, stiffness, gain, symbol);
     else IN_ITS_PRECISION(t, invert, t->waves, compliance, stiffness, gain, symbol);
 }
 
@@ -137,7 +137,7 @@ int convolve(const Response *r, int transposed)
     int status;
     clear_beyond(t, r->shape);
     if (t->packed) {
-        packed_multiply(t, r, 0, r->shape[0], transposed);
+        (t->even ? folded_multiply : packed_multiply)(t, r, 0, r->shape[0], transposed);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
     if ((status = forward(t, r->shape[0]))) return status;

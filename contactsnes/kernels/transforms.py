@@ -180,7 +180,9 @@ class Cosines(Compiled):
 
     @cached_property
     def single(self):
-        """The same in single precision, on the same memory."""
+        """The same in single precision, on the same memory; in the plane `Folded`."""
+        if len(self.shape) == 2:
+            return Folded(self)
         memory = first_half(self.real), first_half(self.spectrum)
         return Cosines(self._grid, self.shape, self.count, self._parities, memory)
 
@@ -195,6 +197,57 @@ class Cosines(Compiled):
     def ordered(self, symbol):
         """A symbol on the waves of `grid.cosines.Cosines`, in the order of these."""
         return np.ascontiguousarray(symbol[np.ix_(*self.waves)].T)
+
+
+class Folded(Compiled):
+    """Products with symbols in single precision of even or odd arrays over a plane, by the library
+    (folded.c): two rows, and two columns, are one of complex numbers, and there is no whole
+    spectrum.
+
+    Parameters
+    ----------
+    double : Cosines, on whose memory it works
+    """
+
+    def __init__(self, double):
+        super().__init__(double._grid, double.shape, double.count)
+        self.gain, own, self._memory = double.gain, self.structure, double.real
+        rows, columns = self.shape
+        self.block = pyfftw.zeros_aligned((self.count, COLUMNS // 2, rows + rows % 2),
+                                          dtype=np.complex64)
+        own.even = own.single = own.packed = 1
+        own.real, own.block = address(double.real), address(self.block)
+        own.waves = rows * (columns + columns % 2)
+        self._lines = [_PairedLine(m, closed) for m, closed in zip(self.shape, double.closed)]
+        for place, line in enumerate(self._lines):
+            own.line[place] = line.structure
+            for field in range(self.count):
+                own.odd[field][place] = double.structure.odd[field][place]
+
+    def fitting(self, block):
+        """A symbol as the library takes it: pairs of columns, side by side."""
+        columns, rows = block.shape
+        pairs = np.zeros((columns + columns % 2, rows), dtype=np.float32)
+        pairs[:columns] = block
+        return np.ascontiguousarray(np.swapaxes(pairs.reshape(-1, 2, rows), 1, 2))
+
+
+class _PairedLine:
+    """Work, factors and plans of complex lines of a direction, a few at a time."""
+
+    def __init__(self, points, closed):
+        self.structure = own = structures.Line(points=points, closed=closed)
+        length = 2 * (points - 1) if closed else points
+        self._row = pyfftw.zeros_aligned((COLUMNS // 2, length + length % 2), dtype=np.complex64)
+        self._plans = Rows(length, len(self._row), address(self._row), apart=self._row.shape[1])
+        own.row, own.to_half, own.to_row = (address(self._row), self._plans.forward,
+                                            self._plans.backward)
+        if not closed:
+            turn = np.exp(0.5j * np.pi * np.arange(points) / points)
+            self._turn = np.array([np.repeat(turn.real, 2),
+                                   np.ravel(np.column_stack([-turn.imag, turn.imag]))],
+                                  dtype=np.float32)
+            own.turn = address(self._turn)
 
 
 def _order(points, closed):
