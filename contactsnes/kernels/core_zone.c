@@ -383,8 +383,10 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
     Transform *t = circle_of(z, b);
     int status;
     long at = 0;
-    if (response->picked) clear_field(t, 0);
-    if (response->picked) put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
+    if (response->picked) {
+        clear_field(t, 0);
+        put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
+    }
     for (long box = 0; box < boxes && !response->picked; box++)
         for (long j = 0; j < e[0]; j++, at += e[1])
             put_row(t, box, j, 0, b->into + at, field + box * n + (b->first[0] + j) * c + b->first[1], e[1]);
