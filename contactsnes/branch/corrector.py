@@ -1,5 +1,6 @@
 """The corrector: from a guess, controls and loads to a converged point, whatever the method."""
 
+import math
 import time
 
 import numpy as np
@@ -33,11 +34,16 @@ def _names(cls):
 SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
 
 
+def known(grid, values):
+    """Whether values (components, nodes), or numbers, hold neither NaN nor infinite ones: their sum
+    is none."""
+    return not grid.any(not math.isfinite(np.add.reduce(values, axis=None)))
+
+
 def finite(state):
     """A state from which a solve may begin; NotConverged for one that holds infinite values or
     NaN."""
-    if state.window.grid.any(~np.isfinite(state.displacement)) or not np.isfinite(
-            state.means).all():
+    if not (known(state.window.grid, state.displacement) and known(state.window.grid, state.means)):
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
 
@@ -108,9 +114,7 @@ class Corrector:
             guess = self.fitted(guess)
             form = self.form_on(guess, controls)
             form.set_load(load)
-            unknown, iterations = self.run(form,
-                                           form.pack(guess.displacement,
-                                                     guess.means[form.forced]), most_iterations)
+            unknown, iterations = self.run(form, form.packed(guess), most_iterations)
             state = form.state(unknown)
             if not self.covers(form, state):
                 guess = self.fitted(state, afresh=True)
@@ -129,10 +133,10 @@ class Corrector:
         whole = self.settings.window == "off" or FORMS[self.settings.form].whole_cell
         if not whole:
             # Coarser grids for the full approximation scheme are made of one box.
-            one = asked().one_window
-            state = (on_nodes(self.contact, state, afresh) if self.contact.scattered and not one
+            scattered = self.contact.scattered and not asked().one_window
+            state = (on_nodes(self.contact, state, afresh) if scattered
                      else states.fitted(self.contact, boxed(self.contact, state), afresh))
-            whole = len(state.window.parts) > 1 and one
+            whole = len(state.window.parts) > 1 and asked().one_window
         if whole and state.window != widest:
             state = states.State(widest, widest.take(self.contact.extended(state)), state.means)
         return self.symmetry.centred(state)
@@ -177,10 +181,9 @@ class Corrector:
         self.patience.short = warm = most_iterations == WARM
         step_from_afar(form, not warm)
         turned, form.precision.allowed = form.precision.turned, trusted(form, warm)
-        if newton and most_iterations and not PETSc.Options(snes.getOptionsPrefix()
-                                                            or "").hasName("snes_max_it"):
+        if newton and most_iterations and not form.bounded:
             snes.setTolerances(max_it=most_iterations)
-        if form.grid.any(~np.isfinite(unknown)):
+        if not known(form.grid, unknown):
             raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
         solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
@@ -265,28 +268,24 @@ class Corrector:
         not."""
         contact = self.contact
         components = form.components
-        grid, gap, traction = states.at_nodes(contact, state)
-        tolerance = self.snes.getTolerances()[1]
-        deepest = grid.minimum(gap[0])
+        survey, tolerance = contact.survey(state), self.snes.getTolerances()[1]
         if not imbalance.norm <= tolerance:
             raise NotConverged("the solver stopped at residual_norm "
                                f"{imbalance.norm:.2e}, above -snes_atol {tolerance:g}")
-        if deepest < contact.law.deepest:
-            raise NotConverged(f"a gap of {deepest:.3g} delta_n lies below "
+        if survey.closest < contact.law.deepest:
+            raise NotConverged(f"a gap of {survey.closest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
         factor, ranges = contact.load_factor(components), contact.ranges[:components]
-        total = (grid if state.half is None else state.half).sum(traction)
-        forces = factor * total
-        far = state.means + contact.rigid_compliance(components) * total / grid.size
+        forces = factor * survey.total
+        far = (state.means + contact.rigid_compliance(components) * survey.total
+               / contact.grid.size)
         displacements = contact.signs(components) * far / ranges + contact.datum
         for i, control in enumerate(form.controls):
             if control != APPROACH:
                 (forces if control == FORCE else displacements)[i] = form.load[i]
-        touching = gap[0] < contact.scene.contact_threshold
-        slipped = np.linalg.norm(gap[1:], axis=0) > contact.law.slip_peak
-        in_contact = grid.count(touching) > 0
-        sliding = components > 1 and in_contact and grid.count(touching & ~slipped) == 0
+        in_contact = survey.touching > 0
+        sliding = components > 1 and in_contact and survey.sticking == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
                      sliding, imbalance.norm, largest_residual=imbalance.largest,
                      spent={"last_iterations": iterations}, units=units(contact.scene))

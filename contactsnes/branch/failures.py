@@ -8,11 +8,9 @@ from scipy import ndimage
 
 from ..contact import states
 from ..continuation.points import NotConverged
-from ..interface.laws.law import softening
-from ..scene.resolution import PINNING, resolution, resolution_warning, sharpness
+from ..grid.alternation import REACH, differences
+from ..scene.resolution import PINNING, resolution, resolution_warning
 
-PART = 2 ** 14
-"""Nodes whose tangents are taken at a time."""
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
 has six."""
@@ -31,9 +29,6 @@ to 1 %, above it elsewhere.
 """
 TRACTIONLESS = 1e-9
 """Traction, over the scale of the law, that counts as none."""
-ALTERNATING = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0]) / 256.0
-"""The eighth difference: waves of two nodes as they are, those of eight nodes or more by less than
-a thousandth."""
 USUAL = 1e9
 """Numbers of scene and load up to this size, or down to its inverse, are no reason why a
 computation should overflow."""
@@ -64,10 +59,11 @@ class Resolution:
 
     def marked(self, point):
         """The point with ``resolved``."""
-        sheared = slips(self.contact, point)
-        scene = self.contact.scene
+        survey, scene = self.contact.survey(point.state), self.contact.scene
+        # where a node has slipped past the law's peak, slip fronts are to be resolved, too
+        sheared = survey.slip > self.contact.law.slip_peak
         bound = self._bound(len(point.controls) > 1)
-        found = max(resolution(scene, True, steepest(self.contact, point)))
+        found = max(resolution(scene, True, survey.steepest))
         jumped = (point.event == "jump" and self.last is not None and max(bound, found) > ROOMY
                   and narrow(self.contact, self.last.state, point.state))
         # Also on fine grids: a region that sticks may vanish over few nodes.
@@ -128,87 +124,28 @@ class Resolution:
             self.log(sentence)
 
 
-def steepest(contact, point):
-    """Steepest softening of the law at the nodes of a point, E*/beta: of the gap, and of the slip
-    along its own direction."""
-    _, gap, _ = states.at_nodes(contact, point.state)
-    parts = np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)
-    return float(contact.grid.maximum(np.concatenate([_steepness(contact, part) for part in parts]),
-                                      initial=0.0))
-
-
-def _steepness(contact, gap):
-    """The same at each of some nodes, from their gaps (components, nodes)."""
-    scene, full = contact.scene, contact.law.tangent(gap)
-    if len(gap) == 1:
-        return -full[0, 0] * scene.normal_maugis ** 2
-    tangent = full  # where slip is to one side or the other its direction changes nothing
-    if len(gap) > 2:
-        tangent = np.empty((2, 2, gap.shape[1]))
-        tangent[0, 0] = full[0, 0]
-        slip = np.linalg.norm(gap[1:], axis=0)
-        along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5),
-                          where=slip > 0.0)
-        tangent[0, 1] = np.einsum("in,in->n", full[0, 1:], along)
-        tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
-        tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
-    scale = np.array([scene.normal_maugis, sharpness(scene)])
-    return softening(tangent * np.multiply.outer(scale, scale)[..., None])
-
-
 def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
     window, half, grid = point.state.window, point.state.half, contact.grid
-    found, reach = 0.0, len(ALTERNATING) // 2
-    halved = half is not None and min(half.shape) > reach + 1
-    for i, component in enumerate(contact.evaluated(point.state, half if halved else None)[1]):
-        boxes = (half.box(component)[None] if halved else grid.with_rows(
-            window.box(component).reshape(-1, *window.parts[0].shape), reach))
-        largest = grid.maximum(np.abs(component), initial=0.0)
+    halved = half is not None and min(half.shape) > REACH + 1
+    found, tractions = 0.0, (contact.survey if halved else contact.evaluated)(point.state)[1]
+    for i, component in enumerate(tractions):
+        boxes = (half.box(component)[None] if halved
+                 else window.box(component).reshape(-1, *window.parts[0].shape))
+        largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
         for axis, (extent, total) in enumerate(zip(window.parts[0].extents, grid.shape), start=1):
             if halved:
-                waves = _of_half(boxes, axis, half.parities[i][axis - 1] if half.parities else 1,
-                                 half.closed[axis - 1])
+                sign = half.parities[i][axis - 1] if half.parities else 1
+                aside = contact.kernels.alternation(boxes, axis, sign, half.closed[axis - 1])
+            elif grid.shared:
+                waves = differences(grid.with_rows(boxes, REACH), axis, extent == total)
+                aside = grid.maximum(np.abs(grid.without_rows(waves, REACH)), initial=0.0)
             else:
-                # A window that fills a direction closes on itself; beyond others the law does not
-                # act.
-                mode = "wrap" if extent == total else "constant"
-                waves = grid.without_rows(ndimage.convolve1d(boxes, ALTERNATING, axis, mode=mode),
-                                          reach)
-            aside = grid.maximum(np.abs(waves), initial=0.0)
-            found = max(found, aside / max(largest, TRACTIONLESS))
+                # beyond a window the law does not act
+                aside = contact.kernels.alternation(boxes, axis, 0, extent == total)
+            found = max(found, aside / largest)
     return found
-
-
-def _of_half(boxes, axis, sign, closed):
-    """The eighth difference along an axis of boxes that begin in the middle of even fields or odd
-    ones.
-
-    Parameters
-    ----------
-    boxes : array (1, *box)
-    axis : int
-    sign : 1 (even) or -1 (odd)
-    closed : whether the boxes end where the cell closes on itself, with images there, too
-    """
-    reach, across = len(ALTERNATING) // 2, (slice(None),) * axis
-    lines = [sign * boxes[(*across, slice(reach, 0, -1))], boxes]
-    if closed:
-        lines.append(sign * boxes[(*across, slice(-2, -2 - reach, -1))])
-    waves = ndimage.convolve1d(np.concatenate(lines, axis), ALTERNATING, axis, mode="constant")
-    return waves[(*across, slice(reach, reach + boxes.shape[axis]))]
-
-
-def slips(contact, point):
-    """Whether a node in contact has slipped past the law's peak, so that slip fronts are to be
-    resolved, too."""
-    if len(point.state.displacement) == 1:
-        return False
-    _, gap, _ = states.at_nodes(contact, point.state)
-    touching = gap[0] < contact.scene.contact_threshold
-    slip = np.linalg.norm(gap[1:], axis=0)
-    return bool(contact.grid.maximum(slip, where=touching, initial=0.0) > contact.law.slip_peak)
 
 
 def narrow(contact, before, after):

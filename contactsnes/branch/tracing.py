@@ -148,7 +148,7 @@ class Tracer(Corrector, Neighbours, Ends):
         state, direction = self.fitted(point.state), leg.direction
         form = self.form_on(state, leg.controls)
         form.set_load(leg.load(position))
-        unknown = form.pack(state.displacement, state.means[form.forced])
+        unknown = form.packed(state)
         form.linearise(unknown)
         change = self._linear(self.snes, form,
                               form.load_derivative(-direction, np.empty(form.size)), 1e-3)

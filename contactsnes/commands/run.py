@@ -48,7 +48,7 @@ class Run:
         """Begin the path on the grid of the settings, where coarser ones have ``missed`` their
         accuracy."""
         settings = self.settings
-        self.table = observables.table(settings.scene)
+        self.table = dict(observables.table(settings.scene))
         # What PETSc prints by itself would tear a bar to pieces.
         watched = any("monitor" in name or name.endswith("view") for name in database())
         self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),

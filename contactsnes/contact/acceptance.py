@@ -3,10 +3,11 @@ beyond a jump."""
 
 import numpy as np
 
+from ..kernels import points
 from ..kernels.laws import kernel_of
 from .energies import weights
 from .state import alike
-from .states import near_either
+from .states import REACH
 
 STRAYS = 0.35
 SHARE = 0.15
@@ -33,8 +34,6 @@ WHOLE = 0.9
 held nodes that is nearly all."""
 PART = 2 ** 14
 """Nodes that are asked for their works at a time."""
-REACH = 10.0
-"""Normal gap, in ranges, below which the law acts."""
 LEFT = 0.5
 """Part of its way that a node goes back at the rate where it ended, below which a jump made much of
 it; a parabola just behind its fold has one half."""
@@ -54,15 +53,67 @@ def strayed(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    grid, gap, change, aside, allowed = _compared(contact, guess, last, found)
-    if _made_or_lost(grid, gap[0], gap[0] + change[0]):
+    grid, *fields, weights_of = _known(contact, guess, last, found)
+    told = (points.strays if contact.kernels.compiled else _by_numpy)(
+        *fields, weights_of, _limits(contact))
+    held, opened, made, closed, through = grid.together(told[2:]).tolist()
+    # A body that is rigid beside its law comes off as a whole: its tangent foretells where it is
+    # then, whatever happens on the way.
+    if opened > WHOLE * max(held, 1.0) or closed > WHOLE * max(made, 1.0) or through:
         return np.inf
-    if len(gap) > 1:
-        touching = np.maximum(gap[0], gap[0] + change[0]) < contact.scene.contact_threshold
-        if grid.count(touching & _through_sticking(gap[1:], gap[1:] + change[1:],
-                                                   contact.law.slip_peak)):
-            return np.inf
-    return float(grid.maximum(aside - allowed, initial=-STRAYS))
+    return float(grid.largest(told[0]))
+
+
+def _known(contact, guess, last, found):
+    """Grid that sums over nodes, where a step was foretold, where it ended and where it began,
+    initial gap, and weights of the nodes (None: all are one); of even states at half of them."""
+    grid, nodes, (foretold, ended, began) = alike(contact, [guess, found], [last])
+    return (grid, foretold, ended, began, contact.gap_on(nodes), getattr(grid, "weights", None))
+
+
+def _limits(contact):
+    """What steps are judged by, an array; contact and friction last."""
+    return np.array([STRAYS, SHARE, LONG, REACH, HELD, OPEN, DOUBTFUL, TRIFLE,
+                     contact.scene.contact_threshold, contact.law.slip_peak])
+
+
+def _by_numpy(foretold, ended, began, initial_gap, weights_of, limits):
+    """How a step lies to its prediction, an array: farthest beyond what is allowed, and largest way
+    where the law acts; nodes held at first and those of them that open, nodes held at last and
+    those of them that were open; nodes in contact that pass through sticking.
+
+    Nearly all of a contact that is made or lost, and a whole contact that slides back, ends where
+    it is predicted, on the other side of all that friction does to it.
+
+    Parameters
+    ----------
+    foretold, ended, began : arrays (components, nodes), ranges of the law
+    initial_gap, weights_of : arrays (nodes,); weights None where all are one
+    limits : of `_limits`
+    """
+    threshold, peak = limits[-2:]
+    change, aside, near, allowed = _ways(foretold, ended, began, initial_gap)
+    first, last = began[0] + initial_gap, ended[0] + initial_gap
+    touching = np.maximum(first, last) < threshold
+    through = touching & _through_sticking(began[1:], ended[1:], peak)
+    each = np.ones(len(near)) if weights_of is None else weights_of
+    masks = np.array([first < HELD, (first < HELD) & (last > OPEN), last < HELD,
+                      (last < HELD) & (first > OPEN), through])
+    return np.concatenate([[np.max(aside - allowed, initial=-STRAYS),
+                            np.max(np.abs(change) * near, initial=0.0)], masks @ each])
+
+
+def _ways(foretold, ended, began, initial_gap):
+    """Ways of a step, how far it ended from its prediction where the law acts, (components, nodes)
+    each, where the law acts on the way (nodes), and how far nodes may end from a prediction."""
+    change, aside = ended - began, ended - foretold
+    np.abs(aside, out=aside)
+    aside *= np.minimum(foretold[0], ended[0]) + initial_gap < REACH
+    allowed = np.abs(change)
+    np.minimum(allowed, LONG, out=allowed)
+    allowed *= SHARE
+    allowed += STRAYS
+    return change, aside, np.minimum(began[0], ended[0]) + initial_gap < REACH, allowed
 
 
 def doubtful(contact, guess, last, found):
@@ -74,6 +125,15 @@ def doubtful(contact, guess, last, found):
     contact : Contact
     guess, last, found : as of `strayed`
     """
+    kernel = kernel_of(contact.law)
+    if kernel is not None:
+        grid, *fields, weights_of = _known(contact, guess, last, found)
+        fields, limits = (*fields, weights_of), _limits(contact)
+        moved = float(grid.largest(points.strays(*fields, limits)[1]))
+        released, springs = grid.together(points.releases(
+            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), limits, moved))
+        if not np.any(released > RELEASED * springs):
+            return False
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 
@@ -121,28 +181,10 @@ def _compared(contact, guess, last, found, *others):
     where the law acts, and how far they may be; of even states (``others``, too) at half of the
     nodes."""
     grid, nodes, (foretold, ended, began, *_) = alike(contact, [guess, found], [last, *others])
-    aside, change, gap = ended - foretold, ended - began, began.copy()
-    np.abs(aside, out=aside)
-    aside *= near_either(contact, nodes, foretold, ended)
+    change, aside, _, allowed = _ways(foretold, ended, began, contact.gap_on(nodes))
+    gap = began.copy()
     gap[0] += contact.gap_on(nodes)
-    allowed = np.abs(change)
-    np.minimum(allowed, LONG, out=allowed)
-    allowed *= SHARE
-    allowed += STRAYS
     return grid, gap, change, aside, allowed
-
-
-def _made_or_lost(grid, begin, end):
-    """Whether nearly all of a contact is made or lost between two normal gaps (nodes).
-
-    A body that is rigid beside its law comes off as a whole: its tangent foretells where it is
-    then, whatever happens on the way.
-    """
-    for first, last in ((begin, end), (end, begin)):
-        held = first < HELD
-        if grid.count(held & (last > OPEN)) > WHOLE * max(grid.count(held), 1):
-            return True
-    return False
 
 
 def _through_sticking(begin, end, peak):

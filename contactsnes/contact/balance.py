@@ -133,7 +133,9 @@ class Balance:
     def _of_half(self, state, load, solver):
         """The Imbalance of a state whose half tells of all of its nodes."""
         solver.set_load(load)
-        unknown = solver.pack(state.displacement, state.means[solver.forced])
+        unknown = solver.packed(state)
+        if solver.kernel:
+            return Imbalance(*solver.kernel.imbalance(unknown, self.contact.law.range))
         residual = solver.residual(unknown, np.empty(solver.size))
         acts = solver.gap(unknown)[0] < self.contact.law.range
         field = np.abs(solver.half.displacement(solver.plain(residual)))

@@ -65,22 +65,8 @@ def _follow_spot(contact, states, weights):
         return None
     last = states[-1]
     window = last.window
-    # Places of all states in nodes from the first one of the last window; a wider window begins
-    # before it.
-    places = np.array([one + nodes_between(window, state.window)[:, None]
-                       for one, state in zip(known, states)])
-    target = np.tensordot(weights, places, axes=1)
-    pieces = np.diff(target) / np.diff(places[-1])
-    if pieces.size > 3 and np.any(np.abs(pieces - 1.0) > STRETCH):
-        # Beside ends of pressure that are near to a front, or move with it, it is followed alone.
-        places, target = places[..., [0, 2, 3, 5]], target[:, [0, 2, 3, 5]]
-    # In a short step, too, after long ones: it is states far from each other that are weighted.
-    moved = np.abs(np.diff([*places, target], axis=0))[..., 1:-1].max(initial=0.0)
-    if (moved * in_cohesive_lengths(contact) < FAR
-            or np.any(np.diff(target) < LEAST)):
-        # Fronts that hardly move, or meet each other or the edges, are not followed.
-        places, target = places[..., [0, -1]], target[:, [0, -1]]
-    if np.any(np.diff(target) < LEAST):
+    *places, target = _moved_places(contact, states, known, weights)
+    if not _in_order(target):
         return None
     _, nodes, known = alike(contact, [last], states[:-1])
     initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
@@ -93,6 +79,49 @@ def _follow_spot(contact, states, weights):
     np.maximum(far[0], contact.grid.minimum(known[0][0] + initial) - 1.0, out=far[0])
     far[0] -= initial
     return spread(nodes, far, weighted([state.means for state in states], weights))
+
+
+def _moved_places(contact, states, known, weights):
+    """Places of each state that stay in place in the stretched coordinates, and where they are
+    foretold: for each a list of places in each direction, nodes from the first one of the last
+    state's window.
+
+    Parameters
+    ----------
+    contact, states, weights : as of `follow_edge`
+    known : `followed_places` of the states
+    """
+    window = states[-1].window
+    # A wider window begins before the last one. (Few numbers: lists are faster than arrays.)
+    shifts = [nodes_between(window, state.window).tolist() for state in states]
+    each = [[[place + shift for place in line] for line, shift in zip(one.tolist(), shifted)]
+            for one, shifted in zip(known, shifts)]
+    each.append([[sum(weight * place for weight, place in zip(weights, places))
+                  for places in zip(*lines)] for lines in zip(*each)])
+    if len(each[0][0]) == 6 and any(
+            abs((after - before) / (later - earlier) - 1.0) > STRETCH
+            for target, last in zip(each[-1], each[-2])
+            for before, after, earlier, later in zip(target, target[1:], last, last[1:])):
+        # Beside ends of pressure that are near to a front, or move with it, it is followed alone.
+        each = _picked(each, (0, 2, 3, 5))
+    # In a short step, too, after long ones: it is states far from each other that are weighted.
+    moved = max((abs(there - here) for before, after in zip(each, each[1:])
+                 for line, other in zip(before, after)
+                 for here, there in zip(line[1:-1], other[1:-1])), default=0.0)
+    if moved * in_cohesive_lengths(contact) < FAR or not _in_order(each[-1]):
+        # Fronts that hardly move, or meet each other or the edges, are not followed.
+        each = _picked(each, (0, -1))
+    return each
+
+
+def _picked(each, which):
+    """Some of the places of each direction, of each of several lists of them."""
+    return [[[line[k] for k in which] for line in lines] for lines in each]
+
+
+def _in_order(places):
+    """Whether places of each direction follow each other, so many nodes apart at least."""
+    return all(after - before >= LEAST for line in places for before, after in zip(line, line[1:]))
 
 
 def _near_part(contact, nodes, gap):
@@ -185,16 +214,13 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     """
     known, sources = [], []
     for here, there, wanted, begin, count in zip(places, target, part,
-                                                 nodes_between(window, state.window),
+                                                 nodes_between(window, state.window).tolist(),
                                                  state.window.extents):
-        node = np.arange(wanted.start, wanted.stop)
-        if not len(node):  # others have all of these rows
+        source = contact.kernels.sources(wanted.start, wanted.stop, here, there, begin)
+        if not len(source):  # others have all of these rows
             known.append(slice(0, 0))
-            sources.append(node)
+            sources.append(source)
             continue
-        scale = (here[-1] - here[0]) / (there[-1] - there[0])
-        source = np.interp(node, there, here) - begin
-        source += scale * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
         low, high = int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2
         whole = state.window.extents == contact.grid.shape
         if not (widened or whole) and (low < 0 or high > count):

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .states import at_nodes, onto
+from .states import onto
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -77,10 +77,10 @@ def stored(contact, point):
     rigid compliance included. The second is zero where the surfaces are apart, nan where the law
     has no potential (`laws.Law.potential`).
     """
-    grid, gap, tractions = at_nodes(contact, point.state)
-    parts, work = weights(contact, len(gap)), grid.sum(tractions * point.state.once)
-    elastic = 0.5 * parts @ (point.forces * far_displacements(contact, point)
-                             - grid.node_area * work)
+    survey, half = contact.survey(point.state), point.state.half
+    grid, gap = contact.grid if half is None else half.grid, survey.gap
+    elastic = 0.5 * weights(contact, len(gap)) @ (point.forces * far_displacements(contact, point)
+                                                  - grid.node_area * survey.work)
     if len(gap) > 1:
         acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
         gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
@@ -131,20 +131,19 @@ def line_rule(places, first):
     first : number of the place from which on
     """
     points, shares = gauss(len(places))
-    half = 0.5 * (places[-1] - places[first])
-    points = places[first] + half * (1.0 + points)
-    own = np.arange(len(places))
-    apart = np.subtract.outer(places, places)
-    apart[own, own] = 1.0
-    factors = np.subtract.outer(points, places) / apart[:, None]  # by polynomial, point, place
-    factors[own, :, own] = 1.0
-    slopes = np.zeros(factors.shape[:2])
-    for j in own:
-        without = factors.copy()
-        without[:, :, j] = 1.0 / apart[:, j, None]
-        without[j] = 0.0
-        slopes += without.prod(axis=2)
-    return factors.prod(axis=2), half * shares * slopes
+    half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
+    basis, slopes = np.empty((2, len(places), len(places)))
+    # (few numbers: floats are faster than arrays)
+    for k, point in enumerate((places[first] + half * (1.0 + points)).tolist()):
+        for j, own in enumerate(places):
+            value, slope = 1.0, 0.0
+            for i, other in enumerate(places):
+                if i != j:
+                    scale = 1.0 / (own - other)
+                    value, slope = (value * (point - other) * scale,
+                                    (slope * (point - other) + value) * scale)
+            basis[j, k], slopes[j, k] = value, slope
+    return basis, half * shares * slopes
 
 
 class PathEnergies:

@@ -128,6 +128,12 @@ class EvenForm:
         force-controlled components."""
         return self.scaled(self.half.pack(self.half.window.fold(displacement), scalars))
 
+    def packed(self, state):
+        """The unknown of a State on the form's window."""
+        if state.half != self.half.window:
+            return self.pack(state.displacement, state.means[self.forced])
+        return self.scaled(self.half.pack(state.once, state.means[self.forced]))
+
     def displacement(self, unknown):
         """Displacements (components, nodes of the full window), ranges of the law."""
         return self.half.window.unfold(self.half.displacement(self.plain(unknown)))

@@ -78,6 +78,10 @@ class ForceForm:
         """The EvenWindow of the cell."""
         return EvenWindow(self.window)
 
+    def packed(self, state):
+        """The unknown of a State on the cell."""
+        return self.pack(state.displacement)
+
     def pack(self, displacement, scalars=()):
         """The unknown from displacements (components, nodes of the cell); the mean displacements
         are among them."""

@@ -125,6 +125,10 @@ class DisplacementForm:
         components."""
         return np.concatenate([displacement.reshape(-1) / self.root, self.grid.held(scalars)])
 
+    def packed(self, state):
+        """The unknown of a State on the form's window."""
+        return self.pack(state.displacement, state.means[self.forced])
+
     def displacement(self, unknown):
         """Displacements (components, nodes), ranges of the law."""
         return unknown[:self.count].reshape(self.shape) * self.root

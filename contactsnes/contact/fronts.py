@@ -4,7 +4,6 @@ import weakref
 
 import numpy as np
 
-from ..grid.contours import crossings
 from ..grid.transfer import extent
 from .states import normal_gap
 
@@ -36,6 +35,8 @@ def edges(contact, state):
     window = state.window.parts[0]
     box = state.window.box(normal_gap(contact, state))
     level = contact.scene.contact_threshold
+    if box.ndim == 1:
+        return _between(contact, box, level, (-1, 1))
     ends = []
     touching = box < level
     lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
@@ -43,12 +44,19 @@ def edges(contact, state):
         return None
     through = [(line.start + line.stop) // 2 for line in lines]
     for axis, line in enumerate(lines):
-        places, _ = crossings(window.line(box, axis, through), level)
+        places, _ = contact.kernels.crossings(window.line(box, axis, through), level)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
             return None
         ends.append(places)
     return np.array(ends)
+
+
+def _between(contact, line, level, signs):
+    """The two places where a line crosses a level, an array (1, 2), if it crosses so often, by
+    ``signs``; else None."""
+    places, found = contact.kernels.crossings(line, level)
+    return places[None] if tuple(found) == signs else None
 
 
 def slip_fronts(contact, state, ends):
@@ -63,8 +71,8 @@ def slip_fronts(contact, state, ends):
     """
     if len(ends) > 1 or len(state.displacement) < 2:
         return None
-    places, signs = crossings(np.abs(state.window.box(state.displacement)[1]),
-                              contact.law.slip_peak)
+    places, signs = contact.kernels.crossings(np.abs(state.window.box(state.displacement)[1]),
+                                              contact.law.slip_peak)
     within = (places > ends[0, 0]) & (places < ends[0, 1])
     return places[None, within] if list(signs[within]) == [-1, 1] else None
 
@@ -125,11 +133,13 @@ def pressed_ends(contact, state, ends, fronts):
     ends : array (1, 2), `edges` of the state, in nodes
     fronts : array (1, 2), `slip_fronts` of the state, in nodes
     """
-    places, _ = crossings(state.window.box(normal_gap(contact, state)), 0.0)
+    places, _ = contact.kernels.crossings(state.window.box(normal_gap(contact, state)), 0.0)
     if len(places) != 2:
         return None
-    order = np.stack((ends[0], places, fronts[0]))
-    return places[None] if np.all(np.diff(order, axis=0) * (1, -1) > LEAST) else None
+    order = [float(place) for line in (ends[0], places, fronts[0]) for place in line]
+    (left, right), pressed, (stuck, there) = order[:2], order[2:4], order[4:]
+    apart = (pressed[0] - left, stuck - pressed[0], right - pressed[1], pressed[1] - there)
+    return places[None] if min(apart) > LEAST else None
 
 
 def _kept_places(contact, state):
@@ -157,5 +167,5 @@ def followed_places(contact, states):
 def nodes_between(window, other):
     """Nodes from the first one of a window to that of another near it in each direction, over the
     cell's border or not."""
-    total = np.array(window.grid.shape)
-    return (np.array(other.start) - np.array(window.start) + total // 2) % total - total // 2
+    return np.array([(there - here + total // 2) % total - total // 2
+                     for here, there, total in zip(window.start, other.start, window.grid.shape)])

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..grid.cell import Convolution
 from ..grid.outlines import outline
-from ..grid.spots import labelled, sizes
+from ..grid.spots import labelled, runs, sizes
 from . import states
 
 NOTHING = 1e-15
@@ -26,6 +26,7 @@ class Measurement:
     ----------
     gap : array (components, nodes): normal a, tangential b
     traction : array (components, nodes)
+    survey : Survey
     """
 
     def __init__(self, contact, point):
@@ -34,6 +35,7 @@ class Measurement:
         self.grid = contact.grid
         self.state, self.window = point.state, point.state.window
         self.components = len(point.controls)
+        self.survey = contact.survey(point.state)
         self.gap, self.traction = contact.evaluated(point.state)
 
     @cached_property
@@ -52,7 +54,11 @@ class Measurement:
     @cached_property
     def spot_areas(self):
         """Length or area of each spot: that of its nodes."""
-        return sizes(self.spot_map, self.grid) * self.grid.node_area
+        if len(self.grid.shape) == 1:
+            nodes = runs(self.window.node_numbers()[self.in_contact], self.grid.size)
+        else:
+            nodes = sizes(self.spot_map, self.grid)
+        return nodes * self.grid.node_area
 
     @cached_property
     def outline(self):
@@ -111,7 +117,7 @@ class Measurement:
 
     def minimum_gap(self):
         """Smallest normal gap of the cell, u_n,r."""
-        smallest = self.grid.minimum(self.gap[0])
+        smallest = self.survey.closest
         if smallest >= self.contact.law.range and not self.window.is_whole:
             smallest = self.grid.minimum(self.contact.extended(self.state)[0]
                                          + self.contact.initial_gap)
@@ -119,23 +125,20 @@ class Measurement:
 
     def maximum_pressure(self):
         """Largest compressive normal traction, p_n,r."""
-        return float(self.grid.maximum(-self.traction[0], initial=0.0))
+        return self.survey.pressure
 
     def maximum_tangential_gap(self):
         """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
         if self.components == 1:
             return 0.0
-        inside = np.linalg.norm(self.gap[1:, self.in_contact], axis=0)
         edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
-        largest = max(self.grid.maximum(slip, initial=0.0)
-                      for slip in (inside, np.linalg.norm(edge, axis=0)))
+        largest = max(self.survey.slip, self.grid.maximum(np.linalg.norm(edge, axis=0),
+                                                          initial=0.0))
         return float(largest / self.contact.ranges[1])
 
     def maximum_tangential_traction(self):
         """Largest tangential traction, p_t,r."""
-        if self.components == 1:
-            return 0.0
-        return float(self.grid.maximum(np.linalg.norm(self.traction[1:], axis=0), initial=0.0))
+        return self.survey.shear
 
     def active_fields(self):
         """Fields on the nodes where the law acts, name -> array: ``nodes``, their numbers in the

@@ -1,6 +1,8 @@
 """Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function,
 label, unit."""
 
+from functools import lru_cache
+from types import MappingProxyType
 from typing import Callable, NamedTuple
 
 from . import contact_shape, rough_contact
@@ -55,11 +57,12 @@ def compliance(contact):
                              for key in operator.blocks}
 
 
+@lru_cache(maxsize=4)
 def table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the order of the
     archive and the scene's units."""
-    return {name: _in_units(row, *scene.scale(row.unit))
-            for name, row in _scaled_table(scene).items()}
+    return MappingProxyType({name: _in_units(row, *scene.scale(row.unit))
+                             for name, row in _scaled_table(scene).items()})
 
 
 def _in_units(row, size, unit):

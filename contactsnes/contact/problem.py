@@ -22,6 +22,7 @@ from ..interface.own_shapes import check_own
 from ..kernels.choice import chosen
 from ..options.fields import InputError
 from ..scene.parts import with_parts
+from .survey import surveyed
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -83,7 +84,8 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.evaluated = lru_cache(maxsize=2)(self._evaluated)
+        self.survey = lru_cache(maxsize=2)(partial(surveyed, self))
+        self.evaluated = lru_cache(maxsize=1)(self._evaluated)
         self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
@@ -222,12 +224,13 @@ class Contact:
         U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def _evaluated(self, state, half=None):
-        """(gap, traction) of a state on its window, or on its half, arrays (components, nodes) that
-        are not to be changed: the last states are asked for by whatever tells of a point."""
-        gap = (state.displacement if half is None else state.once).copy()
-        gap[0] += self.gap_on(state.window if half is None else half)
-        traction = self.law.traction(gap)
+    def _evaluated(self, state):
+        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
+        changed, of its `Survey`: the last states are asked for by whatever tells of a point."""
+        found = self.survey(state)[:2]
+        if state.half is None:
+            return found
+        gap, traction = (state.half.unfold(field) for field in found)
         gap.flags.writeable = traction.flags.writeable = False
         return gap, traction
 

@@ -4,15 +4,20 @@ A state is a displacement on a window with its means over the cell, in ranges of
 here solves.
 """
 
+import math
+
 import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.boxes import reaching
 from ..grid.cell import Convolution
 from ..grid.roots import bracketed_root
+from ..kernels import points
 from .problem import APPROACH, FORCE, SUPPORT
 from .state import State, alike, onto, spread, weighted
 
+REACH = 10.0
+"""Normal gap, in ranges, below which the law acts."""
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
 below 1e-5 of its peak."""
@@ -103,15 +108,8 @@ def normal_gap(contact, state):
 def _at_rim(contact, state):
     """Smallest normal gap on the border of a state's window, delta_n."""
     nodes = state.nodes
-    rim = nodes.rim()
+    rim = nodes.rim_places
     return contact.grid.minimum(state.once[0, rim] + contact.gap_on(nodes)[rim])
-
-
-def at_nodes(contact, state):
-    """Grid that sums, gap and traction (components, nodes), not to be changed, at the nodes of a
-    state, each once."""
-    grid = contact.grid if state.half is None else state.half.grid
-    return (grid, *contact.evaluated(state, state.half))
 
 
 def fitted(contact, state, afresh=False):
@@ -222,12 +220,21 @@ def missed(contact, guess, found, largest=False):
     largest : whether the largest at a node, not the root mean square
     """
     grid, nodes, (begin, end) = alike(contact, [guess, found])
-    change, near = end - begin, near_either(contact, nodes, begin, end)
-    np.multiply(change, near, out=change)
+    told = (points.apart if contact.kernels.compiled else _apart)(
+        begin, end, contact.gap_on(nodes), getattr(grid, "weights", None), REACH)
     if largest:
-        return float(grid.maximum(np.abs(change), initial=0.0))
-    squares = np.sum(grid.sum(change * change))
-    return float(np.sqrt(squares / max(len(change) * grid.count(near), 1)))
+        return float(grid.largest(told[0]))
+    count, squares = grid.together(told[1:]).tolist()
+    return math.sqrt(squares / max(len(begin) * count, 1.0))
+
+
+def _apart(first, second, initial_gap, weights, reach):
+    """As `kernels.points.apart`."""
+    near = np.minimum(first[0], second[0]) + initial_gap < reach
+    change = (second - first) * near
+    each = np.ones(len(near)) if weights is None else weights
+    return np.array([np.max(np.abs(change), initial=0.0), each @ near,
+                     np.sum((change * change) @ each)])
 
 
 def way(contact, first, last, window):
@@ -253,7 +260,7 @@ def near_either(contact, nodes, begin, end):
     nodes : Window, or EvenWindow
     begin, end : arrays (components, nodes), ranges of the law
     """
-    return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < 10.0
+    return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < REACH
 
 
 def chord(contact, first, last, window):

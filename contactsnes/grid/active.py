@@ -10,6 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from .cell import Convolution
+from .windows import Window
 
 WORTH = 0.75
 """Part of a box's nodes up to which they are a window of their own: more are not worth the way into
@@ -110,6 +111,8 @@ class Nodes:
         for axis in range(known.ndim):
             inner &= np.roll(known, 1, axis) & np.roll(known, -1, axis)
         return ~self.grid.without_rows(inner, 1)[self.indices]
+
+    rim_places = Window.rim_places
 
     def surround(self, mask, reach):
         """Whether all nodes of the cell up to ``reach`` nodes from some of these are among them.

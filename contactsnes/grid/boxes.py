@@ -86,6 +86,8 @@ class Spots:
         """Mask of the nodes on the borders of the boxes, in directions that these do not fill."""
         return np.tile(self.parts[0].rim(), len(self.parts))
 
+    rim_places = Window.rim_places
+
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, the sum of all boxes."""
         return sum(part.area_below(own.reshape(-1), level)

@@ -3,8 +3,6 @@ largest."""
 
 import numpy as np
 
-from .roots import bracketed_root
-
 FEW = 16
 """Roots up to which one after the other is faster than all at once."""
 
@@ -30,15 +28,36 @@ def crossings(values, level):
             places[k] = i + (level - values[i]) / (values[i + 1] - values[i])
             continue
         # floats of Python: four times as fast as NumPy's, one by one
-        before, left, right, after = (values[i - 1:i + 3] - level).tolist()
-        # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its
-        # sign.
-        rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
-        twist = (fall - rise) / 3
-        places[k] = i + bracketed_root(lambda t: (1 - t) * left + t * right
-                                       + t * (1 - t) * (rise + twist + twist * t), 0.0, 1.0,
-                                       xtol=1e-14)
+        places[k] = i + _place(*(values[i - 1:i + 3] - level).tolist())
     return places, np.where(above[first + 1], 1, -1)
+
+
+def _place(before, left, right, after):
+    """Place, 0 to 1, where the cubic through four values at nodes vanishes between the middle two,
+    of which not both are above 0, nor both below: by Newton's method from the chord, within a
+    bracket."""
+    # As the chord and a rest that vanishes at both nodes, so that a node on the level keeps its
+    # sign.
+    rise, fall = (2 * left - right - before) / 2, (2 * right - left - after) / 2
+    twist, chord = (fall - rise) / 3, right - left
+    low, high, place = 0.0, 1.0, -left / chord
+    for _ in range(60):
+        rest, room = rise + twist + twist * place, place * (1 - place)
+        value = left + place * chord + room * rest
+        if value == 0.0:
+            break
+        if (value < 0.0) == (left < 0.0):
+            low = place
+        else:
+            high = place
+        slope = chord + (1 - 2 * place) * rest + room * twist
+        nearer = place - value / slope if slope else low
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high)
+        if abs(nearer - place) < 1e-15:
+            break
+        place = nearer
+    return place
 
 
 def ringed(box, closed):
@@ -86,9 +105,7 @@ def _roots(*nodes):
     """Places where the cubics through four values vanish between the middle two, of unequal
     signs."""
     if nodes[0].size <= FEW:
-        return np.array([bracketed_root(lambda place, values=values: sum(
-            weight * value for weight, value in zip(_at_places(place), values)), 0.0, 1.0,
-            xtol=1e-15) for values in zip(*(node.tolist() for node in nodes))])
+        return np.array([_place(*values) for values in zip(*(node.tolist() for node in nodes))])
     low, high = np.zeros_like(nodes[0]), np.ones_like(nodes[0])
     for _ in range(48):
         middle = 0.5 * (low + high)

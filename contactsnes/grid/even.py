@@ -179,6 +179,8 @@ class EvenWindow:
                 np.moveaxis(mask, axis, 0)[-1] = True
         return mask.reshape(-1)
 
+    rim_places = Window.rim_places
+
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""
         return values.take(self._folded, axis=-1)

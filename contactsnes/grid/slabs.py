@@ -165,10 +165,11 @@ class Slabs(Grid):
         return to_first(self.comm, values, -1)
 
     def largest(self, number):
-        """The largest of a number a process."""
-        every = np.empty(self.comm.size)
-        self.comm.Allgather(np.array([number], dtype=float), every)
-        return every.max()
+        """The largest of a number a process, or of several, an array."""
+        own = np.array(number, dtype=float)
+        every = np.empty((self.comm.size, *own.shape))
+        self.comm.Allgather(own, every)
+        return every.max(axis=0)
 
     def waves_at(self, spectrum, columns):
         """Columns of half spectra (..., *half spectrum), by their numbers, whoever has them."""

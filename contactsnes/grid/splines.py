@@ -4,6 +4,23 @@ import numpy as np
 from scipy import ndimage
 
 
+def sources(start, stop, here, there, begin):
+    """Where nodes ``start`` to ``stop`` - 1 of a line were before places on it were moved from
+    ``here`` to ``there``, less ``begin``: an array, linear between the places, and beyond them with
+    the slope from the first to the last.
+
+    Parameters
+    ----------
+    start, stop, begin : int
+    here, there : increasing places, in nodes
+    """
+    node = np.arange(start, stop)
+    slope = (here[-1] - here[0]) / (there[-1] - there[0])
+    found = np.interp(node, there, here) - begin
+    found += slope * (np.minimum(node - there[0], 0.0) + np.maximum(node - there[-1], 0.0))
+    return found
+
+
 def spline(values, places, axis):
     """Cubic spline through values at nodes along an axis, at places (in nodes, cut to theirs): an
     array with these along the axis.

@@ -45,6 +45,19 @@ def labelled(mask, grid=ALONE):
     return np.argsort(np.argsort(place))[number.ravel()][parts]
 
 
+def runs(nodes, count):
+    """Nodes of each spot on a closed line of ``count`` nodes, an array of int, from the numbers of
+    those in it: as `sizes` of `labelled` has them."""
+    nodes = np.sort(nodes)
+    ends = np.append(np.flatnonzero(np.diff(nodes) > 1), len(nodes) - 1)
+    found = np.diff(ends, prepend=-1)
+    if len(found) > 1 and nodes[0] == 0 and nodes[-1] == count - 1:
+        # the first and the last are one
+        found[0] += found[-1]
+        found = found[:-1]
+    return found if len(nodes) else found[:0]
+
+
 def sizes(labels, grid=ALONE):
     """Nodes of each spot, an array of int: of spot 1 first.
 

@@ -133,6 +133,11 @@ class Window:
                 np.moveaxis(mask, axis, 0)[[0, -1]] = True
         return mask.reshape(-1)
 
+    @cached_property
+    def rim_places(self):
+        """Places of these nodes in the window's flat index."""
+        return np.flatnonzero(self.rim())
+
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, its edge interpolated between
         nodes.

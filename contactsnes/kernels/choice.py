@@ -5,9 +5,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
+from ..grid.alternation import alternation
+from ..grid.contours import crossings
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
-from ..grid.splines import spline
+from ..grid.splines import sources, spline
 from . import library
 
 
@@ -28,7 +30,8 @@ class Interpreted:
 
     compiled = False
     even, law_reason = Cosines, None
-    spline = staticmethod(spline)
+    spline, sources = staticmethod(spline), staticmethod(sources)
+    crossings, alternation = staticmethod(crossings), staticmethod(alternation)
 
     def __init__(self, reason):
         self.reason = reason
@@ -76,10 +79,11 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache):
-        from . import fftw, slabs, splines, transforms
+        from . import fftw, points, slabs, splines, transforms
 
         self._cache, self.law_reason = cache, None
-        self.spline = splines.spline
+        self.spline, self.sources = splines.spline, splines.sources
+        self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
         self._kept = lru_cache(maxsize=24)(self._make)

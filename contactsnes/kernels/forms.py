@@ -2,6 +2,7 @@
 Python form that they are the twin of."""
 
 import ctypes
+import math
 import weakref
 
 import numpy as np
@@ -136,6 +137,19 @@ class CompiledForm:
         call(self.library.residual, self.grid.counter, self.reference, address(unknown),
              address(out))
         return out
+
+    def imbalance(self, unknown, reach):
+        """Norm of F at an unknown, and the largest imbalance at a node where the law acts.
+
+        Parameters
+        ----------
+        unknown : array of the form's size
+        reach : normal gap within which it does, ranges
+        """
+        numbers, out = np.empty(2), np.empty(self.size)
+        call(self.library.imbalance, self.grid.counter, self.reference, address(unknown), reach,
+             address(out), address(numbers))
+        return math.sqrt(numbers[0]), float(numbers[1])
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""

@@ -219,5 +219,8 @@ int set_up(Zone *z);
 int precondition(Zone *z, const double *vector, double *out);
 void regularised_step(const Form *f, double stiffness, const double *unknown, double *step,
                       int *changed);
+void works(const Law *law, long components, long nodes, const double *gap, const double *change,
+           const double *parts, long count, const double *places, const double *shares, double trifle,
+           double *found);
 void pseudo_inverse(double *matrix, long n, double floor, double *work);
 #endif

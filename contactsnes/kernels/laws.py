@@ -31,6 +31,10 @@ class LawKernel:
     functions : (sheared, normal), addresses
     parameters : names of the numbers that its functions take, in their order
     library : what keeps the functions
+
+    Attributes
+    ----------
+    reference : address of its structure
     """
 
     def __init__(self, law, functions, parameters, library):
@@ -38,14 +42,14 @@ class LawKernel:
         self._parameters, self._library = np.array([*values, 0.0]), library
         self.structure = structures.Law(*functions, address(self._parameters), law.normal_peak,
                                         law.repulsion)
-        self._reference, self._call = ctypes.addressof(self.structure), shared().evaluate
+        self.reference, self._call = ctypes.addressof(self.structure), shared().evaluate
 
     def __call__(self, gap, traction, tangent=None):
         """As `Law.evaluate`."""
         gap = np.ascontiguousarray(gap, dtype=float)
         outputs = [array if array is None or array.flags.c_contiguous else np.empty(array.shape)
                    for array in (traction, tangent)]
-        self._call(self._reference, len(gap), gap.shape[1], address(gap),
+        self._call(self.reference, len(gap), gap.shape[1], address(gap),
                    *(address(array) for array in outputs))
         for wanted, filled in zip((traction, tangent), outputs):
             if filled is not wanted:
@@ -72,7 +76,7 @@ class LawKernel:
         places, shares, trifle = rule
         gap, change = (np.ascontiguousarray(array, dtype=float) for array in (gap, change))
         found = np.empty((2, gap.shape[1]))
-        shared().works(self._reference, *gap.shape, address(gap), address(change), address(parts),
+        shared().works(self.reference, *gap.shape, address(gap), address(change), address(parts),
                        len(places), address(places), address(shares), trifle, address(found))
         return found
 

@@ -13,7 +13,7 @@ from . import structures
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "transforms.c", "packed.c",
            "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "krylov.c",
-           "petsc.c", "laws.c", "library.c")
+           "points.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -137,9 +137,18 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
          **dict.fromkeys(("inner_products", "add_rows"),
                          [_long, _long, _pointer, _pointer, _pointer]),
+         "sources": [_long, _long, _long, _pointer, _pointer, _long, _pointer],
          "works": [_pointer, _long, _long, _pointer, _pointer, _pointer, _long, _pointer, _pointer,
-                   _double, _pointer]}
+                   _double, _pointer],
+         "survey": [_pointer, _long, _long, *[_pointer] * 7],
+         "apart": [_long, _long, *[_pointer] * 4, _double, _pointer],
+         "strays": [_long, _long, *[_pointer] * 7],
+         "imbalance": [_pointer, _pointer, _double, _pointer, _pointer],
+         "crossings": [_long, _pointer, _double, _long, _pointer, _pointer],
+         "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int],
+         "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
+                      _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {"motion_squares": _double}
+RETURNED = {"motion_squares": _double, "alternation": _double, "crossings": _long}
 """What returns something else."""

@@ -11,6 +11,20 @@ LINES = 8
 """Lines whose recursions run side by side, as in steps.c."""
 
 
+def sources(start, stop, here, there, begin):
+    """As `grid.splines.sources`.
+
+    Parameters
+    ----------
+    start, stop, here, there, begin : as of that
+    """
+    found = np.empty(max(stop - start, 0))
+    here, there = (np.array(places, dtype=float) for places in (here, there))
+    shared().sources(start, len(found), len(here), address(here), address(there), begin,
+                     address(found))
+    return found
+
+
 def spline(values, places, axis):
     """As `grid.splines.spline`.
 

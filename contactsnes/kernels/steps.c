@@ -78,6 +78,21 @@ CLONES void spline(long outer, long count, long wide, double *values, long wante
     }
 }
 
+/* out: where nodes from `start` on were before `places` were moved from here to there, less `begin`. */
+void sources(long start, long count, long places, const double *here, const double *there, long begin,
+             double *out)
+{
+    const double slope = (here[places - 1] - here[0]) / (there[places - 1] - there[0]);
+    for (long k = 0, piece = 1; k < count; k++) {
+        const double node = (double)(start + k);
+        while (piece < places - 1 && node > there[piece]) piece++;
+        const double from = node < there[0] ? there[0] : node;
+        const double at = from > there[places - 1] ? there[places - 1] : from;
+        const double steep = (here[piece] - here[piece - 1]) / (there[piece] - there[piece - 1]);
+        out[k] = here[piece - 1] + steep * (at - there[piece - 1]) - (double)begin + slope * (node - at);
+    }
+}
+
 enum { SOME = 256, FEW = 16 }; /* nodes at a time, places at most */
 
 /* works (2, nodes): what each node releases on the straight way from gap by change (components, nodes),

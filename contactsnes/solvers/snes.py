@@ -90,7 +90,8 @@ def create_snes(form, prefix="", tolerance=None, single=False):
 
     Parameters
     ----------
-    form : of the equations, which gets ``precision``, ``regularised`` and ``ritz``
+    form : of the equations, which gets ``precision``, ``regularised`` and ``ritz``, and
+        ``bounded``: whether the user gave a number of iterations
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
     single : bool, whether linear solves may be in single precision
@@ -99,7 +100,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     collect()
     snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
-    snes.appctx = form
+    snes.appctx, form.bounded = form, database.hasName("snes_max_it")
     form.precision = equip(snes, form, single)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)

@@ -1,0 +1,115 @@
+"""A state in its contact, surveyed: gap and traction at its nodes, and the numbers that are asked
+of every point."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..interface.laws.law import softening
+from ..kernels import points
+from ..kernels.laws import kernel_of
+from ..scene.resolution import sharpness
+
+PART = 2 ** 14
+"""Nodes whose tangents are taken at a time."""
+
+
+class Survey(NamedTuple):
+    """What is known of a state, ranges of the law; sums and extremes are those of all its nodes.
+
+    Attributes
+    ----------
+    gap, traction : arrays (components, nodes), not to be changed, at its nodes, each once where
+        others are mirror images
+    closest : smallest normal gap
+    slip : largest slip in contact, 0 where nothing touches
+    pressure, shear : largest pressure and largest size of the shear traction, phi_i / delta_i
+    steepest : steepest softening of the law, of the gap and of the slip along its own direction,
+        E*/beta; 0 where it stiffens everywhere
+    touching, sticking : nodes in contact, and those of them whose slip is up to the law's peak
+    total, work : sums of tractions, and of tractions times displacements, by component
+    """
+
+    gap: np.ndarray
+    traction: np.ndarray
+    closest: float
+    slip: float
+    pressure: float
+    shear: float
+    steepest: float
+    touching: int
+    sticking: int
+    total: np.ndarray
+    work: np.ndarray
+
+
+def surveyed(contact, state):
+    """The Survey of a state.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    """
+    scene, nodes, kernel = contact.scene, state.nodes, kernel_of(contact.law)
+    grid = contact.grid if state.half is None else state.half.grid
+    limits = np.array([scene.contact_threshold, contact.law.slip_peak, scene.normal_maugis,
+                       sharpness(scene)])
+    given = state.once, contact.gap_on(nodes), getattr(grid, "weights", None), limits
+    gap, traction, numbers = (by_numpy(contact.law, *given) if kernel is None
+                              else points.survey(kernel, *given))
+    numbers[0] *= -1.0
+    lowest, *largest = grid.largest(numbers[:5]).tolist()
+    sums = grid.together(numbers[5:])
+    total, work = sums[2:].reshape(2, -1)
+    for i, signs in enumerate(getattr(nodes, "parities", None) or ()):
+        if -1 in signs:
+            total[i] = 0.0
+    gap.flags.writeable = traction.flags.writeable = False
+    return Survey(gap, traction, -lowest, *largest, *sums[:2].astype(int).tolist(), total, work)
+
+
+def by_numpy(law, displacement, initial_gap, weights, limits):
+    """Gap, traction (components, nodes) and an array of numbers: smallest normal gap, largest slip
+    in contact, pressure and shear, steepest softening; nodes in contact, those that stick; sums of
+    tractions and of their products with displacements by component.
+
+    Parameters
+    ----------
+    law : Law
+    displacement : array (components, nodes)
+    initial_gap, weights : arrays (nodes,); weights None where all are one
+    limits : gap of contact, slip of the law's peak, normal and tangential Maugis parameter (the
+        second as of `sharpness`)
+    """
+    gap, count = displacement.copy(), len(displacement)
+    gap[0] += initial_gap
+    traction = law.traction(gap)
+    slip, shear = (np.sqrt(np.einsum("in,in->n", field[1:], field[1:]))
+                   for field in (gap, traction))
+    touching = gap[0] < limits[0]
+    each = np.ones(len(touching)) if weights is None else weights
+    parts = np.array_split(gap, 1 + len(slip) // PART, axis=1)
+    found = [np.min(gap[0], initial=np.inf), np.max(slip[touching], initial=0.0),
+             np.max(-traction[0], initial=0.0), np.max(shear, initial=0.0),
+             max(np.max(_steepness(law, part, limits[2:]), initial=0.0) for part in parts),
+             each @ touching, each @ (touching & ~(slip > limits[1]))]
+    return gap, traction, np.concatenate([found, traction @ each, (traction * displacement) @ each])
+
+
+def _steepness(law, gap, maugis):
+    """Softening at each of some nodes, from their gaps (components, nodes), E*/beta."""
+    full = law.tangent(gap)
+    if len(gap) == 1:
+        return -full[0, 0] * maugis[0] ** 2
+    tangent = full  # where slip is to one side or the other its direction changes nothing
+    if len(gap) > 2:
+        tangent = np.empty((2, 2, gap.shape[1]))
+        tangent[0, 0] = full[0, 0]
+        slip = np.linalg.norm(gap[1:], axis=0)
+        along = np.divide(gap[1:], slip, out=np.full_like(gap[1:], len(gap[1:]) ** -0.5),
+                          where=slip > 0.0)
+        tangent[0, 1] = np.einsum("in,in->n", full[0, 1:], along)
+        tangent[1, 0] = np.einsum("in,in->n", full[1:, 0], along)
+        tangent[1, 1] = np.einsum("in,ijn,jn->n", along, full[1:, 1:], along)
+    return softening(tangent * np.multiply.outer(maugis, maugis)[..., None])

@@ -1,0 +1,38 @@
+"""How much values alternate from node to node: their eighth differences, which let waves of two
+nodes pass as they are, and those of eight nodes or more by less than a thousandth."""
+
+import numpy as np
+from scipy import ndimage
+
+ALTERNATING = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0]) / 256.0
+REACH = len(ALTERNATING) // 2
+"""Nodes on either side that a difference takes."""
+
+
+def differences(boxes, axis, closed):
+    """Eighth differences along an axis of boxes (boxes, *box), beyond whose ends nothing is, or
+    which close on themselves: an array alike."""
+    return ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
+
+
+def alternation(boxes, axis, image=0, closed=False):
+    """The largest eighth difference along an axis of boxes (boxes, *box), 0 or more.
+
+    Parameters
+    ----------
+    boxes : array (boxes, *box)
+    axis : int, from 1
+    image : 0; 1 or -1 for boxes that begin in the middle of even fields, or odd ones, and are
+        longer than `REACH` nodes
+    closed : bool, whether boxes close on themselves, or end where there are images, too
+    """
+    if image:
+        across = (slice(None),) * axis
+        lines = [image * boxes[(*across, slice(REACH, 0, -1))], boxes]
+        if closed:
+            lines.append(image * boxes[(*across, slice(-2, -2 - REACH, -1))])
+        waves = differences(np.concatenate(lines, axis), axis, False)
+        waves = waves[(*across, slice(REACH, REACH + boxes.shape[axis]))]
+    else:
+        waves = differences(boxes, axis, closed)
+    return float(np.max(np.abs(waves), initial=0.0))

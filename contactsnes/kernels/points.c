@@ -1,0 +1,320 @@
+/* What is asked of points and of the steps between them, in one pass over their nodes: numbers of a
+   state (contact/survey.py), and how it lies to its prediction and to the point before it
+   (contact/acceptance.py, contact/states.py). Sums count a node by its weight (null: each once). */
+#include "kernels.h"
+#include <math.h>
+#include <string.h>
+
+enum { SOME = 256, FEW = 16 }; /* nodes at a time; places of a quadrature at most */
+
+static double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Softening of the gap and of the slip along its own direction at a node; `tangent` (m, m, n) from it on. */
+static double softening(long m, long n, const double *tangent, const double *slip, double size,
+                        double normal, double sharp)
+{
+    double opening = 0.0, weakening = 0.0, slipping = 0.0;
+    const double first = tangent[0] * normal * normal;
+    if (m == 1) return -first;
+    for (long i = 1; i < m; i++) {
+        /* (without slip every direction is alike; to one side or the other nothing changes) */
+        const double e = m == 2 ? 1.0 : size > 0.0 ? slip[i * n] / size : sqrt(0.5);
+        opening += tangent[i * n] * e;
+        weakening += tangent[i * m * n] * e;
+        for (long j = 1; j < m; j++) {
+            const double f = m == 2 ? 1.0 : size > 0.0 ? slip[j * n] / size : sqrt(0.5);
+            slipping += e * tangent[(i * m + j) * n] * f;
+        }
+    }
+    slipping *= sharp * sharp;
+    const double half = 0.5 * (first - slipping);
+    const double root = half * half + opening * weakening * normal * normal * sharp * sharp;
+    return root >= 0.0 ? greater(sqrt(root) - 0.5 * (first + slipping), 0.0) : 0.0;
+}
+
+/* gap, traction (m, nodes) of displacements, and numbers: lowest normal gap, largest slip in contact,
+   largest pressure, largest shear traction, steepest softening; nodes in contact, those that stick;
+   sums of tractions and of tractions times displacements by component. limits: gap of contact, slip at
+   the peak of the friction, Maugis parameters. */
+void survey(const Law *law, long m, long nodes, const double *displacement, const double *initial_gap,
+            const double *weight, const double *limits, double *gap, double *traction, double *numbers)
+{
+    double at[MOST * SOME], t[MOST * SOME], tangent[MOST * MOST * SOME];
+    double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0, count = 0.0;
+    double sticking = 0.0, sums[2 * MOST] = {0};
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        for (long i = 0; i < m; i++) {
+            const double *restrict u = displacement + i * nodes + from;
+            for (long k = 0; k < n; k++) at[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
+            memcpy(gap + i * nodes + from, at + i * n, n * sizeof *at);
+        }
+        evaluate(law, m, n, at, t, tangent);
+        double part[2 * MOST] = {0};
+        for (long k = 0; k < n; k++) {
+            const double w = weight ? weight[from + k] : 1.0;
+            double slip = 0.0, drag = 0.0;
+            for (long i = 1; i < m; i++) {
+                slip += at[i * n + k] * at[i * n + k];
+                drag += t[i * n + k] * t[i * n + k];
+            }
+            slip = sqrt(slip);
+            lowest = at[k] < lowest || at[k] != at[k] ? at[k] : lowest;
+            pressure = greater(-t[k], pressure);
+            shear = greater(drag, shear);
+            steepest = greater(softening(m, n, tangent + k, at + k, slip, limits[2], limits[3]), steepest);
+            if (at[k] < limits[0]) {
+                count += w;
+                slipped = greater(slip, slipped);
+                if (!(slip > limits[1])) sticking += w;
+            }
+            for (long i = 0; i < m; i++) {
+                part[i] += w * t[i * n + k];
+                part[m + i] += w * t[i * n + k] * displacement[i * nodes + from + k];
+            }
+        }
+        for (long i = 0; i < 2 * m; i++) sums[i] += part[i];
+        for (long i = 0; i < m; i++) memcpy(traction + i * nodes + from, t + i * n, n * sizeof *t);
+    }
+    const double found[] = {lowest, slipped, pressure, sqrt(shear), steepest, count, sticking};
+    memcpy(numbers, found, sizeof found);
+    memcpy(numbers + 7, sums, 2 * m * sizeof *sums);
+}
+
+/* Of two fields (m, nodes): the largest difference where the law acts on either (normal gap below
+   `reach`), how many nodes these are, and the sum of its squares there. */
+CLONES void apart(long m, long nodes, const double *first, const double *second, const double *initial_gap,
+                  const double *weight, double reach, double *numbers)
+{
+    double largest = 0.0, count = 0.0, squares = 0.0;
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        double near[SOME];
+        for (long k = from; k < from + n; k++) {
+            const double closer = first[k] < second[k] ? first[k] : second[k];
+            near[k - from] = closer + initial_gap[k] < reach ? 1.0 : 0.0;
+        }
+        for (long k = 0; k < n; k++) count += near[k] * (weight ? weight[from + k] : 1.0);
+        for (long i = 0; i < m; i++) {
+            const double *restrict a = first + i * nodes + from, *restrict b = second + i * nodes + from;
+            double part = 0.0;
+            for (long k = 0; k < n; k++) {
+                const double change = near[k] > 0.0 ? b[k] - a[k] : 0.0;
+                largest = greater(fabs(change), largest);
+                part += change * change * (weight ? weight[from + k] : 1.0);
+            }
+            squares += part;
+        }
+    }
+    numbers[0] = largest;
+    numbers[1] = count;
+    numbers[2] = squares;
+}
+
+typedef struct { /* acceptance.LIMITS, and those of contact and friction */
+    double strays, share, longest, reach, held, open, doubtful, trifle, contact, peak;
+} Limits;
+
+/* How far a node may end from its prediction after a way of its own. */
+static double allowed(const Limits *l, double way)
+{
+    return l->strays + l->share * (way < l->longest ? way : l->longest);
+}
+
+/* Whether slip sticks somewhere on a straight way between two ends that slide. */
+static int through_sticking(long m, long nodes, const double *began, const double *ended, double peak)
+{
+    double first = 0.0, last = 0.0, along = 0.0, way = 0.0, least = 0.0;
+    for (long i = 1; i < m; i++) {
+        const double a = began[i * nodes], b = ended[i * nodes];
+        first += a * a;
+        last += b * b;
+        along -= a * (b - a);
+        way += (b - a) * (b - a);
+    }
+    double part = along / greater(way, 1e-300);
+    part = part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part;
+    for (long i = 1; i < m; i++) {
+        const double x = began[i * nodes] + part * (ended[i * nodes] - began[i * nodes]);
+        least += x * x;
+    }
+    return first > peak * peak && last > peak * peak && least < peak * peak;
+}
+
+/* numbers: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
+   of them that open; the same of the last ones; nodes in contact that pass through sticking. */
+void strays(long m, long nodes, const double *foretold, const double *ended, const double *began,
+            const double *initial_gap, const double *weight, const Limits *l, double *numbers)
+{
+    double beyond = -l->strays, moved = 0.0, counts[5] = {0};
+    for (long k = 0; k < nodes; k++) {
+        const double w = weight ? weight[k] : 1.0, first = began[k] + initial_gap[k];
+        const double last = ended[k] + initial_gap[k];
+        const double closest = (foretold[k] < ended[k] ? foretold[k] : ended[k]) + initial_gap[k];
+        double way = 0.0, aside = -INFINITY;
+        for (long i = 0; i < m; i++) {
+            const double change = fabs(ended[i * nodes + k] - began[i * nodes + k]);
+            const double off = closest < l->reach ? fabs(ended[i * nodes + k] - foretold[i * nodes + k]) : 0.0;
+            way = greater(change, way);
+            aside = greater(off - allowed(l, change), aside);
+        }
+        beyond = greater(aside, beyond);
+        if ((first < last ? first : last) < l->reach) moved = greater(way, moved);
+        if (first < l->held) {
+            counts[0] += w;
+            if (last > l->open) counts[1] += w;
+        }
+        if (last < l->held) {
+            counts[2] += w;
+            if (first > l->open) counts[3] += w;
+        }
+        if (m > 1 && first < l->contact && last < l->contact
+            && through_sticking(m, nodes, began + k, ended + k, l->peak))
+            counts[4] += w;
+    }
+    numbers[0] = beyond;
+    numbers[1] = moved;
+    memcpy(numbers + 2, counts, sizeof counts);
+}
+
+/* numbers: what nodes release on the straight way of a step over linear springs, and what these do
+   (`works`), summed over three sets: those aside of their prediction, those where the law acts, and those
+   of them that move by more than half of `moved`. */
+void releases(const Law *law, long m, long nodes, const double *foretold, const double *ended,
+              const double *began, const double *initial_gap, const double *weight, const double *parts,
+              long count, const double *places, const double *shares, const Limits *l, double moved,
+              double *numbers)
+{
+    double gap[MOST * SOME], change[MOST * SOME], found[2 * SOME];
+    unsigned char sets[SOME];
+    long node[SOME], held = 0;
+    memset(numbers, 0, 6 * sizeof *numbers);
+    for (long k = 0; k <= nodes; k++) {
+        if (k < nodes) {
+            const double g = initial_gap[k];
+            const double closest = (foretold[k] < ended[k] ? foretold[k] : ended[k]) + g;
+            const int near = (began[k] < ended[k] ? began[k] : ended[k]) + g < l->reach;
+            double way = 0.0;
+            int off = 0;
+            for (long i = 0; i < m; i++) {
+                const double change = fabs(ended[i * nodes + k] - began[i * nodes + k]);
+                way = greater(change, way);
+                off |= closest < l->reach && fabs(ended[i * nodes + k] - foretold[i * nodes + k])
+                                                 > l->doubtful * allowed(l, change);
+            }
+            if (near || off) {
+                sets[held] = (unsigned char)(off | near << 1 | (near && way > 0.5 * moved) << 2);
+                node[held++] = k;
+            }
+        }
+        if (held < SOME && k < nodes) continue;
+        for (long i = 0; i < m; i++)
+            for (long h = 0; h < held; h++) {
+                const double from = began[i * nodes + node[h]];
+                gap[i * held + h] = from + (i ? 0.0 : initial_gap[node[h]]);
+                change[i * held + h] = ended[i * nodes + node[h]] - from;
+            }
+        works(law, m, held, gap, change, parts, count, places, shares, l->trifle, found);
+        for (long h = 0; h < held; h++)
+            for (long set = 0; set < 3; set++)
+                if (sets[h] >> set & 1) {
+                    const double w = weight ? weight[node[h]] : 1.0;
+                    numbers[set] += w * found[h];
+                    numbers[3 + set] += w * found[held + h];
+                }
+        held = 0;
+    }
+}
+
+/* What a residual at an unknown says: its sum of squares, and the largest imbalance at a node where the law
+   acts, ranges. `out` is the residual. */
+int imbalance(Form *f, const double *unknown, double range, double *out, double *numbers)
+{
+    const long n = f->nodes, m = f->components;
+    int status = residual(f, unknown, out);
+    if (status) return status;
+    double squares = 0.0, largest = 0.0;
+    for (long k = 0; k < m * n + f->forced_count; k++) squares += out[k] * out[k];
+    for (long k = 0; k < n; k++) {
+        const double root = f->unscale ? f->root * f->unscale[k] : f->root;
+        if (!(unknown[k] * root + f->initial_gap[k] < range)) continue;
+        for (long i = 0; i < m; i++) largest = greater(fabs(out[i * n + k]) * root, largest);
+    }
+    numbers[0] = squares;
+    numbers[1] = largest;
+    return 0;
+}
+
+/* Where values on a line cross a level, places in nodes, and 1 (upwards) or -1 there: as
+   grid/contours.py; how many there are, `most` of which at most are told. */
+long crossings(long count, const double *values, double level, long most, double *places, double *signs)
+{
+    long found = 0;
+    for (long i = 0; i + 1 < count; i++) {
+        const int above = values[i] >= level, next = values[i + 1] >= level;
+        if (above == next) continue;
+        const double left = values[i] - level, right = values[i + 1] - level;
+        double place = left / (left - right);
+        if (i > 0 && i < count - 2) {
+            const double before = values[i - 1] - level, after = values[i + 2] - level;
+            const double rise = (2 * left - right - before) / 2, fall = (2 * right - left - after) / 2;
+            const double twist = (fall - rise) / 3, chord = right - left;
+            double low = 0.0, high = 1.0;
+            for (int turn = 0; turn < 60; turn++) {
+                const double rest = rise + twist + twist * place, room = place * (1 - place);
+                const double value = left + place * chord + room * rest;
+                if (value == 0.0) break;
+                if ((value < 0.0) == (left < 0.0)) low = place;
+                else high = place;
+                const double slope = chord + (1 - 2 * place) * rest + room * twist;
+                double nearer = slope != 0.0 ? place - value / slope : low;
+                if (!(low < nearer && nearer < high)) nearer = 0.5 * (low + high);
+                if (fabs(nearer - place) < 1e-15) break;
+                place = nearer;
+            }
+        }
+        if (found < most) {
+            places[found] = (double)i + place;
+            signs[found] = next ? 1.0 : -1.0;
+        }
+        found++;
+    }
+    return found;
+}
+
+enum { REACH = 4 }; /* of the eighth difference */
+
+/* Largest eighth difference, over 256, along the middle axis of values (outer, count, wide) and beyond its
+   ends: nothing is there, or the axis is closed, or values begin at the middle of a field that is even
+   (`image` 1) or odd (-1), and `closed` is whether they end at its image, too. */
+double alternation(long outer, long count, long wide, const double *values, int image, int closed)
+{
+    static const double part[] = {70.0, -56.0, 28.0, -8.0, 1.0};
+    const long period = image ? 2 * (count - 1) : count;
+    double largest = 0.0;
+    for (long o = 0; o < outer; o++)
+        for (long k = 0; k < count; k++) {
+            const double *row[2 * REACH + 1];
+            double sign[2 * REACH + 1];
+            for (long d = -REACH; d <= REACH; d++) {
+                long at = k + d;
+                double factor = part[d < 0 ? -d : d] / 256.0;
+                if (closed) at = ((at % period) + period) % period;
+                if (image && (at < 0 || (closed && at >= count))) {
+                    at = at < 0 ? -at : period - at;
+                    factor *= image;
+                }
+                sign[d + REACH] = at < 0 || at >= count ? 0.0 : factor;
+                row[d + REACH] = values + (o * count + (at < 0 || at >= count ? k : at)) * wide;
+            }
+            for (long i = 0; i < wide; i++) {
+                double sum = 0.0;
+                for (long d = 0; d < 2 * REACH + 1; d++) sum += sign[d] * row[d][i];
+                largest = greater(fabs(sum), largest);
+            }
+        }
+    return largest;
+}

@@ -1,0 +1,110 @@
+"""What is asked of points and of steps, in the library: one pass over the nodes for all of it."""
+
+import math
+
+import numpy as np
+
+from .library import shared
+from .structures import address
+
+
+def _flat(*arrays):
+    """Contiguous arrays of doubles."""
+    return [None if array is None else np.ascontiguousarray(array, dtype=float)
+            for array in arrays]
+
+
+def survey(kernel, displacement, initial_gap, weights, limits):
+    """Gap, traction and numbers of a state, as of `contact.survey.by_numpy`.
+
+    Parameters
+    ----------
+    kernel : LawKernel
+    displacement, initial_gap, weights, limits : as of that
+    """
+    displacement, initial_gap, weights, limits = _flat(displacement, initial_gap, weights, limits)
+    gap, traction = np.empty((2, *displacement.shape))
+    numbers = np.empty(7 + 2 * len(displacement))
+    shared().survey(kernel.reference, *displacement.shape, address(displacement),
+                    address(initial_gap), address(weights), address(limits), address(gap),
+                    address(traction), address(numbers))
+    return gap, traction, numbers
+
+
+def apart(first, second, initial_gap, weights, reach):
+    """The largest difference of two displacements where the law acts on either, how many nodes
+    these are, and the sum of its squares there, an array (3,).
+
+    Parameters
+    ----------
+    first, second : arrays (components, nodes)
+    initial_gap, weights : arrays (nodes,), the second None where all are one
+    reach : normal gap below which the law acts
+    """
+    first, second, initial_gap, weights = _flat(first, second, initial_gap, weights)
+    numbers = np.empty(3)
+    shared().apart(*first.shape, address(first), address(second), address(initial_gap),
+                   address(weights), reach, address(numbers))
+    return numbers
+
+
+def strays(foretold, ended, began, initial_gap, weights, limits):
+    """How a step lies to its prediction, an array (7,), as of `contact.acceptance._by_numpy`.
+
+    Parameters
+    ----------
+    foretold, ended, began, initial_gap, weights, limits : as of that
+    """
+    fields = _flat(foretold, ended, began, initial_gap, weights)
+    numbers = np.empty(7)
+    shared().strays(*fields[0].shape, *map(address, fields), address(limits), address(numbers))
+    return numbers
+
+
+def releases(kernel, foretold, ended, began, initial_gap, weights, parts, rule, limits, moved):
+    """What nodes release on the way of a step, and what linear springs do, summed over the sets of
+    `contact.acceptance._suspects`, an array (2, 3).
+
+    Parameters
+    ----------
+    kernel : LawKernel
+    foretold, ended, began, initial_gap, weights, limits : as of `strays`
+    parts : weights of the components
+    rule : (places, shares) of the quadrature
+    moved : largest way where the law acts, ranges
+    """
+    fields, (places, shares) = _flat(foretold, ended, began, initial_gap, weights), rule
+    numbers = np.empty((2, 3))
+    shared().releases(kernel.reference, *fields[0].shape, *map(address, fields), address(parts),
+                      len(places), address(places), address(shares), address(limits), moved,
+                      address(numbers))
+    return numbers
+
+
+def crossings(values, level):
+    """As `grid.contours.crossings`.
+
+    Parameters
+    ----------
+    values, level : as of that
+    """
+    (values,), room = _flat(values), 32
+    while True:
+        places, signs = found = np.empty((2, room))
+        count = shared().crossings(len(values), address(values), level, room, address(places),
+                                   address(signs))
+        if count <= room:
+            return found[:, :count]
+        room = count
+
+
+def alternation(boxes, axis, image=0, closed=False):
+    """As `grid.alternation.alternation`.
+
+    Parameters
+    ----------
+    boxes, axis, image, closed : as of that
+    """
+    (boxes,), shape = _flat(boxes), boxes.shape
+    return shared().alternation(math.prod(shape[:axis]), shape[axis], math.prod(shape[axis + 1:]),
+                                address(boxes), image, closed)
