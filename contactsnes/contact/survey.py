@@ -82,7 +82,7 @@ def by_numpy(law, displacement, initial_gap, weights, limits):
     limits : gap of contact, slip of the law's peak, normal and tangential Maugis parameter (the
         second as of `sharpness`)
     """
-    gap, count = displacement.copy(), len(displacement)
+    gap = displacement.copy()
     gap[0] += initial_gap
     traction = law.traction(gap)
     slip, shear = (np.sqrt(np.einsum("in,in->n", field[1:], field[1:]))

@@ -4,7 +4,7 @@ walls."""
 import numpy as np
 import pytest
 
-from contactsnes.grid.spots import TOO_MANY, corrected_count, labelled, sizes
+from contactsnes.grid.spots import TOO_MANY, corrected_count, labelled, runs, sizes
 
 RANDOM = np.random.default_rng(11)
 
@@ -113,3 +113,15 @@ def test_corrected_counts_of_hard_contacts_converge_to_the_area():
                          - 1)
     assert plain[0] > 0.03 and np.log2(plain[0] / plain[1]) == pytest.approx(1.0, abs=0.5)
     assert np.all(np.abs(corrected) < np.array(plain) / 2)
+
+
+def test_runs_of_a_line():
+    """Nodes of each spot of a closed line from their numbers, as those of a map of it."""
+    numbers = np.random.default_rng(7)
+    for chance in (0.0, 0.2, 0.5, 0.9, 1.0):
+        mask = numbers.random(60) < chance
+        nodes = numbers.permutation(np.flatnonzero(mask))
+        assert sorted(runs(nodes, 60)) == sorted(sizes(labelled(mask)))
+    mask = np.zeros(9, dtype=bool)
+    mask[[0, 1, 4, 7, 8]] = True
+    assert runs(np.flatnonzero(mask), 9).tolist() == sizes(labelled(mask)).tolist() == [4, 1]

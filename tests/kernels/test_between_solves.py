@@ -8,13 +8,18 @@ from scipy import ndimage
 
 from contactsnes import Contact, Scene
 from contactsnes.branch import failures
-from contactsnes.contact import acceptance, energies, state, states
+from contactsnes.contact import acceptance, energies, state, states, survey
+from contactsnes.contact.even_form import EvenForm
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point
+from contactsnes.grid import contours
+from contactsnes.grid import splines as grid_splines
+from contactsnes.grid.alternation import alternation
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.parity import parities
 from contactsnes.grid.splines import spline
 from contactsnes.grid.windows import Window
-from contactsnes.kernels import library, splines
+from contactsnes.kernels import library, points, splines
 from contactsnes.kernels.choice import chosen
 from contactsnes.kernels.laws import kernel_of
 
@@ -70,6 +75,147 @@ def test_works(law, components):
         found, expected = (acceptance._works(contact, gap[:, :nodes], change[:, :nodes])
                            for contact in (by_library, by_numpy))
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
+
+
+SOFT = Scene(dimension=2, points=16, geometry="sphere", work_ratio=0.7, poisson=0.3,
+             normal_maugis=2.0, tangential_maugis=3.0, residual_friction=0.4)
+
+
+def fields(components, nodes, count):
+    """Random displacements, and weights of 1, 2 and 4."""
+    numbers = np.random.default_rng(components + nodes)
+    return (numbers.normal(size=(count, components, nodes)) * 2.0,
+            numbers.uniform(-1.0, 4.0, nodes), numbers.choice([1.0, 2.0, 4.0], nodes))
+
+
+@compiled
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("nodes", [1, 256, 700])
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_surveys(components, nodes, weighted):
+    """Numbers of a state by the library and by NumPy, on laws with slip and without."""
+    ((displacement,), gap, weights), law = fields(components, nodes, 1), Contact(SOFT).law
+    displacement[1:, ::5] = 0.0
+    limits = np.array([2.718, law.slip_peak, 2.0, 3.5])
+    given = displacement, gap, weights if weighted else None, limits
+    expected, found = survey.by_numpy(law, *given), points.survey(kernel_of(law), *given)
+    for one, other in zip(found, expected):
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12)
+
+
+def test_a_survey_of_known_tractions():
+    """Sums, extremes and softening of a field whose tractions, of law (5), are written down
+    here."""
+    contact = Contact(Scene(points=16, residual_friction=0.5, normal_maugis=2.0,
+                            tangential_maugis=3.0))
+    a, b = np.array([-0.5, 0.5, 2.0]), np.array([0.2, 1.2, 0.4])
+    beyond = np.sqrt(2.0 / np.e) * (0.5 + 0.5 * np.exp(-(b - 0.5 ** 0.5) ** 2))
+    last = np.where(b > 0.5 ** 0.5, beyond, 2.0 * b * np.exp(-b * b))
+    normal = a * np.exp(-a) * np.where(a > 0.0, np.exp(-b * b), 1.0)
+    friction = last * np.where(a > 0.0, np.exp(-a), 1.0)
+    window = Window(contact.grid, (7,), (3,))
+    field = np.array([a - contact.gap_on(window), b])
+    found = contact.survey(state.State(window, field, np.zeros(2)))
+    np.testing.assert_allclose(found.total, [normal.sum(), friction.sum()], rtol=1e-14)
+    np.testing.assert_allclose(found.work, [normal @ field[0], friction @ b], rtol=1e-13)
+    np.testing.assert_allclose([found.closest, found.slip, found.pressure, found.shear],
+                               [-0.5, 1.2, -normal[0], friction.max()], rtol=1e-14)
+    assert (found.touching, found.sticking) == (3, 2)
+    step, scale = 1e-6, np.multiply.outer([2.0, 3.0], [2.0, 3.0])
+    eigenvalues = []
+    for gap in np.transpose([a, b]):
+        ends = np.transpose([gap + sign * step * way for way in np.eye(2) for sign in (1, -1)])
+        values = contact.law.traction(ends)
+        slopes = np.stack([values[:, 0] - values[:, 1], values[:, 2] - values[:, 3]], axis=1)
+        eigenvalues += [one.real for one in np.linalg.eigvals(slopes / (2.0 * step) * scale)
+                        if abs(one.imag) < 1e-6]
+    assert found.steepest == pytest.approx(-min(eigenvalues), rel=1e-6)
+
+
+@compiled
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("nodes", [1, 256, 700])
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_ways_of_steps(components, nodes, weighted):
+    """How states lie to each other, by the library and by NumPy."""
+    (foretold, ended, began), gap, weights = fields(components, nodes, 3)
+    began[:, ::2], ended[:, ::7] = -ended[:, ::2], 20.0
+    contact, weights = Contact(SOFT), weights if weighted else None
+    limits = acceptance._limits(contact)
+    np.testing.assert_allclose(points.apart(began, ended, gap, weights, 3.0),
+                               states._apart(began, ended, gap, weights, 3.0), rtol=1e-12)
+    told = points.strays(foretold, ended, began, gap, weights, limits)
+    expected = acceptance._by_numpy(foretold, ended, began, gap, weights, limits)
+    np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
+    assert nodes < 700 or np.all(expected[2:6] > 0.0) and (components == 1) == (expected[6] == 0.0)
+
+
+@compiled
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_releases(components):
+    """Works of the sets of nodes that a step is asked for, from works of each node."""
+    (foretold, ended, began), gap, each = fields(components, 700, 3)
+    contact = Contact(SOFT)
+    began[0, ::3] += 20.0
+    ended[0, ::3] += 20.0
+    change, aside, near, allowed = acceptance._ways(foretold, ended, began, gap)
+    gaps = began.copy()
+    gaps[0] += gap
+    moved = np.max(np.abs(change), axis=0) * near
+    sets = [np.any(aside > acceptance.DOUBTFUL * allowed, axis=0), near, moved > 0.5 * moved.max()]
+    works = acceptance._works(contact, gaps, change)
+    expected = [[np.sum(work * each * nodes) for nodes in sets] for work in works]
+    found = points.releases(kernel_of(contact.law), foretold, ended, began, gap, each,
+                            energies.weights(contact, components),
+                            (acceptance.PLACES, acceptance.SHARES), acceptance._limits(contact),
+                            float(moved.max()))
+    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
+
+
+@compiled
+def test_crossings_and_sources():
+    """Places of a line, more of them than there is room for at first, at its ends and on nodes; and
+    where nodes were before places moved."""
+    numbers = np.random.default_rng(5)
+    for values in (numbers.normal(size=200), np.array([1.0, -1.0]), np.array([0.0, -1.0, 0.0, 2.0]),
+                   np.zeros(4), np.array([1.0])):
+        for one, other in zip(points.crossings(values, 0.0), contours.crossings(values, 0.0)):
+            np.testing.assert_allclose(one, other, atol=1e-13)
+    here, there = [3.0, 10.5, 20.0, 30.0], [4.5, 10.0, 22.0, 33.5]
+    for count in (2, 4):
+        given = (-5, 45, here[:count], there[:count], 2)
+        np.testing.assert_allclose(splines.sources(*given), grid_splines.sources(*given),
+                                   atol=1e-12)
+    assert splines.sources(3, 3, here, there, 0).size == 0
+
+
+@compiled
+@pytest.mark.parametrize("image, closed", [(0, False), (0, True), (1, False), (-1, False),
+                                           (1, True), (-1, True)])
+@pytest.mark.parametrize("shape, axis", [((1, 30), 1), ((2, 12, 9), 1), ((2, 9, 12), 2)])
+def test_alternation(shape, axis, image, closed):
+    """Eighth differences by the library and by SciPy."""
+    boxes = np.random.default_rng(6).normal(size=shape)
+    assert points.alternation(boxes, axis, image, closed) == pytest.approx(
+        alternation(boxes, axis, image, closed), rel=1e-12)
+
+
+@compiled
+@pytest.mark.parametrize("name", EVEN)
+def test_imbalances(name):
+    """Norm and largest residual of an unknown, of half fields and of whole ones."""
+    contact, half, whole = even(name)
+    count = len(half.displacement)
+    for of, form in ((half, EvenForm(contact, half.window, ("displacement",) * count,
+                                     half.half.parities)),
+                     (whole, DisplacementForm(contact, whole.window, ("force",) * count))):
+        unknown = form.packed(of)
+        residual = form.residual(unknown, np.empty(form.size))
+        acts = form.gap(unknown)[0] < 2.0
+        sizes = np.abs(residual[:form.count].reshape(form.shape)) * form.root
+        norm, largest = form.kernel.imbalance(unknown, 2.0)
+        assert norm == pytest.approx(np.linalg.norm(residual), rel=1e-12)
+        assert largest == pytest.approx(np.max(sizes[:, acts]), rel=1e-12)
 
 
 def even(name, extent=None):
