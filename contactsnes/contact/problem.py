@@ -22,7 +22,7 @@ from ..interface.own_shapes import check_own
 from ..kernels.choice import chosen
 from ..options.fields import InputError
 from ..scene.parts import with_parts
-from .survey import surveyed
+from .survey import on_window, surveyed
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -85,7 +85,7 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.survey = lru_cache(maxsize=2)(partial(surveyed, self))
-        self.evaluated = lru_cache(maxsize=1)(self._evaluated)
+        self.evaluated = lru_cache(maxsize=1)(partial(on_window, self))
         self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
@@ -223,16 +223,6 @@ class Contact:
         """Displacements in ranges of the law from D and U (u_n,r, u_t,r): -lambda_n D, lambda_t
         U."""
         return self.signs(components) * self.ranges[:components] * values
-
-    def _evaluated(self, state):
-        """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
-        changed, of its `Survey`: the last states are asked for by whatever tells of a point."""
-        found = self.survey(state)[:2]
-        if state.half is None:
-            return found
-        gap, traction = (state.half.unfold(field) for field in found)
-        gap.flags.writeable = traction.flags.writeable = False
-        return gap, traction
 
     def _gap_on(self, nodes):
         """The initial gap at nodes of the cell, delta_n, not to be changed."""

@@ -69,6 +69,23 @@ def surveyed(contact, state):
     return Survey(gap, traction, -lowest, *largest, *sums[:2].astype(int).tolist(), total, work)
 
 
+def on_window(contact, state):
+    """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
+    changed, of its Survey.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    """
+    found = contact.survey(state)[:2]
+    if state.half is None:
+        return found
+    gap, traction = (state.half.unfold(field) for field in found)
+    gap.flags.writeable = traction.flags.writeable = False
+    return gap, traction
+
+
 def by_numpy(law, displacement, initial_gap, weights, limits):
     """Gap, traction (components, nodes) and an array of numbers: smallest normal gap, largest slip
     in contact, pressure and shear, steepest softening; nodes in contact, those that stick; sums of
