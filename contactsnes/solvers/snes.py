@@ -90,8 +90,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
 
     Parameters
     ----------
-    form : of the equations, which gets ``precision``, ``regularised`` and ``ritz``, and
-        ``bounded``: whether the user gave a number of iterations
+    form : of the equations, which gets ``precision``, ``regularised``, ``ritz`` and ``bounded``
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
     single : bool, whether linear solves may be in single precision
@@ -119,8 +118,8 @@ def create_snes(form, prefix="", tolerance=None, single=False):
         # for.
         snes.getKSP().setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
     watch_modes(snes, form, method)
-    own = ((solver, form) for solver in (snes, *inner_solvers(snes, form)))
-    regularise([*own, *smoothers], read(NewtonOptions, prefix))
+    regularise([*((solver, form) for solver in (snes, *inner_solvers(snes, form))), *smoothers],
+               read(NewtonOptions, prefix))
     return snes
 
 
