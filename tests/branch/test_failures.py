@@ -8,7 +8,7 @@ import pytest
 
 petsc4py.init()
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
-from contactsnes.branch.failures import NARROW, critical, explained, narrow, steepest, uncomputable
+from contactsnes.branch.failures import NARROW, critical, explained, narrow, uncomputable
 from contactsnes.contact import states
 from contactsnes.scene.resolution import resolution
 
@@ -73,8 +73,8 @@ def test_rims_that_sink_under_eq_3_sharpen_the_law():
         tangent[:, i] = 9.0 * (law.traction(gap + change) - law.traction(gap - change)) / (
             2.0 * step)
     values = np.linalg.eigvals(np.moveaxis(tangent, -1, 0))
-    assert steepest(branch.contact,
-                    points[-1]) == pytest.approx(-values.real[values.imag == 0.0].min(), rel=1e-5)
+    assert branch.contact.survey(points[-1].state).steepest == pytest.approx(
+        -values.real[values.imag == 0.0].min(), rel=1e-5)
     fine = run({**scene, "points": 2048}, path["start"], path["path"], initial_step=(4.0,),
                largest_step=(4.0,))[1]
     assert all(point.resolved for point in fine)
