@@ -16,6 +16,13 @@ def boxed(contact, state):
     return State(box, box.take(contact.extended(state)), state.means)
 
 
+def window(contact, gap):
+    """The window on which the law acts for a normal gap over the cell (delta_n): of nodes of a box,
+    or several boxes where these cost less."""
+    found = contact.window(gap)
+    return within(found, contact.acting(gap)) if len(found.parts) == 1 else found
+
+
 def on_nodes(contact, state, afresh=False):
     """The state on the nodes that the law needs for it, of whatever box that is (in the plane): the
     same state where its window will do, unless ``afresh``.
@@ -26,14 +33,10 @@ def on_nodes(contact, state, afresh=False):
     state : State
     afresh : bool
     """
-    window, reach = state.window, contact.law.range
-    if not afresh and isinstance(window, Nodes):
-        acting = contact.grid.count(normal_gap(contact, state) < reach)
-        if acting > SPARSE * window.size:
+    if not afresh and isinstance(state.window, Nodes):
+        acting = contact.grid.count(normal_gap(contact, state) < contact.law.range)
+        if acting > SPARSE * state.window.size:
             return state
     cell = contact.extended(state)
-    gap = cell[0] + contact.initial_gap
-    fresh = contact.window(gap)
-    if len(fresh.parts) == 1:
-        fresh = within(fresh, contact.acting(gap))
+    fresh = window(contact, cell[0] + contact.initial_gap)
     return state if fresh == window else State(fresh, fresh.take(cell), state.means)

@@ -13,9 +13,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..contact import places, states
+from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
-from ..grid.active import within
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
 from .control import control
@@ -277,10 +276,10 @@ class OverdampedMotion:
         contact = self.contact
         cell = self._extended()
         gap = cell[0] + contact.initial_gap
-        window = contact.window(gap)
         if contact.scattered:
-            window = within(window, contact.acting(gap))
+            window = scattered.window(contact, gap)
         else:
+            window = contact.window(gap)
             fresh = states.wider(states.State(window, window.take(cell), state.means), window)
             window = self.symmetry.centred(fresh).window
         elastic = np.zeros_like(cell)

@@ -179,3 +179,23 @@ def test_patience_ends_where_a_residual_does_not_fall(norms, reason):
         lost = reason == "DIVERGED_DTOL" and not short
         assert found[-1] == (reasons.ITERATING if lost else getattr(reasons, reason))
     snes.destroy()
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_motions_spread_to_spots_far_apart(seed):
+    """From one spot to several boxes of nodes, as on all nodes."""
+    scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_slope=6.0,
+                  rough_shortest=6.0, rough_longest=50.0, rough_seed=seed, points=96, period=100.0,
+                  normal_maugis=2.0, height=float("inf"))
+    load = Load(start="normal_displacement=-40", path="normal_force=5")
+    found = []
+    for window in ("auto", "off"):
+        branch = Branch(scene, load, form=Form(window=window))
+        points = list(branch)
+        assert "jump" in [point.event for point in points]
+        found.append((max(len(point.state.window.parts) for point in points),
+                      branch.observe(points[-1])))
+    (several, boxes), (one, everywhere) = found
+    assert several > 1 == one
+    for name in ("normal_displacement", "contact_area"):
+        assert boxes[name] == pytest.approx(everywhere[name], rel=1e-7)
