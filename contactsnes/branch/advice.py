@@ -7,6 +7,7 @@ In scaled units: E* = R = phi_n = 1, tractions in E* u_n,r/beta and E* u_t,r/bet
 import math
 from typing import NamedTuple
 
+from ..contact.problem import DISPLACEMENT
 from ..interface import bodies, laws
 from ..reference import (
     bonded_circle_stiffness,
@@ -22,13 +23,21 @@ from .costs import cost, in_bytes, in_time
 from .grid_choice import cell_of
 from .reach import remedies
 
+FAR = 6.0
+"""Times the displacement that slides, from which on a path's steps are told to be long."""
+SMALL = 0.25
+"""Contact radius over the sphere's, up to which strains count as small."""
+NEAR = 0.35
+"""Part of the cell's width up to which a contact's radius is hardly aware of its neighbours."""
+
 
 class Theory(NamedTuple):
     """Contact by Maugis and Dugdale, alone on a half-space: at a normal force its radius (half
-    width), and the least force."""
+    width), that of the ring of attraction around it, and the least force."""
 
     force: float
     radius: float
+    outer: float
     pull_off: float
 
 
@@ -51,6 +60,7 @@ def advice(scene, load, output, size, steps=None):
     found = theory(scene, largest_force(scene, load))
     return [*_contact(scene, found, size), *_lengths(scene, found, sheared, size),
             *_cost(scene, load, output, steps), *_layer(scene, found, sheared, size),
+            *_path(scene, load, found, sheared, size),
             *remedies(scene, load, lambda other: _phrase(other, found, size))]
 
 
@@ -59,11 +69,11 @@ def theory(scene, force):
     stress = laws.of(scene).normal_peak * scene.normal_maugis
     try:
         if (scene.geometry, scene.dimension) == ("sphere", 2):
-            return Theory(force, float(maugis_sphere(force, stress)[0]),
+            return Theory(force, *map(float, maugis_sphere(force, stress)[:2]),
                           float(maugis_sphere_pull_off(stress)[0]))
         if (scene.geometry, scene.dimension) == ("cylinder", 1):
             # of the exponential law, whose peak is lambda/e
-            return Theory(force, float(maugis_line(force, math.e * stress)[0]),
+            return Theory(force, *map(float, maugis_line(force, math.e * stress)[:2]),
                           float(maugis_line_pull_off(math.e * stress)[0]))
     except (ValueError, ArithmeticError):
         pass
@@ -87,9 +97,33 @@ def _contact(scene, found, size):
     rest = theory(scene, 0.0)
     unloaded = "" if found.force == 0.0 or rest is None else (
         f", {size(rest.radius, 'beta', 4)} under none")
-    return [f"contact by theory (Maugis and Dugdale, alone on a half-space): {what} "
-            f"{size(found.radius, 'beta', 4)} under the force {size(found.force, unit, 4)}"
-            f"{unloaded}; pull-off at {size(found.pull_off, unit, 4)}"]
+    lines = [f"contact by theory (Maugis and Dugdale, alone on a half-space): {what} "
+             f"{size(found.radius, 'beta', 4)} under the force {size(found.force, unit, 4)}"
+             f"{unloaded}; pull-off at {size(found.pull_off, unit, 4)}"]
+    return [*lines, *_ring(scene, found, what, size), *_too_large(scene, found, what, size)]
+
+
+def _ring(scene, found, what, size):
+    """What counts as contact, where that is where the theory has attraction."""
+    if abs(scene.contact_threshold * laws.of(scene).normal_peak - 1.0) > 0.01:
+        return []
+    area = ("length", 2.0 * found.outer, "beta") if scene.dimension == 1 else (
+        "area", math.pi * found.outer ** 2, "beta^2")
+    return [f"with the ring of attraction around it, gaps below e delta_n, which contact_area "
+            f"counts: {what} {size(found.outer, 'beta', 4)}, {area[0]} {size(*area[1:], 4)}"]
+
+
+def _too_large(scene, found, what, size):
+    """What speaks against a contact that is large beside its cell or its sphere."""
+    cell = min(scene.periods) if not scene.isolated else math.inf
+    if found.outer > NEAR * cell:
+        yield (f"the {what} is {found.outer / cell:.2g} of the cell's width, neighbours matter: "
+               f"-scene_period {scene.told(4.0 * found.outer, 'beta'):.3g} or more")
+    if scene.units == "si":
+        part = found.radius * scene.scale("beta")[0] / scene.radius
+        if part > SMALL:
+            yield (f"the {what} is {part:.2g} of the radius of curvature: strains are not small, "
+                   "as the model has them; are all numbers in SI?")
 
 
 def cohesive_lengths(scene):
@@ -132,18 +166,24 @@ def sliding_force(scene, found):
     return laws.of(scene).tangential_peak * scene.tangential_maugis * width
 
 
+def contact_displacement(scene, found):
+    """Displacement at which all of a contact by theory slips, without what a layer takes: that of
+    the bonded contact under its `sliding_force`, and the slip of the law's peak, u_t,r."""
+    poisson = getattr(bodies.of(scene), "poisson", 0.5)
+    stiffness = (bonded_circle_stiffness(found.radius, poisson) if scene.dimension == 2
+                 else ligament_stiffness(found.radius, scene.periods[0]))
+    return (float(sliding_force(scene, found) / stiffness)
+            + laws.of(scene).slip_peak / scene.tangential_maugis)
+
+
 def layer_share(scene, found):
     """Displacements of the layer, T H/(G A), and of the contact in it, at the `sliding_force` of a
     contact by theory, u_t,r; None where no layer is there."""
     compliance = bodies.of(scene).rigid_compliance[1]
     if scene.isolated or compliance == 0.0 or not found.radius > 0.0:
         return None
-    force = sliding_force(scene, found)
-    poisson = getattr(bodies.of(scene), "poisson", 0.5)
-    stiffness = (bonded_circle_stiffness(found.radius, poisson) if scene.dimension == 2
-                 else ligament_stiffness(found.radius, scene.periods[0]))
-    slip = laws.of(scene).slip_peak / scene.tangential_maugis
-    return force * compliance / math.prod(scene.periods), float(force / stiffness) + slip
+    return (sliding_force(scene, found) * compliance / math.prod(scene.periods),
+            contact_displacement(scene, found))
 
 
 def _layer(scene, found, sheared, size):
@@ -162,4 +202,25 @@ def _layer(scene, found, sheared, size):
         lines.append("nearly all of a tangential displacement shears the layer, so that slip "
                      "begins with a jump where friction falls with it: prescribe the force, take "
                      "a smaller -scene_height or a longer -scene_period")
+    return lines
+
+
+def _path(scene, load, found, sheared, size):
+    """Where the contact slides on the path, and what to change where that is a small part of a
+    leg."""
+    if not sheared or found is None or scene.isolated or not found.radius > 0.0:
+        return []
+    both = layer_share(scene, found)
+    end = sum(both or (contact_displacement(scene, found),))
+    ways = [abs(control.value) for leg in scene.legs(load) for place, control
+            in leg.controls.items() if place and control.value and control.control == DISPLACEMENT]
+    lines = [] if both else [f"all of it slips at a tangential displacement of about "
+                             f"{size(end, 'u_t,r', 3)}, or earlier where slip takes the adhesion "
+                             "away"]
+    if ways and max(ways) > FAR * end:
+        lines.append(f"the path goes {max(ways) / end:.2g} times as far, and steps are parts of "
+                     f"its leg: end it near {scene.told(2.0 * end, 'u_t,r'):.2g}, or take smaller "
+                     "-continuation_initial_step and -continuation_largest_step")
+    elif ways and max(ways) < end:
+        lines.append(f"the path ends at {max(ways) / end:.2g} of that")
     return lines

@@ -54,6 +54,8 @@ def cost(scene, load, shape, output=None, steps=None):
     needed = memory_of_solve(part * count * nodes, count * nodes)
     per_leg = _points(scene, load, steps)
     work = SECONDS * nodes * math.log2(nodes) * min(1.0, 4.0 ** scene.dimension * part)
+    if _is_even(scene):
+        work *= 0.5
     seconds = sum(points * (EACH + TRANSFORMS[scene.dimension, bool(slips)] * work)
                   for points, slips in zip(per_leg, sheared))
     points = sum(per_leg)
@@ -98,6 +100,11 @@ def _bytes_besides(scene, load, nodes, rebuilt):
     states = STATES * scene.components * _part(scene, load)
     return 8.0 * nodes * (1.0 + states + (0.5 * PACKED[1] * scene.components ** 2
                                           if rebuilt else 0.0))
+
+
+def _is_even(scene):
+    """Whether states are mirror images of themselves about the apex, as far as shapes tell."""
+    return not _is_given(scene)
 
 
 def _images(scene, load):

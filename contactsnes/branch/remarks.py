@@ -132,6 +132,7 @@ class Remarks:
             self._log(f"leg {point.leg} begins on an unstable part of the "
                       f"branch: at {self.corrector.told(point.controls, point.load)} the "
                       "displacement goes against the force; -continuation_stability "
-                      "sign tells more")
+                      "sign tells more" + ("; with -load_start normal_force=0 the path begins "
+                                           "under a force" if point.leg == 1 and forced[0] else ""))
         single = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
         return replace(point, stable=0) if single else point

@@ -32,6 +32,7 @@ from ..scene.units import UNITS
 from ..system.processes import world
 from ..system.streams import Interrupts, standard_streams
 from . import summary
+from .cautions import cautions
 from .run import Run
 from .session import (
     create_branch,
@@ -202,7 +203,7 @@ def info(arguments):
                                                                        settings.estimates)],
                 "Options": summary.options_in_use([*settings, *map(read, solver_options())])}
     _print(sections)
-    for sentence in summary.resolution_warnings(settings):
+    for sentence in cautions(settings):
         complain("warning", sentence)
     return told()
 

@@ -22,6 +22,7 @@ from ..output.files import ArchiveError
 from ..scene import settings as scenes
 from ..system.processes import PATIENCE, SHORT, world
 from . import summary
+from .cautions import cautions
 from .progress import Progress
 from .session import (
     create_branch,
@@ -54,7 +55,7 @@ class Run:
         self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
                                  live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
         self.branch = create_branch(settings, self.progress.log)
-        self.warnings = summary.resolution_warnings(settings)
+        self.warnings = cautions(settings)
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
         if settings.output.file and settings.output.stiffness:

@@ -13,7 +13,6 @@ from ..contact import states
 from ..contact.scattered import on_nodes
 from ..contact.symmetry import obstacles
 from ..interface import bodies, shapes
-from ..interface.own_shapes import jumps
 from ..options.database import database
 from ..options.fields import as_text
 from ..scene import resolution
@@ -24,30 +23,6 @@ from ..scene.measured import INSTEAD
 from ..scene.parts import about_law, peaks
 from ..scene.units import DERIVED, Units, prefixed
 from ..system.processes import world
-
-
-def resolution_warnings(settings):
-    """Sentences on a grid that is too coarse, for the log and the archive."""
-    sheared = any(scenes.tangential_legs(settings.scene, settings.load))
-    sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()), *seam_sentences(settings.scene))
-
-
-def seam_sentences(scene):
-    """Sentences on heights or a gap that jump where the cell meets its neighbours."""
-    size, unit = scene.scale("u_n,r")
-    heights = shapes.of(scene).gridded
-    what = "the heights are" if heights else "the gap is"
-    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides"
-              if heights
-              else "make the gap periodic, or the period longer than matters")
-    names = ("x", "y") if scene.dimension == 2 else ("the line",)
-    return [f"{what} not periodic: along {names[axis]} they step "
-            f"by {jump * size:.4g} {unit} across the seam of the cell, "
-            f"{jump / typical if typical else math.inf:.3g} times the typical step "
-            f"between neighbours, {typical * size:.4g} {unit}; what is solved "
-            f"has this step: {remedy}"
-            for axis, jump, typical in jumps(scene)]
 
 
 def start_window(settings, branch):
@@ -197,7 +172,8 @@ def _scales(scene):
         return []
     made = (("works of adhesion", "work_of_adhesion_normal"),
             ("and", "work_of_adhesion_tangential"), ("contact modulus", "contact_modulus"),
-            ("radius", "radius"), ("ranges", "range_normal"), ("and", "range_tangential"))
+            *((("radius", "radius"),) if shapes.of(scene).uses_radius else ()),
+            ("ranges", "range_normal"), ("and", "range_tangential"))
     quantity = {name: f"{word} {prefixed(getattr(scene, name), type(scene).rule(name)['unit'])}"
                 for word, name in made}
     forces = ("w_n,r", "w_t,r") if scene.dimension == 1 else ("R phi_n", "R sqrt(phi_n phi_t)")
@@ -218,11 +194,8 @@ def about_path(settings, legs):
     def words(controls, verb):
         for component, (control, value) in controls.items():
             name = known[component, control]
-            yield (
-                f"{name} is held"
-                if value is None
-                else f"{name} {verb} {as_text(value)} {settings.scene.scale(units[name].unit)[1]}"
-            )
+            yield f"{name} is held" if value is None else (
+                f"{name} {verb} {settings.scene.typed_words(value, units[name].unit)}")
 
     lines = ["start: " + ", ".join(words(settings.load.initial(dimension, settings.scene.isolated),
                                          "="))]
@@ -256,7 +229,7 @@ def about_unknowns(settings, branch):
             + (f" + {forced} of force control" if forced else "") + f" = {count} unknowns")
     if window.total < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
-    whole = scene.components * branch.contact.grid.size
+    whole = (scene.components if any(sheared_legs) else 1) * branch.contact.grid.size
     estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
     return lines + [f"memory: up to {_megabytes(largest, whole)} on the window "
                     f"at the start, {_megabytes(whole, whole)} on the whole "

@@ -6,9 +6,9 @@ import numpy as np
 
 from ..interface import gap, shapes
 from ..options.fields import InputError
+from .cautions import of_surface
 from .session import start_petsc
 from .speech import complain
-from .summary import seam_sentences
 
 
 def plot_surface(arguments, asked):
@@ -36,6 +36,6 @@ def plot_surface(arguments, asked):
     draw_surface(files, [length * axis for axis in axes], height * found, (unit, depth),
                  f"{title}, {' x '.join(map(str, scene.shape))} points", asked)
     print(*files, sep="\n")
-    for sentence in seam_sentences(scene):
+    for sentence in of_surface(scene):
         complain("warning", sentence)
     return 0

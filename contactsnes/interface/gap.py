@@ -77,7 +77,7 @@ def where(place, coordinates, scene):
 
 def at(place, scene):
     """A place, coordinates in beta, in words: in what the scene is told in."""
-    return ", ".join(f"{axis} = {scene.words(float(x), 'beta')}" for axis, x in zip("xy", place))
+    return ", ".join(f"{axis} = {scene.short(float(x), 'beta', 6)}" for axis, x in zip("xy", place))
 
 
 def initial_gap(shape, coordinates, scene):

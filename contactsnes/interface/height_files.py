@@ -11,7 +11,7 @@ import numpy as np
 
 from ..system.devices import failure
 
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
 """Unit of heights -> metres."""
 OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
 """Units as files write them."""
@@ -82,8 +82,9 @@ def _read_dataset(filename, dataset):
 
     with h5py.File(filename, "r") as file:
         if not isinstance(file.get(dataset or "/"), h5py.Dataset):
-            raise KeyError(f"there is no dataset '{dataset}'; write FILE.h5:dataset, "
-                           f"at the top level there are: {', '.join(file) or 'none'}")
+            what = f"there is no dataset '{dataset}'" if dataset else "no dataset is named"
+            raise ValueError(f"{what}; write FILE.h5:dataset, "
+                             f"at the top level there are: {', '.join(file) or 'none'}")
         return file[dataset][()]
 
 

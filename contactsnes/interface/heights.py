@@ -207,6 +207,18 @@ def fitted(specification, values, shape, fit="exact", edges="warn"):
     return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap")
 
 
+def rms_slope(heights, spacings):
+    """Root mean square of the gradient, by steps between neighbours.
+
+    Parameters
+    ----------
+    heights : ndarray
+    spacings : of the nodes, one a direction
+    """
+    return float(np.sqrt(sum(np.mean((np.diff(heights, axis=axis) / spacing) ** 2)
+                             for axis, spacing in enumerate(spacings))))
+
+
 def seams(heights):
     """Where heights jump at the seam of their cell: direction, step at the seam and typical step
     between neighbours, a list.

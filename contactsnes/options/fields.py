@@ -133,7 +133,9 @@ def _single(value, rule):
 def _advice(value, rule):
     """What to give in place of a value that is not allowed: the choice most like it, else the
     default, if there is one."""
-    guess = nearest(as_text(value), map(as_text, rule["choices"] or ()))
+    choices = list(map(as_text, rule["choices"] or ()))
+    alike = [choice for choice in choices if choice.lower() == as_text(value).lower()]
+    guess = alike[0] if alike else nearest(as_text(value), choices)
     if guess or rule["known"]:
         return f"; try {guess or rule['default_text']}"
     without = not rule["default_text"] or rule["default_text"].startswith("none")

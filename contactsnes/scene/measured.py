@@ -62,12 +62,10 @@ def _refuse_missing(cls, values, round_):
     absent = [name for name in needed if name not in values
               and INSTEAD.get(name) not in values]
     if absent:
-        also = [f"{cls.option_name(INSTEAD[name])} in place of {cls.option_name(name)}"
-                for name in absent if name in INSTEAD]
-        lacking = " and ".join(map(cls.option_name, absent))
-        raise InputError(f"-scene_units is 'si' without {lacking}: give works of adhesion, contact "
-                         "modulus, radius of what is round, and both ranges of the law"
-                         + (f" ({', '.join(also)})" if also else ""))
+        lacking = [cls.option_name(name) + (f" (or {cls.option_name(INSTEAD[name])})"
+                                            if name in INSTEAD else "") for name in absent]
+        raise InputError(f"-scene_units is 'si' without {' and '.join(lacking)}: give "
+                         + ("it" if len(lacking) == 1 else "all of these"))
     period = values.get("period")
     sizes = period if isinstance(period, (tuple, list)) else (period,)
     if "radius" not in values and (period is None or not all(map(math.isfinite, sizes))):

@@ -10,6 +10,9 @@ from ..options.fields import as_text
 LARGEST_RESOLUTION = 1.25
 """Largest dx lambda_n^2 at which the cohesive zone of a exp(-a) is resolved (relative error of the
 force about 1e-6)."""
+LARGEST = 2 ** 28
+"""Points of the largest grid that is worth a try."""
+
 PINNING = 1.8
 """``resolution`` from which on single nodes snap in and off, so that edges of contact stick between
 nodes.
@@ -100,5 +103,6 @@ def resolution_warning(scene, sheared):
                    for points, ratio in zip(scene.shape, ratios))
     return (f"the grid of {as_text(scene.shape)} points does not resolve the "
             f"cohesive zone: its spacing is {max(ratios):.3g} times the "
-            "largest that does, and results may depend on where nodes "
-            f"lie; try -scene_points {as_text(needed)}")
+            "largest that does, and results may depend on where nodes lie; "
+            + (f"try -scene_points {as_text(needed)}" if math.prod(needed) <= LARGEST else
+               f"{as_text(needed)} would do: contactsnes info tells what does on fewer"))

@@ -154,6 +154,18 @@ class Units(Options):
         """A value (or several) of a unit in what the scene is told in, with the unit's name."""
         return f"{as_text(self.told(value, unit))} {self.scale(unit)[1]}"
 
+    def short(self, value, unit, digits=4):
+        """A value of a unit in a few digits, in what the scene is told in, with a prefix in SI."""
+        size, name = self.scale(unit)
+        return (f"{value:.{digits}g} {unit}" if self.units == "dimensionless"
+                else prefixed(value * size, name, digits))
+
+    def typed_words(self, value, unit):
+        """A value as it is typed, of a dimensionless unit or the one in its place in SI, with that
+        unit, in SI with a prefix."""
+        return (f"{as_text(value)} {unit}" if self.units == "dimensionless"
+                else prefixed(value, self.scale(unit)[1], 8))
+
     def initial(self, load):
         """Component -> Control where a load path begins (``Load.initial``), its values in the
         scene's own units."""
@@ -253,5 +265,7 @@ def prefixed(value, unit, digits=4):
     unit : str, in SI
     digits : int, significant ones
     """
+    if not unit:
+        return f"{value:.{digits}g}"
     size, name = prefix(abs(value) if math.isfinite(value) else 1.0, unit)
     return f"{value / size:.{digits}g} {name}"

@@ -72,6 +72,51 @@ def test_lines_tell_all_of_it():
                                                          Output(), told))
 
 
+def test_the_ring_of_attraction_is_what_counts_as_contact():
+    """Its area by theory, and contact_area of a solved branch."""
+    scene = Scene(dimension=2, geometry="sphere", normal_maugis=3.0, tangential_maugis=1.5,
+                  residual_friction=1.0, height=math.inf, points=256, period=16.0)
+    load = Load(path="normal_force=4; tangential_displacement_x=40", stop="gross_sliding")
+    found = advice.theory(scene, 4.0)
+    branch = Branch(scene, load, Steps(largest_step=(3.0, 0.5), initial_step=(1.0, 0.25)))
+    rows = [branch.observe(point) for point in branch]
+    pressed = [row for row in rows if row["leg"] == 1][-1]
+    assert math.pi * found.outer ** 2 == pytest.approx(pressed["contact_area"], rel=0.05)
+    assert 0.8 * found.outer < found.radius < found.outer
+    lines = advice.advice(scene, load, Output(), told)
+    assert any(line.startswith("with the ring of attraction") for line in lines)
+    # friction over all of it, and what is left of it once slip has taken the adhesion away
+    slides = advice.contact_displacement(scene, found)
+    assert 0.5 * slides < rows[-1]["tangential_displacement_x"] < 1.1 * slides
+
+
+def test_long_and_short_paths_are_told():
+    scene = replace(SPHERE, normal_maugis=3.0, height=math.inf)
+    slides = advice.contact_displacement(scene, advice.theory(scene, 5.0))
+    for part, words in ((0.5, "the path ends at 0.5 of that"), (2.0, ""),
+                        (20.0, "the path goes 20 times as far, and steps are parts of its leg")):
+        load = Load(path=f"normal_force=5; tangential_displacement_x={part * slides}")
+        lines = advice.advice(scene, load, Output(), told)
+        assert any(line.startswith("all of it slips at") for line in lines)
+        assert words in "\n".join(lines)
+        assert ("the path" in "\n".join(lines)) == bool(words)
+
+
+def test_contacts_that_are_too_large_are_told():
+    """For their cell, and for the sphere: a Young's modulus typed in MPa."""
+    scene = replace(SPHERE, normal_maugis=3.0, period=7.0)
+    text = "\n".join(advice.advice(scene, SHEARED, Output(), told))
+    assert "of the cell's width, neighbours matter: -scene_period" in text
+    soft = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3,
+                       young_modulus=1.5, work_of_adhesion_normal=0.027,
+                       work_of_adhesion_tangential=0.027, adhesive_strength=2e4,
+                       shear_strength=3e4)
+    text = "\n".join(advice.advice(soft, Load(path="normal_force=1e-3"), Output(), told))
+    assert "of the radius of curvature: strains are not small" in text
+    fits = replace(SPHERE, normal_maugis=3.0, period=16.0)
+    assert "neighbours" not in "\n".join(advice.advice(fits, SHEARED, Output(), told))
+
+
 def test_softer_laws_are_resolved():
     for scene in (SPHERE, replace(SPHERE, normal_maugis=4.0, tangential_maugis=30.0)):
         fits = on(scene, (256, 256))
@@ -85,7 +130,8 @@ def test_costs_grow_with_the_grid_and_the_fields():
     small, large = (costs.cost(SPHERE, SHEARED, (n, n), cell) for n in (128, 256))
     on_active = costs.cost(SPHERE, SHEARED, (256, 256), active)
     assert 3.9 < large.disk / small.disk < 4.1
-    assert 3.5 < large.seconds / small.seconds < 5
+    finest = costs.cost(SPHERE, SHEARED, (512, 512), cell)
+    assert 3.5 < finest.seconds / large.seconds < 5
     assert large.disk == pytest.approx(8 * 6 * 256 ** 2 * large.points, rel=5e-2)
     assert 0.02 * large.disk < on_active.disk < 0.5 * large.disk
     assert costs.cost(SPHERE, SHEARED, (128, 128)).disk == 0.0

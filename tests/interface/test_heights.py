@@ -10,6 +10,7 @@ import pytest
 
 petsc4py.init([])
 
+from contactsnes.commands import cautions  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.interface import height_files, heights, shapes  # noqa: E402
 from contactsnes.interface.roughness import surface  # noqa: E402
@@ -239,7 +240,11 @@ BAD = [({}, "a map without size: give that of all of it by -scene_heights_size")
        ({"period": 1e-4, "heights_crop": "0:23,0:18"}, "a map of 23 x 18 heights, and grids have "
         "even numbers of points: add -scene_heights_crop 0:22,0:18, or"),
        ({"period": 1e-4, "geometry_file": "none.npy"}, "there is no file none.npy"),
-       ({"period": 1e-4, "geometry_file": ""}, "-scene_geometry is 'file' without a file")]
+       ({"period": 1e-4, "geometry_file": ""}, "-scene_geometry is 'file' without a file"),
+       ({"geometry_file": ""}, "-scene_geometry is 'file' without a file"),
+       ({"period": 1e-4, "dimension": 1}, "-scene_dimension is '1', but .* has heights in 2 "
+        "directions: leave it out"),
+       ({"period": 1e-4, "heights_unit": "UM"}, "-scene_heights_unit is 'UM'.*; try um")]
 
 
 @pytest.mark.parametrize("values, sentence", BAD)
@@ -251,6 +256,37 @@ def test_bad_input_is_one_sentence(tmp_path, values, sentence):
     with pytest.raises(InputError, match=sentence) as error:
         Scene.typed(**given)
     assert "\n" not in str(error.value)
+
+
+def cautions_on(tmp_path, values, **typed):
+    """Sentences on a surface, and the root mean square slope that the lines on a scene tell."""
+    scene = Scene.typed(**SI, geometry_file=saved(tmp_path, values), heights_edges="window",
+                        **typed)
+    told = shapes.of(scene).about(scene, lambda value, unit, digits:
+                                  f"{value * scene.scale(unit)[0]:.12g}")[0]
+    return [sentence for sentence in cautions.of_surface(scene) if "not periodic" not in sentence
+            ], float(told.split("slope ")[1])
+
+
+def test_a_map_in_another_unit_than_its_size_is_told(tmp_path):
+    """Waves of 1 um over 240 um: a slope of sqrt(2) pi height over length."""
+    x = np.arange(240) / 240
+    waves = np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(180)
+    size = {"heights_size": (2.4e-4, 1.8e-4)}
+    fits, slope = cautions_on(tmp_path, waves, heights_unit="µm", **size)
+    whole = np.sqrt(2) * np.pi * 3 * 1e-6 / 2.4e-4
+    assert not fits and slope == pytest.approx(whole, rel=0.1)  # tapered at the edges
+    steep, _ = cautions_on(tmp_path, waves, **size)
+    assert len(steep) == 1 and "are they in metres? -scene_heights_unit" in steep[0]
+    even, _ = cautions_on(tmp_path, waves, heights_unit="um", heights_size=(240.0, 180.0))
+    assert len(even) == 1 and "-scene_heights_size is in metres" in even[0]
+
+
+def test_one_size_for_a_map_that_is_no_square_is_told(tmp_path):
+    sentences, _ = cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=2.4e-4)
+    assert sentences == ["one size for a map of 24 x 18 points: its nodes are 10 µm apart along x "
+                         "and 13.33 µm along y; -scene_heights_size takes two, with a comma"]
+    assert not cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=(2.4e-4, 1.8e-4))[0]
 
 
 def test_a_size_from_python_has_to_be_the_period(tmp_path):

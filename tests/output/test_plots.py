@@ -437,6 +437,7 @@ def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatc
         archive_of(tmp_path / "run.h5", [(row, ()) for row in rows])
     figure = shape.draw_shape(read(tmp_path / "run.h5"))
     above, below = figure.axes
+    assert len(below.lines) == 3  # in contact, sticks, slips
     drawn = {round(float(line.get_ydata()[0]), 9) for line in (*above.lines, *below.lines)
              if len(line.get_ydata())}
     assert set(range(2 if dimension == 1 else 1, 1 + len(names))) <= drawn

@@ -140,7 +140,7 @@ def without(*names):
 
 BAD = [(without("radius"), "-scene_units is 'si' without -scene_radius:"),
        (without("radius", "range_tangential"), "without -scene_radius and "
-        "-scene_range_tangential:"), ({**TYPED, "normal_maugis": 10.0}, "-scene_normal_maugis "
+        "-scene_range_tangential "), ({**TYPED, "normal_maugis": 10.0}, "-scene_normal_maugis "
                                       "is '10', but with -scene_units si it "
                                       "follows from -scene_range_normal"),
        ({**TYPED, "tangential_maugis": 1.0}, "it follows from -scene_range_tangential"),
@@ -285,7 +285,8 @@ def test_loads_are_told_with_units():
                                                (2.0e6, "Pa", "2 MPa"), (2.62, "N/m", "2.62 N/m"),
                                                (0.03, "J/m^2", "30 mJ/m²"),
                                                (3e-8, "m^2", "0.03 mm²"),
-                                               (-3e-10, "m^2", "-300 µm²"), (0.5, "", "0.5 ")])
+                                               (-3e-10, "m^2", "-300 µm²"), (0.5, "", "0.5"),
+                                               (31.2, "", "31.2")])
 def test_prefixes(value, unit, text):
     assert si.prefixed(value, unit) == text
 
@@ -350,7 +351,7 @@ def test_info_tells_groups_and_scales(tmp_path):
                  "and 70 mJ/m², contact modulus 2 MPa, radius 10 mm, "
                  "ranges 700 nm and 1.1 µm", f"beta {BETA * 1e6:.4g} µm",
                  f"p_n,r {PHI_N / DELTA_N / 1e3:.4g} kPa", "normal_force goes to 6 N/m",
-                 "tangential_displacement goes to 2e-06 m", "-scene_period 0.003\n"):
+                 "tangential_displacement goes to 2 µm", "-scene_period 0.003\n"):
         assert text in done.stdout, text
     options = done.stdout[done.stdout.index("\nOptions\n"):].splitlines()[2:]
     assert not [line for line in options if "maugis" in line or "work_ratio" in line]

@@ -72,4 +72,6 @@ class Layer(Body):
 
     def about(self, scene, size):
         """Poisson ratio and height."""
-        return [f"Poisson ratio {as_text(self.poisson)}", f"height {size(self.height, 'beta', 8)}"]
+        height = (f"height {size(self.height, 'beta', 8)}" if math.isfinite(self.height)
+                  else "infinite height")
+        return [f"Poisson ratio {as_text(self.poisson)}", height]

@@ -5,8 +5,10 @@ import numpy as np
 from ...options.fields import InputError, as_text, checked, option
 from ..gap import gap_of_heights
 from ..height_files import UNITS
-from ..heights import EDGES, FILLS, fitted, prepared
+from ..heights import EDGES, FILLS, fitted, prepared, rms_slope
 from .shape import Shape
+
+UNNAMED = "-scene_geometry is 'file' without a file: name it by -scene_geometry_file"
 
 
 class File(Shape):
@@ -53,6 +55,8 @@ class File(Shape):
         own = {name: checked(scene.option_name(name), values[name], scene.rule(name))
                for name in cls.declared() if values.get(name) is not None}
         if not own.get("geometry_file"):
+            if values.get("units") == "si":
+                raise InputError(UNNAMED)
             return values
         try:
             found = cls(**own).map()
@@ -60,6 +64,10 @@ class File(Shape):
             raise error if isinstance(error, InputError) else InputError(str(error)) from None
         shape, dimension = cls._grid(found.values.shape, own), found.values.ndim
         given = {name for name, value in values.items() if value is not None}
+        if str(values.get("dimension") or dimension) != str(dimension):
+            raise InputError(f"{scene.option_name('dimension')} is '{values['dimension']}', but "
+                             f"{own['geometry_file']} has heights in {dimension} "
+                             f"direction{'s' * (dimension > 1)}: leave it out")
         size = cls._size(found, own, values, scene)
         added = {"dimension": dimension,
                  "points": shape if dimension > 1 else shape[0],
@@ -120,8 +128,7 @@ class File(Shape):
     def check(self, scene):
         """InputError without a file, or in a cell of another size than the map's."""
         if not self.geometry_file:
-            raise InputError(
-                "-scene_geometry is 'file' without a file: name it by -scene_geometry_file")
+            raise InputError(UNNAMED)
         if self.heights_size is not None:
             own = {name: getattr(self, name) for name in self.declared()}
             try:
@@ -148,6 +155,14 @@ class File(Shape):
     def gap(self, coordinates, scene):
         """max(h) - h."""
         return gap_of_heights(self.heights(scene))
+
+    def about(self, scene, size):
+        """Height and slope."""
+        heights = self.heights(scene)
+        return [f"heights of {self.geometry_file}: root mean square "
+                f"{size(float(np.std(heights)), 'u_n,r', 4)}, from lowest to highest "
+                f"{size(float(np.ptp(heights)), 'u_n,r', 4)}, root mean square slope "
+                f"{size(rms_slope(heights, scene.spacings), 'u_n,r/beta', 4)}"]
 
     def source(self, scene):
         """Option and file."""

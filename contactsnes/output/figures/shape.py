@@ -17,13 +17,14 @@ PLACES = {2: {"half_axis_x": ("half axis along x", BLUE, "-"),
               "front_left": ("fronts of slip", VERMILION, "--"),
               "front_right": (None, VERMILION, "--")}}
 """By dimension: column -> its words in the legend, colour, line."""
-AREAS = {"contact_area": ("in contact", GREY, "-"), "stick_area": ("sticks", GREEN, "-"),
-         "slip_area": ("slips", VERMILION, "--")}
+AREAS = {"contact_area": ("in contact", GREY, "-")}
+SLIPPING = {**AREAS, "stick_area": ("sticks", GREEN, "-"), "slip_area": ("slips", VERMILION, "--")}
 
 
 def draw_shape(record):
     """Figure of half axes (on a line edges and fronts of slip), where the contact does not go
-    around the cell, and of what sticks and slips, against the load that moves."""
+    around the cell, and of what is in contact, under shear of what sticks and slips, too, against
+    the load that moves."""
     if "half_axis_x" not in record:
         raise NothingToShow("the archive has no columns of the contact's shape")
     load, part = _load(record)
@@ -38,7 +39,7 @@ def draw_shape(record):
     for axes in above:
         _draw(axes, record, load, part, places)
         axes.set_ylabel(label(what, symbol, record.units["half_axis_x"]))
-    _draw(below, record, load, part, AREAS)
+    _draw(below, record, load, part, AREAS if load == "normal_force" else SLIPPING)
     below.set(xlabel=column_label(record, load), ylabel=column_label(record, "contact_area"))
     figure.align_ylabels()
     return figure

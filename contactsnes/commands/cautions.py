@@ -1,0 +1,67 @@
+"""What speaks against a scene before it is solved, in sentences: a grid that is too coarse, heights
+that step at the seam of their cell, are in another unit or on a map of another size than given."""
+
+import math
+
+import numpy as np
+
+from ..interface import gap, shapes
+from ..interface.heights import rms_slope
+from ..interface.own_shapes import jumps
+from ..scene import resolution
+from ..scene import settings as scenes
+
+STEEP, EVEN = 3.0, 1e-6
+"""Root mean square slopes beyond which heights and places are hardly in the same unit."""
+
+
+def cautions(settings):
+    """Sentences on grid and surface, for the log and the archive."""
+    sheared = any(scenes.tangential_legs(settings.scene, settings.load))
+    sentence = resolution.resolution_warning(settings.scene, sheared)
+    return (*((sentence,) if sentence else ()), *of_surface(settings.scene))
+
+
+def of_surface(scene):
+    """Sentences on heights or a gap of one's own, empty for other scenes."""
+    return [*_seams(scene), *_proportions(scene)]
+
+
+def _seams(scene):
+    """Sentences on heights or a gap that jump where the cell meets its neighbours."""
+    heights = shapes.of(scene).gridded
+    what = "the heights are" if heights else "the gap is"
+    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides"
+              if heights
+              else "make the gap periodic, or the period longer than matters")
+    names = ("x", "y") if scene.dimension == 2 else ("the line",)
+    return [f"{what} not periodic: along {names[axis]} they step "
+            f"by {scene.short(jump, 'u_n,r')} across the seam of the cell, "
+            f"{jump / typical if typical else math.inf:.3g} times the typical step "
+            f"between neighbours, {scene.short(typical, 'u_n,r')}; what is solved "
+            f"has this step: {remedy}"
+            for axis, jump, typical in jumps(scene)]
+
+
+def _proportions(scene):
+    """Sentences on a map in SI whose heights do not fit its size, or whose nodes are not as far
+    apart along x as along y for want of a second size."""
+    if scene.units != "si" or not shapes.of(scene).gridded:
+        return
+    axes = [np.arange(n) * length for n, length in zip(scene.shape, scene.spacings)]
+    found = gap.evaluated(shapes.of(scene), np.meshgrid(*axes, indexing="ij", sparse=True), scene)
+    slope = rms_slope(found, scene.spacings) * scene.scale("u_n,r/beta")[0]
+    told = (f"the heights, {scene.short(np.ptp(found), 'u_n,r')} from lowest to highest on a map "
+            f"of {scene.short(max(scene.periods), 'beta')}, have a root mean square slope of "
+            f"{slope:.2g}")
+    if slope > STEEP:
+        yield (f"{told}: the model is one of small slopes; are they in metres? -scene_heights_unit "
+               "names their unit")
+    elif 0.0 < slope < EVEN:
+        yield f"{told}: -scene_heights_size is in metres"
+    wide, high = max(scene.spacings), min(scene.spacings)
+    if wide > 1.01 * high and not isinstance(scene.heights_size, tuple) and scene.heights_size:
+        yield (f"one size for a map of {' x '.join(map(str, scene.shape))} points: its nodes are "
+               f"{scene.short(scene.spacings[0], 'beta')} apart along x and "
+               f"{scene.short(scene.spacings[1], 'beta')} along y; -scene_heights_size takes two, "
+               "with a comma")
