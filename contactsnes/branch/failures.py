@@ -4,7 +4,7 @@ import re
 from functools import cache
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..contact import states
 from ..continuation.points import NotConverged
@@ -164,9 +164,10 @@ def narrow(contact, before, after):
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
     grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
                                                             *window.parts[0].shape)
+    depth_in = scipy.ndimage.distance_transform_edt
     depths = [grid.maximum(grid.without_rows(
-        ndimage.distance_transform_edt(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]],
-        NARROW)) for box in boxes]
+        depth_in(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]], NARROW))
+        for box in boxes]
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 

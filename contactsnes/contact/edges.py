@@ -2,7 +2,7 @@
 which the edges stay in place."""
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
@@ -50,7 +50,7 @@ def follow_edge(contact, states, weights):
 def _follow_on_nodes(contact, states, weights):
     """The same on the box of a window of some of its nodes, where spots are few."""
     window = states[-1].window
-    _, count = ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
+    _, count = scipy.ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
     if not 0 < contact.grid.largest(count) <= MOST:
         return None
     box = [State(window.hull, onto(state, window.hull), state.means) for state in states]
@@ -199,10 +199,10 @@ def carried(contact, change, origin, state):
 def _near_boxes(gap):
     """Slices, for each direction, of the boxes around places where the law acts, four nodes wider;
     none where they are many."""
-    labels, count = ndimage.label(gap < NEAR)
+    labels, count = scipy.ndimage.label(gap < NEAR)
     return [tuple(slice(max(line.start - 4, 0), min(line.stop + 4, nodes))
                   for line, nodes in zip(box, gap.shape))
-            for box in ndimage.find_objects(labels)] if 1 < count <= MOST else []
+            for box in scipy.ndimage.find_objects(labels)] if 1 < count <= MOST else []
 
 
 def _stretched(contact, state, window, places, target, part, widened=False):

@@ -11,10 +11,10 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from ..continuation.points import NotConverged
 from ..grid.counter import Counter
+from ..grid.lengths import fast_length
 from ..grid.operator import Operator
 from ..grid.roots import bracketed_root
 from ..grid.windows import Window
@@ -60,7 +60,7 @@ def half_width(scene, force):
 def lay_out(scene, force):
     """The periodic scene on whose cell an isolated one is solved under forces up to a given one."""
     extent = ROOM[scene.dimension] * 1.1 * half_width(scene, force)
-    points = [16 * next_fast_len(math.ceil(max(extent / spacing, 128.0) / 16), real=True)
+    points = [16 * fast_length(math.ceil(max(extent / spacing, 128.0) / 16))
               for spacing in scene.spacings]
     periods = [n * spacing for n, spacing in zip(points, scene.spacings)]
     if scene.dimension == 1:

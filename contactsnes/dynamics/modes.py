@@ -4,7 +4,7 @@ compact one, say."""
 from itertools import zip_longest
 
 import numpy as np
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
+import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
@@ -150,11 +150,12 @@ def _krylov(space, shift, begin, basis):
     if space.grid is not None:
         _arnoldi(product, begin, basis, space.grid)
         return
-    size = operator.size
+    size, linalg = operator.size, scipy.sparse.linalg
     try:
-        eigs(LinearOperator((size, size), matvec=product, dtype=float), k=1, which="LR", v0=begin,
-             ncv=basis, tol=0.1, maxiter=1, return_eigenvectors=False)
-    except (ArpackNoConvergence, ArpackError):
+        linalg.eigs(linalg.LinearOperator((size, size), matvec=product, dtype=float), k=1,
+                    which="LR", v0=begin, ncv=basis, tol=0.1, maxiter=1,
+                    return_eigenvectors=False)
+    except (linalg.ArpackNoConvergence, linalg.ArpackError):
         pass  # what it has tried serves as well
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 
@@ -152,7 +152,7 @@ def projected(basis, images, certain, grid=None):
     certain : int, modes after the unstable ones that are to be accurate
     grid : Grid that sums over processes, where vectors are shared out among some
     """
-    values, coefficients = linalg.eig(together(grid, basis @ images.T))
+    values, coefficients = scipy.linalg.eig(together(grid, basis @ images.T))
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)

@@ -7,7 +7,7 @@ Fields are known at the other nodes only; for a convolution they are scattered i
 from functools import cached_property
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from .cell import Convolution
 from .windows import Window
@@ -98,7 +98,7 @@ class Nodes:
         box[self.places] = False
         if self.size == 0:
             return self.spread(values)
-        nearest = ndimage.distance_transform_edt(self.hull.box(box), return_distances=False,
+        nearest = scipy.ndimage.distance_transform_edt(self.hull.box(box), return_distances=False,
                                                  return_indices=True)
         return self.spread(values)[..., np.ravel_multi_index(nearest, self.shape).reshape(-1)]
 

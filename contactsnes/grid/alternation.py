@@ -2,7 +2,7 @@
 nodes pass as they are, and those of eight nodes or more by less than a thousandth."""
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 ALTERNATING = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0]) / 256.0
 REACH = len(ALTERNATING) // 2
@@ -12,7 +12,7 @@ REACH = len(ALTERNATING) // 2
 def differences(boxes, axis, closed):
     """Eighth differences along an axis of boxes (boxes, *box), beyond whose ends nothing is, or
     which close on themselves: an array alike."""
-    return ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
+    return scipy.ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
 
 
 def alternation(boxes, axis, image=0, closed=False):

@@ -10,7 +10,7 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from .active import Nodes, NodesConvolution
 from .cell import Convolution, clear_padding
@@ -256,14 +256,14 @@ def _clusters(mask):
     """First nodes and extents, arrays (boxes, directions), of the boxes around connected nodes of a
     mask."""
     stride, blocks = 1, mask
-    labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
+    labels, count = scipy.ndimage.label(blocks, np.ones((3,) * mask.ndim))
     while count > MOST:
         for axis, points in enumerate(blocks.shape):
             blocks = np.logical_or.reduceat(blocks, np.arange(0, points, 2), axis=axis)
         stride *= 2
-        labels, count = ndimage.label(blocks, np.ones((3,) * mask.ndim))
-    boxes = [[(stride * line.start, min(stride * line.stop, total))
-              for line, total in zip(box, mask.shape)] for box in ndimage.find_objects(labels)]
+        labels, count = scipy.ndimage.label(blocks, np.ones((3,) * mask.ndim))
+    boxes = [[(stride * line.start, min(stride * line.stop, total)) for line, total in zip(
+        box, mask.shape)] for box in scipy.ndimage.find_objects(labels)]
     first, after = np.moveaxis(np.array(boxes).reshape(-1, mask.ndim, 2), -1, 0)
     return first, after - first
 

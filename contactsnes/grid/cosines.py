@@ -6,11 +6,12 @@ from functools import cached_property
 
 import numpy as np
 import pyfftw
-from scipy import fft
+import scipy
 
 from .cell import Convolution
 from .counter import transform_cost
 from .filtering import Filtering
+from .lengths import fast_length
 from .parity import parity
 from .precision import first_half
 
@@ -77,7 +78,7 @@ class Cosines(Filtering):
             for kind, axes in plan.items():
                 even = [axis for axis in axes if not odd[axis]]
                 if even:
-                    done = fft.dctn(field, kind, axes=even, overwrite_x=True)
+                    done = scipy.fft.dctn(field, kind, axes=even, overwrite_x=True)
                     if done is not field:
                         field[...] = done
                 for axis in set(axes) - set(even):
@@ -106,14 +107,14 @@ def _sines(field, kind):
     """Sine transform of a field along its first axis, in place: type 1 between two nodes where it
     vanishes, or types 2 and 3 between such a node and one beyond the last."""
     if kind == 1:
-        field[1:-1] = fft.dst(field[1:-1], 1, axis=0)
+        field[1:-1] = scipy.fft.dst(field[1:-1], 1, axis=0)
         field[[0, -1]] = 0.0
     elif kind == 3:
         field[:-1] = field[1:].copy()
         field[-1] = 0.0
-        field[...] = fft.dst(field, 3, axis=0)
+        field[...] = scipy.fft.dst(field, 3, axis=0)
     else:
-        field[1:] = fft.dst(field, 2, axis=0)[:-1]
+        field[1:] = scipy.fft.dst(field, 2, axis=0)[:-1]
         field[0] = 0.0
 
 
@@ -133,7 +134,7 @@ class EvenConvolution(Convolution):
 
     def __init__(self, window, operator, count, make=Cosines):
         self.window, self.count, self._make = window, count, make
-        self._circle = tuple(limit if closed else fft.next_fast_len(2 * n - 1, real=True)
+        self._circle = tuple(limit if closed else fast_length(2 * n - 1)
                              for n, limit, closed in zip(window.shape, window.limits,
                                                          window.closed))
         self.transform = make(window.grid, self._circle, count, window.parities)

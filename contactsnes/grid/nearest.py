@@ -1,7 +1,7 @@
 """Fields of a window at the nodes of another one: the same nodes, or the nearest ones."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from .active import Nodes
 from .slab_nodes import SlabNodes, nearest_known
@@ -36,7 +36,7 @@ def _numbers_among(source, window):
     missing = np.flatnonzero(found < 0)
     if missing.size:
         shape = source.grid.shape
-        tree = cKDTree(np.transpose(source.indices), boxsize=shape)
+        tree = scipy.spatial.cKDTree(np.transpose(source.indices), boxsize=shape)
         found[missing] = tree.query(np.transpose(np.unravel_index(window.numbers[missing],
                                                                   shape)))[1]
     return found

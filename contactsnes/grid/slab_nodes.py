@@ -2,8 +2,7 @@
 another."""
 
 import numpy as np
-from scipy import ndimage
-from scipy.spatial import cKDTree
+import scipy
 
 from .active import Nodes
 
@@ -89,7 +88,7 @@ def nearest_known(field, source, window):
         # columns close on themselves: half of them are there once more on either side
         half = has.shape[1] // 2
         apart = np.pad(~has, ((0, 0), (half, half)), mode="wrap")
-        places = ndimage.distance_transform_edt(apart, return_distances=False,
+        places = scipy.ndimage.distance_transform_edt(apart, return_distances=False,
                                                 return_indices=True)
         row, column = places[:, across[0, missing], across[1, missing] + half]
         found[:, missing] = wide[1:, row, (column - half) % has.shape[1]]
@@ -113,5 +112,5 @@ def _from_everywhere(field, source, across, found, missing):
     values = np.concatenate(grid.comm.allgather(field), axis=1)
     if missing.size:
         wanted = across[:, missing] + [[rows.first - min(NEARBY, rows.fewest)], [0]]
-        tree = cKDTree(places.T, boxsize=grid.shape)
+        tree = scipy.spatial.cKDTree(places.T, boxsize=grid.shape)
         found[:, missing] = values[:, tree.query((wanted % np.array(grid.shape)[:, None]).T)[1]]

@@ -1,7 +1,7 @@
 """Cubic splines through values at nodes, at places between them."""
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 
 def sources(start, stop, here, there, begin):
@@ -34,7 +34,7 @@ def spline(values, places, axis):
     count = values.shape[axis]
     if not count:
         return values
-    coefficients = ndimage.spline_filter1d(values, axis=axis, mode="mirror")
+    coefficients = scipy.ndimage.spline_filter1d(values, axis=axis, mode="mirror")
     places = np.minimum(np.maximum(places, 0.0), count - 1.0)
     first = np.minimum(places.astype(int), count - 2)
     t = places - first

@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from .active import Nodes
 from .windows import Window
@@ -137,7 +137,7 @@ def smooth(window, values, width):
     for axis, (total, reach) in enumerate(zip(window.grid.shape, reaches), first):
         mode = "wrap" if blurred.shape[axis] == total else "mirror" if window.even else "nearest"
         for _ in range(3 if reach else 0):
-            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
+            blurred = scipy.ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
     blurred[np.abs(blurred) < negligible] = 0.0
     out[part] = blurred
@@ -157,7 +157,7 @@ def _smooth_rows(window, values, width):
         # beyond the rows that are here nothing is that counts for them
         mode = "wrap" if axis > first and blurred.shape[axis] == grid.shape[1] else "nearest"
         for _ in range(3 if reach and blurred.size else 0):
-            blurred = ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
+            blurred = scipy.ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
     blurred[np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0)] = 0.0
     out[part] = blurred
     return grid.without_rows(out, 3 * reaches[0]).reshape(values.shape)

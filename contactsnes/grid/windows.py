@@ -4,9 +4,9 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from .contours import area_below, at_level, crossings, ringed
+from .lengths import fast_length
 
 
 class Window:
@@ -171,7 +171,7 @@ class Window:
         """Shape of the circulant that holds a convolution of the window: padded, or the cell where
         that is smaller."""
         return tuple(total if 2 * n - 1 >= total
-                     else min(total, next_fast_len(2 * n - 1, real=True))
+                     else min(total, fast_length(2 * n - 1))
                      for n, total in zip(self.shape, self.grid.shape))
 
 

@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import erf, erfc
+import scipy
 
 
 class Operation(NamedTuple):
@@ -25,6 +25,12 @@ class Operation(NamedTuple):
 
 
 TWO_OVER_ROOT_PI = 2.0 / math.sqrt(math.pi)
+
+
+def _special(name):
+    """A function of scipy.special, which is not imported before it is called: few laws need it."""
+    return lambda *arguments: getattr(scipy.special, name)(*arguments)
+
 
 OPERATIONS = {
     "add": Operation(np.add, (lambda e, x, y: 1.0, lambda e, x, y: 1.0)),
@@ -46,8 +52,10 @@ OPERATIONS = {
     "sinh": Operation(np.sinh, (lambda e, x: x.graph.apply("cosh", x),)),
     "cosh": Operation(np.cosh, (lambda e, x: x.graph.apply("sinh", x),)),
     "tanh": Operation(np.tanh, (lambda e, x: 1.0 - e * e,)),
-    "erf": Operation(erf, (lambda e, x: TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
-    "erfc": Operation(erfc, (lambda e, x: -TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
+    "erf": Operation(_special("erf"),
+                     (lambda e, x: TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
+    "erfc": Operation(_special("erfc"),
+                      (lambda e, x: -TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
     "minimum": Operation(np.minimum), "maximum": Operation(np.maximum),
     "where": Operation(np.where),
     **{name: Operation(getattr(np, name), boolean=True)

@@ -13,10 +13,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import next_fast_len
-from scipy.ndimage import minimum_filter
+import scipy
 
 from ..grid.cell import Grid, Transform
+from ..grid.lengths import fast_length
 from ..options.fields import InputError
 
 FINE = {1: 8, 2: 4}
@@ -76,13 +76,14 @@ class Surface(NamedTuple):
     def lowest(self):
         """The smallest c |x|^2/2 - h of the cell, between nodes, too: minima of a fine grid,
         followed by Newton's method."""
-        points = tuple(2 * next_fast_len(math.ceil(0.5 * FINE[len(self.periods)]
-                                                   * (np.max(np.abs(number)) + 1)), real=True)
+        points = tuple(2 * fast_length(math.ceil(0.5 * FINE[len(self.periods)]
+                                                 * (np.max(np.abs(number)) + 1)))
                        for number in self.numbers)
         gap = self.gap(points)
         step = np.array(self.periods) / points
         reach = gap.min() + 0.5 * (self.curvature + 6.0 * self.rms(2)) * np.sum((0.5 * step) ** 2)
-        found = np.argwhere((gap <= reach) & (gap == minimum_filter(gap, 3, mode="wrap")))
+        lowest = gap == scipy.ndimage.minimum_filter(gap, 3, mode="wrap")
+        found = np.argwhere((gap <= reach) & lowest)
         found = found[np.argsort(gap[tuple(found.T)], kind="stable")][:CANDIDATES]
         return min(self._descend((place - np.array(points) // 2) * step, step) for place in found)
 

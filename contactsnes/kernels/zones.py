@@ -5,9 +5,9 @@ import ctypes
 import weakref
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from ..grid.active import Nodes
+from ..grid.lengths import fast_length
 from . import structures
 from .forms import call
 from .structures import address
@@ -115,7 +115,7 @@ class CompiledZone:
         def make(component, first, second):
             raw = (first, second) if plane else (second,)
             try:
-                shape = tuple(min(total, next_fast_len(extent, real=True))
+                shape = tuple(min(total, fast_length(extent))
                               for extent, total in zip(raw, window.limits))
                 signs = window.of(component) if window.even else None
                 made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),

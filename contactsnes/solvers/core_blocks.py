@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from ..grid.cell import clear_padding
+from ..grid.lengths import fast_length
 from ..grid.transfer import extent
 
 
@@ -29,7 +29,7 @@ class CoreBlock:
         self.boxes = (len(window.parts), *window.shape)
         extents = self._find(window, weight)
         # Few sizes, so that transforms and symbols are made once and found again.
-        circle = tuple(min(total, next_fast_len(_rounded(pad * extent), real=True))
+        circle = tuple(min(total, fast_length(_rounded(pad * extent)))
                        for extent, total in zip(extents, window.limits))
         self.transform, compliance = form.contact.circle(component, form.components, circle,
                                                          window.even, len(window.parts),

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from scipy.special import erf
+import scipy
 
 from ...options.fields import option
 from .coupled import SLIP, TANGENTIAL_PEAK, Coupled
@@ -55,5 +55,5 @@ class Modified(Coupled):
         """Integral of T(b), by parts of the law: 1 - exp(-b^2), then tau_max [rho c + (1 - rho)
         sqrt(pi)/2 erf(c)], c = b - b_0."""
         past, residual = np.maximum(slip - SLIP, 0.0), self.residual_friction
-        beyond = residual * past + (1.0 - residual) * 0.5 * np.sqrt(np.pi) * erf(past)
+        beyond = residual * past + (1.0 - residual) * 0.5 * np.sqrt(np.pi) * scipy.special.erf(past)
         return super().friction_energy(np.minimum(slip, SLIP)) + TANGENTIAL_PEAK * beyond
