@@ -27,9 +27,17 @@ class Operation(NamedTuple):
 TWO_OVER_ROOT_PI = 2.0 / math.sqrt(math.pi)
 
 
-def _special(name):
-    """A function of scipy.special, which is not imported before it is called: few laws need it."""
-    return lambda *arguments: getattr(scipy.special, name)(*arguments)
+class Special:
+    """A universal function of scipy.special, which is not imported before it is called: few laws
+    need it."""
+
+    nin = 1
+
+    def __init__(self, name):
+        self.name = name
+
+    def __call__(self, *arguments):
+        return getattr(scipy.special, self.name)(*arguments)
 
 
 OPERATIONS = {
@@ -52,9 +60,9 @@ OPERATIONS = {
     "sinh": Operation(np.sinh, (lambda e, x: x.graph.apply("cosh", x),)),
     "cosh": Operation(np.cosh, (lambda e, x: x.graph.apply("sinh", x),)),
     "tanh": Operation(np.tanh, (lambda e, x: 1.0 - e * e,)),
-    "erf": Operation(_special("erf"),
+    "erf": Operation(Special("erf"),
                      (lambda e, x: TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
-    "erfc": Operation(_special("erfc"),
+    "erfc": Operation(Special("erfc"),
                       (lambda e, x: -TWO_OVER_ROOT_PI * x.graph.apply("exp", -(x * x)),)),
     "minimum": Operation(np.minimum), "maximum": Operation(np.maximum),
     "where": Operation(np.where),
