@@ -355,13 +355,21 @@ def test_measured_points_stand_where_their_units_say(tmp_path):
     record.units["contact_area"] = record.stored_units["contact_area"] = "m^2"
     table = measured.Measured(measured_file(tmp_path / "si.csv", "contact_area [mm²];x\n2;1\n"))
     assert table.values(record, "contact_area") == pytest.approx([2e-6], rel=1e-12)
+    # errors are in the unit of what they are errors of, unless they have one
+    for unit, size in (("", 3e-8), (" [m^2]", 0.03)):
+        table = measured.Measured(measured_file(
+            tmp_path / "error.csv", f"contact_area [mm2],contact_area_error{unit}\n2,0.03\n"))
+        assert table.values(record, "contact_area_error") == pytest.approx([size], rel=1e-12)
 
 
 @pytest.mark.parametrize("text, word", [
     ("", "no heading"), ("contact_area\n1,2\n", "row 1 is '1,2': 1 numbers"),
     ("tangential_force,contact_area\n1,wide\n", "row 1 is '1,wide'"),
     ("tangential_force [N],contact_area\n1,2\n", "is in 'N', but the archive has it in 'w_t,r'"),
-    ("tangential_force,contact_aria\n1,2\n", "did you mean contact_area")])
+    ("tangential_force,contact_aria\n1,2\n", "did you mean contact_area"),
+    ("tangential_force,contact_area,error\n1,2,3\n", "column error is unknown: errors of a column"),
+    ("tangential_force,contact_area,contact_area_eror\n1,2,3\n",
+     "contact_area_eror is unknown (did you mean contact_area?)")])
 def test_measured_points_that_do_not_fit_are_named(tmp_path, text, word):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
     path = measured_file(tmp_path / "points.csv", text)

@@ -14,6 +14,7 @@ from ...scene.units import PREFIXES
 HEADING = re.compile(r"\s*(?P<name>[\w.]+)\s*([\[(](?P<unit>.*)[\])])?\s*")
 """A name, and a unit in brackets."""
 
+SQUARE = re.compile(r"²|(?<=m)2$")
 ERROR = "_error"
 LOOK = dict(linestyle="none", marker="o", markersize=3.5, markerfacecolor="white",
             color="black", markeredgewidth=0.7, elinewidth=0.6, capsize=1.5, zorder=4)
@@ -76,7 +77,8 @@ class Measured:
 
     def _size(self, record, name):
         """Size of a column's unit in that of the archive."""
-        typed, known = self.units[name].replace("²", "^2"), record.stored_units[_plain(name)]
+        typed = self.units[name] or self.units.get(_plain(name), "")
+        typed, known = SQUARE.sub("^2", typed), record.stored_units[_plain(name)]
         if typed in ("", known):
             return 1.0
         power = 2 if known.endswith("^2") else 1
@@ -135,13 +137,24 @@ def draw_measured(axes, record, x, y, measured):
 
 
 def check_used(measured, records):
-    """InputError for a table that no figure has shown, with the names that there are."""
+    """InputError for a table that no figure has shown, with the names that there are, or with a
+    column that seems to be meant for one."""
+    known = sorted({name for record in records for name in record})
     for table in measured:
+        strange = [name for name in table.columns if _plain(name) not in known]
         if not table.used:
-            known = sorted({name for record in records for name in record})
-            strange = [name for name in table.columns if _plain(name) not in known]
-            guesses = [f"{name} (did you mean {nearest(name, known)}?)" for name in strange]
+            told = ", ".join(name + _guess(name, known, 0.4) for name in strange)
             raise InputError(f"-plot_with is '{table.path}': no figure has two of its columns, "
                              f"{', '.join(table.columns)}"
-                             + (f"; unknown is {', '.join(guesses)}" if strange else "")
+                             + (f"; unknown is {told}" if strange else "")
                              + "; -plot_columns draws any pair of columns")
+        for name in strange:
+            if (guess := _guess(name, known, 0.8)) or name.lower().startswith("err"):
+                raise InputError(f"-plot_with is '{table.path}', whose column {name} is unknown"
+                                 f"{guess or f': errors of a column are in NAME{ERROR}'}")
+
+
+def _guess(name, known, cutoff):
+    """What may have been meant by a name, empty where nothing looks like it."""
+    guess = nearest(name, known, cutoff)
+    return guess and f" (did you mean {guess}?)"
