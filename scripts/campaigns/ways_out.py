@@ -8,7 +8,7 @@ import random
 import h5py
 import numpy as np
 
-from . import judge, scenes
+from . import judge, scenes, surfaces
 
 COMMANDS = {
     "table": {"columns": ("normal_force,contact_area", "point,normal_displacement", "nothing_such"),
@@ -69,6 +69,7 @@ def judged(seed, number, worker, folder, seconds):
         return verdict, judge.command(["run", *words])
     for each in asked:
         _judge(verdict, worker, each, archive, kept, seconds)
+    surfaces.judged(verdict, seed, number, worker, folder, seconds)
     return verdict, judge.command(["run", *words])
 
 

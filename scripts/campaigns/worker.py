@@ -61,7 +61,7 @@ def child(job):
     words = job["words"]
     try:
         entries, name = {"options_left": "no"}, ""
-        for word in petsc_arguments(words[1:])[1:] if words[:1] == ["run"] else []:
+        for word in petsc_arguments(words[1:])[1:] if words[0] in ("run", "info") else []:
             if is_option(word):
                 name = word[1:]
                 entries[name] = ""

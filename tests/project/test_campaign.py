@@ -12,7 +12,18 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 # noqa: E402
-from campaigns import checker, comparison, faults, judge, physics, planted, scenes, table, ways_out
+from campaigns import (
+    checker,
+    comparison,
+    faults,
+    judge,
+    physics,
+    planted,
+    scenes,
+    surfaces,
+    table,
+    ways_out,
+)
 
 
 @pytest.fixture(scope="module")
@@ -204,6 +215,27 @@ def test_a_scene_and_its_variants_tell_the_same(worker, tmp_path, number):
 def test_ways_out_of_an_archive_are_as_asked(worker, tmp_path, number):
     verdict, _ = ways_out.judged(1, number, worker, tmp_path, 30)
     assert verdict.outcome == "agreed" and verdict.runs > 1, verdict.found
+
+
+def test_measured_surfaces_are_told_as_they_are(worker, tmp_path):
+    verdict = judge.Verdict()
+    drawn = []
+    for number in range(12):
+        surfaces.judged(verdict, 1, number, worker, tmp_path, 30)
+        drawn.append(surfaces.create(1, number, tmp_path))
+    assert verdict.outcome == "agreed" and verdict.runs == 12, verdict.found
+    assert {good for *_, good in drawn} == {True, False}
+    assert len({options["scene_geometry_file"] for options, *_ in drawn}) > 3
+
+
+def test_another_surface_than_drawn_is_seen(worker, tmp_path, monkeypatch):
+    number = next(number for number in range(50) if surfaces.create(1, number, tmp_path)[2]
+                  and surfaces.create(1, number, tmp_path)[1] is not None)
+    options, values, good = surfaces.create(1, number, tmp_path)
+    monkeypatch.setattr(surfaces, "create", lambda *arguments: (options, 1.01 * values, good))
+    verdict = judge.Verdict()
+    surfaces.judged(verdict, 1, number, worker, tmp_path, 30)
+    assert verdict.outcome == "silent"
 
 
 def test_a_table_that_says_something_else_is_seen(worker, tmp_path):
