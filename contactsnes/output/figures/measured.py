@@ -136,22 +136,31 @@ def draw_measured(axes, record, x, y, measured):
     return handles
 
 
+def check_names(measured, records):
+    """InputError for a table with a column that seems to be meant for one of the archives'."""
+    for table, strange, known in _strange(measured, records):
+        for name in strange:
+            if (guess := _guess(name, known, 0.8)) or name.lower().startswith("err"):
+                raise InputError(f"-plot_with is '{table.path}', whose column {name} is unknown"
+                                 f"{guess or f': errors of a column are in NAME{ERROR}'}")
+
+
 def check_used(measured, records):
-    """InputError for a table that no figure has shown, with the names that there are, or with a
-    column that seems to be meant for one."""
-    known = sorted({name for record in records for name in record})
-    for table in measured:
-        strange = [name for name in table.columns if _plain(name) not in known]
+    """InputError for a table that no figure has shown, with the names that there are."""
+    for table, strange, known in _strange(measured, records):
         if not table.used:
             told = ", ".join(name + _guess(name, known, 0.4) for name in strange)
             raise InputError(f"-plot_with is '{table.path}': no figure has two of its columns, "
                              f"{', '.join(table.columns)}"
                              + (f"; unknown is {told}" if strange else "")
                              + "; -plot_columns draws any pair of columns")
-        for name in strange:
-            if (guess := _guess(name, known, 0.8)) or name.lower().startswith("err"):
-                raise InputError(f"-plot_with is '{table.path}', whose column {name} is unknown"
-                                 f"{guess or f': errors of a column are in NAME{ERROR}'}")
+
+
+def _strange(measured, records):
+    """Tables, those of their columns that no archive has, and the columns of archives."""
+    known = sorted({name for record in records for name in record})
+    for table in measured:
+        yield table, [name for name in table.columns if _plain(name) not in known], known
 
 
 def _guess(name, known, cutoff):

@@ -35,7 +35,7 @@ from .curves import draw_columns, together
 from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
 from .maps import draw_maps
-from .measured import check_used, read_measured
+from .measured import check_names, check_used, read_measured
 from .profiles import draw_profiles
 from .shape import draw_outlines, draw_shape
 from .spots import draw_spots
@@ -100,6 +100,7 @@ def draw(paths, asked):
                          "of the figures, and their folder by -plot_output")
     for some in [paths] if asked.together else [[path] for path in paths]:
         records += (group := [_read(path) for path in some])
+        check_names(measured, group)
         folder = _folder(group[0].path, asked.output)
         if asked.together:
             alike(group)
@@ -107,7 +108,8 @@ def draw(paths, asked):
         else:
             kinds, stem = _kinds(group[0], asked.chosen, measured), group[0].path.stem
         if columns:
-            kinds["columns"] = partial(draw_columns, group, columns, measured)
+            # first, so that nothing is written where they cannot be drawn
+            kinds = {"columns": partial(draw_columns, group, columns, measured), **kinds}
         yield _drawn(kinds, folder / stem, asked)
     check_used(measured, records)
 
