@@ -26,6 +26,9 @@ LONG = 0.3
 PROBES = 2
 """Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a
 step is asked in between, and how often: a mode that softens so fast may be unstable there."""
+LESS = 0.75
+"""Part of its value below which the softest mode has to come by the end of the step at that rate:
+one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
 SHORT = 0.05
 SOFTER = 0.7
 BACK = 0.5
@@ -83,7 +86,8 @@ def probe(system, leg, history, point):
         if system.progress(point.state, last.state, back) < BACK:
             raise NotConverged(
                 "a mode softened, and the branch where the step ended hardly leads back")
-    for _ in range(PROBES if far > LONG and ahead < SOFT else 0):
+    softens = ahead < min(SOFT, LESS * last.softest)
+    for _ in range(PROBES if far > LONG and softens else 0):
         places = sorted(known)
         pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
                                                                  for place in pair))

@@ -291,6 +291,22 @@ def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
     assert len(system.attempts) <= solves and bool(system.attempts) == bool(solves)
 
 
+@pytest.mark.parametrize("values, solves", [((0.043, 0.04, 0.042), 0), ((0.06, 0.045, 0.03), 2),
+                                            ((0.3, 0.1, 0.09), 2)])
+def test_a_mode_that_is_as_soft_all_along_is_not_looked_at(values, solves):
+    """... as that of a sharp law is: only one that would lose a good part of its value in a step
+    may have lost all of it within."""
+    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1]]),
+                            lambda x, load: np.eye(2), lambda x, load: np.array([-1.0, 0.0])))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    *history, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
+                               position=place, softest=value)
+                       for place, value in zip((0.1, 0.4, 1.0), values)]
+    system.attempts.clear()
+    probe(system, leg, [(found.position, found) for found in history], point)
+    assert len(system.attempts) == solves
+
+
 @pytest.mark.parametrize("softest, back, refused", [(0.02, 0.2, True), (0.3, 0.2, True),
                                                     (0.3, 1.0, False), (0.9, 0.2, False)])
 def test_where_a_mode_has_softened_the_tangent_leads_back_or_the_step_jumped(softest, back,
