@@ -28,6 +28,9 @@ from .states import onto
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
 
+PART = 2 ** 14
+"""Nodes whose energies are found at a time."""
+
 FAR_PANELS = 60
 """Panels of a quadrature over a way of twice the law's range."""
 
@@ -84,10 +87,18 @@ def stored(contact, point):
     if len(gap) > 1:
         acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
         gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
-    potential = contact.law.potential(gap, contact.scene.work_ratio)
+    potential = _potential(contact, gap)
     # whether there is one hangs on the gaps of all nodes
     return float(elastic), np.nan if grid.any(potential is None) else float(
         grid.node_area * grid.sum(potential))
+
+
+def _potential(contact, gap):
+    """Energy of the interface at each of some nodes, phi_n, from their gaps (components, nodes):
+    part by part, which stay in the processor's cache. None where there is none."""
+    parts = [contact.law.potential(part, contact.scene.work_ratio)
+             for part in np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)]
+    return None if any(part is None for part in parts) else np.concatenate(parts)
 
 
 def straight(contact, first, last, panels=1):

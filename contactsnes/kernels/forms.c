@@ -360,36 +360,70 @@ int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out)
 
 /* ---- Newton's step taken in w = a + N(a) / stiffness where it is long (Law.regularised_step) */
 
-static double gap_of_regularised(const Law *law, double target, double stiffness)
+/* One iteration for the gaps of some nodes: whether one of them goes on. */
+CLONES static int nearer(long n, const double *restrict target, double stiffness,
+                         const double *restrict normal, const double *restrict slope, double *restrict low,
+                         double *restrict high, double *restrict now, double *restrict going)
 {
-    double low = target > 0.0 ? target - law->peak / stiffness : target;
-    double high = target > 0.0 ? target : 0.0, normal, slope;
-    double now = target < 0.0 ? -law->repulsion * log1p(-stiffness * target) : target;
-    for (int turn = 0; turn < 60; turn++) {
-        law->normal(1, law->parameters, &now, &normal, &slope);
-        const double excess = now + normal / stiffness - target;
-        if (excess < 0.0) low = now;
-        if (excess > 0.0) high = now;
-        double trial = now - excess / (1.0 + slope / stiffness);
-        if (!(trial >= low && trial <= high)) trial = 0.5 * (low + high);
-        const int done = fabs(trial - now) <= 1e-10 * (1.0 + fabs(trial));
-        now = trial;
-        if (done) break;
+    double left = 0.0;
+    for (long k = 0; k < n; k++) {
+        const double excess = now[k] + normal[k] / stiffness - target[k];
+        low[k] = excess < 0.0 ? now[k] : low[k];
+        high[k] = excess > 0.0 ? now[k] : high[k];
+        double trial = now[k] - excess / (1.0 + slope[k] / stiffness);
+        trial = trial >= low[k] && trial <= high[k] ? trial : 0.5 * (low[k] + high[k]);
+        trial = going[k] > 0.0 ? trial : now[k];
+        going[k] = fabs(trial - now[k]) <= 1e-10 * (1.0 + fabs(trial)) ? 0.0 : going[k];
+        now[k] = trial;
+        left += going[k];
     }
-    return now;
+    return left > 0.0;
+}
+
+/* The gaps with a + N(a) / stiffness = target, by a bracketed Newton iteration; out may be target. */
+void gaps_of_regularised(const Law *law, long nodes, const double *target, double stiffness, double *out)
+{
+    double now[PART], low[PART], high[PART], normal[PART], slope[PART], going[PART];
+    for (long at = 0; at < nodes; at += PART) {
+        const long n = nodes - at < PART ? nodes - at : PART;
+        for (long k = 0; k < n; k++) {
+            const double w = target[at + k];
+            now[k] = w < 0.0 ? -law->repulsion * log1p(-stiffness * w) : w;
+            low[k] = w > 0.0 ? w - law->peak / stiffness : w;
+            high[k] = w > 0.0 ? w : 0.0;
+            going[k] = 1.0;
+        }
+        for (int turn = 0; turn < 60; turn++) {
+            law->normal(n, law->parameters, now, normal, slope);
+            if (!nearer(n, target + at, stiffness, normal, slope, low, high, now, going)) break;
+        }
+        memcpy(out + at, now, n * sizeof *out);
+    }
 }
 
 /* Changes the steps (the update is unknown - step) of nodes that would go further than 0.1. */
 void regularised_step(const Form *f, double stiffness, const double *unknown, double *step, int *changed)
 {
+    double gap[PART], normal[PART], slope[PART], target[PART];
+    long node[PART], count = 0;
     *changed = 0;
-    for (long k = 0; k < f->nodes; k++) {
-        const double root = f->unscale ? f->root * f->unscale[k] : f->root;
-        if (!(fabs(step[k]) * root > 0.1)) continue;
-        double gap = unknown[k] * root + f->initial_gap[k], normal, slope;
-        f->law->normal(1, f->law->parameters, &gap, &normal, &slope);
-        const double target = gap + normal / stiffness - (1.0 + slope / stiffness) * root * step[k];
-        step[k] = -(gap_of_regularised(f->law, target, stiffness) - gap) / root;
+    for (long k = 0; k <= f->nodes; k++) {
+        if (k < f->nodes) {
+            const double root = f->unscale ? f->root * f->unscale[k] : f->root;
+            if (!(fabs(step[k]) * root > 0.1)) continue;
+            gap[count] = unknown[k] * root + f->initial_gap[k];
+            node[count++] = k;
+        }
+        if (count < PART && (k < f->nodes || !count)) continue;
+        f->law->normal(count, f->law->parameters, gap, normal, slope);
+        for (long l = 0; l < count; l++) {
+            const double root = f->unscale ? f->root * f->unscale[node[l]] : f->root;
+            target[l] = gap[l] + normal[l] / stiffness - (1.0 + slope[l] / stiffness) * root * step[node[l]];
+        }
+        gaps_of_regularised(f->law, count, target, stiffness, target);
+        for (long l = 0; l < count; l++)
+            step[node[l]] = -(target[l] - gap[l]) / (f->unscale ? f->root * f->unscale[node[l]] : f->root);
         *changed = 1;
+        count = 0;
     }
 }

@@ -217,6 +217,7 @@ int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
 int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);
 int set_up(Zone *z);
 int precondition(Zone *z, const double *vector, double *out);
+void gaps_of_regularised(const Law *law, long nodes, const double *target, double stiffness, double *out);
 void regularised_step(const Form *f, double stiffness, const double *unknown, double *step,
                       int *changed);
 void works(const Law *law, long components, long nodes, const double *gap, const double *change,

@@ -8,7 +8,7 @@ from .structures import address
 
 def inner_products(rows, vector):
     """As `solvers.krylov.inner_products`."""
-    found, places = np.empty(len(rows)), _places(rows)
+    found, places = np.empty(len(rows) + 1), _places(rows)
     shared().inner_products(len(rows), len(vector), places.ctypes.data, address(vector),
                             address(found))
     return found
@@ -22,8 +22,8 @@ def add_rows(rows, factors, vector):
     rows, factors, vector : as of that
     """
     factors, places = np.ascontiguousarray(factors, dtype=float), _places(rows)
-    shared().add_rows(len(rows), len(vector), places.ctypes.data, address(factors),
-                      address(vector))
+    return shared().add_rows(len(rows), len(vector), places.ctypes.data, address(factors),
+                             address(vector))
 
 
 def _places(rows):

@@ -63,6 +63,13 @@ class LawKernel:
         self(gap, gap, slope)
         return gap[0], slope[0, 0]
 
+    def gap_of_regularised(self, target, stiffness):
+        """As `Law.gap_of_regularised`."""
+        found = np.array(target, dtype=float)
+        shared().gaps_of_regularised(self.reference, found.size, address(found), stiffness,
+                                     address(found))
+        return found
+
     def works(self, gap, change, parts, rule):
         """What each node releases on a straight way, and what linear springs do there, array (2,
         nodes), as `acceptance.released`.
@@ -111,6 +118,8 @@ def with_kernel(law, cache):
     vars(made)["evaluate"] = kernel
     if type(law).normal is Law.normal:
         vars(made)["normal"] = kernel.normal
+        if type(law).gap_of_regularised is Law.gap_of_regularised:
+            vars(made)["gap_of_regularised"] = kernel.gap_of_regularised
     return made
 
 

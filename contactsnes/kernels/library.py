@@ -132,6 +132,7 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "motion_damped": [_pointer, _double, _double, _pointer, _pointer, _pointer],
          "motion_sums": [_pointer, _pointer, _pointer], "motion_squares": [_pointer],
          "arc_linearise": [_pointer, _pointer, _pointer],
+         "gaps_of_regularised": [_pointer, _long, _pointer, _double, _pointer],
          "regularised_step": [_pointer, _double, _pointer, _pointer, _pointer],
          "pseudo_inverse": [_pointer, _long, _double, _pointer],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
@@ -150,5 +151,5 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {"motion_squares": _double, "alternation": _double, "crossings": _long}
+RETURNED = {"motion_squares": _double, "add_rows": _double, "alternation": _double, "crossings": _long}
 """What returns something else."""

@@ -5,6 +5,8 @@ PETSc's own makes twice ten of them at once, in double precision, and keeps them
 that a plane takes.
 """
 
+import math
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -56,16 +58,19 @@ def release(ksp):
 
 
 def inner_products(rows, vector):
-    """Inner products of rows in single precision and a vector, summed in double."""
-    found = np.zeros(len(rows))
+    """Inner products of rows in single precision and a vector, summed in double, and last that of
+    the vector with itself."""
+    found = np.zeros(len(rows) + 1)
     for first in range(0, len(vector), PIECE):
         part = vector[first:first + PIECE]
-        found += [np.dot(row[first:first + PIECE].astype(float), part) for row in rows]
+        found += [*(np.dot(row[first:first + PIECE].astype(float), part) for row in rows),
+                  np.dot(part, part)]
     return found
 
 
 def add_rows(rows, factors, vector):
-    """Add rows in single precision, times factors, to a vector in place.
+    """Add rows in single precision, times factors, to a vector in place; its inner product with
+    itself then.
 
     Parameters
     ----------
@@ -73,10 +78,13 @@ def add_rows(rows, factors, vector):
     factors : numbers, one a row
     vector : array of float
     """
+    square = 0.0
     for first in range(0, len(vector), PIECE):
         part = vector[first:first + PIECE]
         for row, factor in zip(rows, factors):
             part += factor * row[first:first + PIECE].astype(float)
+        square += np.dot(part, part)
+    return square
 
 
 class Basis:
@@ -100,16 +108,15 @@ class Basis:
         self._rows[place][...] = vector
 
     def inner(self, count, vector):
-        """Inner products of the first rows and a vector."""
-        return self._grid.together(self._products.inner_products(self._rows[:count], vector))
-
-    def norm(self, vector):
-        """Length of a vector."""
-        return float(np.sqrt(self._grid.together(np.dot(vector, vector))))
+        """Inner products of the first rows and a vector, and its length."""
+        *found, square = self._grid.together(self._products.inner_products(self._rows[:count],
+                                                                           vector))
+        return np.array(found), math.sqrt(square)
 
     def add(self, factors, vector):
-        """Add the first rows, times factors, to a vector in place."""
-        self._products.add_rows(self._rows[:len(factors)], factors, vector)
+        """Add the first rows, times factors, to a vector in place; its length then."""
+        return math.sqrt(self._grid.together(self._products.add_rows(self._rows[:len(factors)],
+                                                                     factors, vector)))
 
 
 class InDouble:
@@ -118,7 +125,7 @@ class InDouble:
     @staticmethod
     def inner_products(rows, vector):
         """As of the module."""
-        return np.array([np.dot(row, vector) for row in rows])
+        return np.array([np.dot(row, vector) for row in [*rows, vector]])
 
     @staticmethod
     def add_rows(rows, factors, vector):
@@ -130,6 +137,7 @@ class InDouble:
         """
         for row, factor in zip(rows, factors):
             vector += factor * row
+        return np.dot(vector, vector)
 
 
 class InSingle:
@@ -271,15 +279,12 @@ def _orthogonalised(space, count, vector):
     count : int
     vector : array
     """
-    found = space.inner(count, vector)
-    before = space.norm(vector)
-    space.add(-found, vector)
-    left = space.norm(vector)
+    found, before = space.inner(count, vector)
+    left = space.add(-found, vector)
     if left < CANCELLED * before:
-        again = space.inner(count, vector)
-        space.add(-again, vector)
+        again, _ = space.inner(count, vector)
+        left = space.add(-again, vector)
         found += again
-        left = space.norm(vector)
     if not left > LEFT * before:
         return np.append(found, 0.0)
     vector *= 1.0 / left

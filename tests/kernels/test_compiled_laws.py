@@ -65,6 +65,28 @@ def test_laws_of_the_package_are_numpys(name, tmp_path):
     assert repr(made) == repr(law)
 
 
+@pytest.mark.parametrize("name", sorted(LAWS))
+@pytest.mark.parametrize("nodes", [1, 255, 256, 700])
+def test_gaps_of_the_regularised_gap_are_numpys(name, nodes):
+    law = LAWS[name]()
+    made, target = with_kernel(law, None), np.linspace(-40.0, 60.0, nodes)
+    target[::7] = 0.0
+    for stiffness in (law.newton_stiffness, 5.0 * law.newton_stiffness):
+        found = made.gap_of_regularised(target, stiffness)
+        np.testing.assert_allclose(found, law.gap_of_regularised(target, stiffness), rtol=1e-9,
+                                   atol=1e-9)
+        np.testing.assert_allclose(law.regularised(found, stiffness), target, rtol=1e-9, atol=1e-9)
+
+
+@compiler
+def test_a_law_with_its_own_regularised_gap_keeps_it(tmp_path):
+    class Own(Soft):
+        def gap_of_regularised(self, target, stiffness):
+            return target
+
+    assert with_kernel(Own(), tmp_path).gap_of_regularised(3.0, 1.0) == 3.0
+
+
 def test_strided_arrays_are_taken_too():
     law = LAWS["modified"](0.3, 0.2)
     made, gap = with_kernel(law, None), gaps(2)

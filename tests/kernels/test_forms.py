@@ -176,6 +176,25 @@ def test_products_in_single_precision(name, count, part, kind, control, compiled
                                    atol=1e-12 * np.abs(exact[name]).max())
 
 
+@pytest.mark.parametrize("kind, name, count", [("plain", "coupled plane", 3), ("even", "plane", 1),
+                                               ("plain", "line", 2)])
+@pytest.mark.parametrize("scale", [0.0, 0.02, 3.0])
+def test_steps_in_the_regularised_gap_are_numpys(kind, name, count, scale):
+    """Of no node, some, and nearly all, in more parts than one."""
+    form, unknown = form_of(True, name, count, "closed", kind, "displacement")
+    step = scale * np.random.default_rng(7).normal(size=form.size)
+    own, gap = step.copy(), form.gap(unknown)[0].copy()
+    law = form_of(False, name, count, "closed", kind, "displacement")[0].contact.law
+    changed = form.kernel.regularised_step(0.2, unknown, own)
+    expected, root = step.copy(), np.broadcast_to(form.root, gap.shape)
+    normal = expected[:form.nodes]
+    far = np.abs(normal) * root > 0.1
+    if far.any():
+        normal[far] = -law.regularised_step(gap[far], -root[far] * normal[far], 0.2) / root[far]
+    assert changed == far.any()
+    np.testing.assert_allclose(own, expected, rtol=0, atol=1e-9 * max(np.abs(step).max(), 1.0))
+
+
 @pytest.mark.parametrize("name, count, part, kind, control",
                          [case for case in CASES if case[2] != "strip" and case[3] != "half"])
 def test_compiled_arc_length_is_numpys(name, count, part, kind, control):

@@ -146,11 +146,13 @@ def test_rows_in_single_precision(rng, size):
     vector, factors = rng.normal(size=size), rng.normal(size=5)
     wide = np.array(rows, dtype=float)
     for products in [krylov.InSingle] + [compiled] * (len(WAYS) > 1):
-        np.testing.assert_allclose(products.inner_products(rows, vector), wide @ vector,
+        np.testing.assert_allclose(products.inner_products(rows, vector),
+                                   [*(wide @ vector), vector @ vector],
                                    rtol=1e-12, atol=1e-12 * size)
         changed = vector.copy()
-        products.add_rows(rows, factors, changed)
+        square = products.add_rows(rows, factors, changed)
         np.testing.assert_allclose(changed, vector + factors @ wide, rtol=1e-13, atol=1e-13)
+        assert square == pytest.approx(changed @ changed, rel=1e-12)
 
 
 SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
