@@ -151,5 +151,6 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {"motion_squares": _double, "add_rows": _double, "alternation": _double, "crossings": _long}
+RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation"), _double),
+            "crossings": _long}
 """What returns something else."""
