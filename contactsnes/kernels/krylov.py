@@ -7,7 +7,7 @@ from .structures import address
 
 
 def inner_products(rows, vector):
-    """As `solvers.krylov.inner_products`."""
+    """As `solvers.basis.inner_products`."""
     found, places = np.empty(len(rows) + 1), _places(rows)
     shared().inner_products(len(rows), len(vector), places.ctypes.data, address(vector),
                             address(found))
@@ -15,7 +15,7 @@ def inner_products(rows, vector):
 
 
 def add_rows(rows, factors, vector):
-    """As `solvers.krylov.add_rows`.
+    """As `solvers.basis.add_rows`.
 
     Parameters
     ----------

@@ -5,24 +5,17 @@ PETSc's own makes twice ten of them at once, in double precision, and keeps them
 that a plane takes.
 """
 
-import math
-
 import numpy as np
 from petsc4py import PETSc
 
 from ..kernels import krylov as compiled
+from .basis import Basis, InDouble, InSingle, orthogonalised
 from .precision import PATIENCE, SAFE
 from .triangle import Triangle
 
 LARGE = 2 ** 16
 """Unknowns from which that is taken: below, PETSc's own vectors take little memory, and the way
 into Python would take time."""
-
-PIECE = 2 ** 13
-CANCELLED = 1e-3
-"""Part of a vector below which what is left of it is made orthogonal once more."""
-LEFT = 1e-13
-"""The same of a vector that the others span."""
 
 
 def set_defaults(ksp, form, single):
@@ -55,95 +48,6 @@ def release(ksp):
     own = of_ksp(ksp)
     if own:
         own.release()
-
-
-def inner_products(rows, vector):
-    """Inner products of rows in single precision and a vector, summed in double, and last that of
-    the vector with itself."""
-    found = np.zeros(len(rows) + 1)
-    for first in range(0, len(vector), PIECE):
-        part = vector[first:first + PIECE]
-        found += [*(np.dot(row[first:first + PIECE].astype(float), part) for row in rows),
-                  np.dot(part, part)]
-    return found
-
-
-def add_rows(rows, factors, vector):
-    """Add rows in single precision, times factors, to a vector in place; its inner product with
-    itself then.
-
-    Parameters
-    ----------
-    rows : list of arrays of float32
-    factors : numbers, one a row
-    vector : array of float
-    """
-    square = 0.0
-    for first in range(0, len(vector), PIECE):
-        part = vector[first:first + PIECE]
-        for row, factor in zip(rows, factors):
-            part += factor * row[first:first + PIECE].astype(float)
-        square += np.dot(part, part)
-    return square
-
-
-class Basis:
-    """Rows of one precision, made when they are asked for.
-
-    Parameters
-    ----------
-    kind : type of their numbers
-    products : what computes: a module, or class, with ``inner_products`` and ``add_rows``
-    grid : Grid, which sums over processes
-    """
-
-    def __init__(self, kind, products, grid):
-        self._kind, self._products, self._rows = kind, products, []
-        self._grid = grid
-
-    def keep(self, place, vector):
-        """Take a vector as the row of a number, the first that is free at most."""
-        if place == len(self._rows):
-            self._rows.append(np.empty(len(vector), dtype=self._kind))
-        self._rows[place][...] = vector
-
-    def inner(self, count, vector):
-        """Inner products of the first rows and a vector, and its length."""
-        *found, square = self._grid.together(self._products.inner_products(self._rows[:count],
-                                                                           vector))
-        return np.array(found), math.sqrt(square)
-
-    def add(self, factors, vector):
-        """Add the first rows, times factors, to a vector in place; its length then."""
-        return math.sqrt(self._grid.together(self._products.add_rows(self._rows[:len(factors)],
-                                                                     factors, vector)))
-
-
-class InDouble:
-    """The products of rows in double precision."""
-
-    @staticmethod
-    def inner_products(rows, vector):
-        """As of the module."""
-        return np.array([np.dot(row, vector) for row in [*rows, vector]])
-
-    @staticmethod
-    def add_rows(rows, factors, vector):
-        """As of the module.
-
-        Parameters
-        ----------
-        rows, factors, vector : as of that
-        """
-        for row, factor in zip(rows, factors):
-            vector += factor * row
-        return np.dot(vector, vector)
-
-
-class InSingle:
-    """The products of rows in single precision, NumPy's."""
-
-    inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
 
 
 class FlexibleGMRES:
@@ -260,32 +164,10 @@ class FlexibleGMRES:
             pc.apply(vector, work)
             made.keep(place, work.getArray(readonly=True))
             operator.mult(work, vector)
-            column = _orthogonalised(space, place + 1, vector.getArray())
+            column = orthogonalised(space, place + 1, vector.getArray())
             norm = triangle.add(column)
             ksp.setIterationNumber(ksp.getIterationNumber() + 1)
             self._judge(ksp, ksp.getIterationNumber(), norm)
             if column[-1] == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
         made.add(triangle.factors(), x.getArray())
-
-
-def _orthogonalised(space, count, vector):
-    """Make a vector orthogonal to the first rows of a basis, and one long, in place; its products
-    with them, and the norm of what was left: 0 for one that they span.
-
-    Parameters
-    ----------
-    space : Basis
-    count : int
-    vector : array
-    """
-    found, before = space.inner(count, vector)
-    left = space.add(-found, vector)
-    if left < CANCELLED * before:
-        again, _ = space.inner(count, vector)
-        left = space.add(-again, vector)
-        found += again
-    if not left > LEFT * before:
-        return np.append(found, 0.0)
-    vector *= 1.0 / left
-    return np.append(found, left)

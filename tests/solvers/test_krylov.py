@@ -14,7 +14,7 @@ from contactsnes.kernels import krylov as compiled  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
-from contactsnes.solvers import krylov  # noqa: E402
+from contactsnes.solvers import basis, krylov  # noqa: E402
 from contactsnes.solvers.krylov import FlexibleGMRES, of_ksp  # noqa: E402
 from contactsnes.solvers.ritz import ritz_values  # noqa: E402
 
@@ -140,12 +140,12 @@ def test_it_ends_at_the_limit_and_where_nothing_is_left(system):
     assert singular.getConvergedReason() < 0
 
 
-@pytest.mark.parametrize("size", [1, 1023, 1024, 5000, 3 * krylov.PIECE + 17])
+@pytest.mark.parametrize("size", [1, 1023, 1024, 5000, 3 * basis.PIECE + 17])
 def test_rows_in_single_precision(rng, size):
     rows = list(rng.normal(size=(5, size)).astype(np.float32))
     vector, factors = rng.normal(size=size), rng.normal(size=5)
     wide = np.array(rows, dtype=float)
-    for products in [krylov.InSingle] + [compiled] * (len(WAYS) > 1):
+    for products in [basis.InSingle] + [compiled] * (len(WAYS) > 1):
         np.testing.assert_allclose(products.inner_products(rows, vector),
                                    [*(wide @ vector), vector @ vector],
                                    rtol=1e-12, atol=1e-12 * size)
