@@ -16,30 +16,32 @@ PAGE = ROOT / "docs" / "sphere.md"
 FIGURE = ROOT / "scripts" / "sphere.png"
 BEGIN = "<!-- scripts/sphere writes from here -->\n"
 END = "<!-- scripts/sphere: as far as here -->\n"
+BESIDE = {"grid": "finest", "cell": "grid", "steps": "grid"}
+"""What is coarser in a run -> the run that it differs from in that alone."""
 FRICTION = float(reference.peak_tangential_traction(1.0))
 """Strength of the friction over the tangential Maugis parameter, E* u_t,r/beta."""
 
 
 class Runs:
-    """The runs of a kind: (values without the grid) -> {grid: columns}."""
+    """The runs of a kind: values -> {what is coarser: columns}, `finest` among them."""
 
     def __init__(self, found, kind):
         self.of = {}
         for name, columns in found.items():
-            first, *values = name.split("-")
+            first, *values, way = name.split("-")
             if first == kind:
-                *values, points = map(float, values)
-                self.of.setdefault(tuple(values), {})[int(points)] = columns
+                self.of.setdefault(tuple(map(float, values)), {})[way] = columns
 
     def numbers(self, function):
-        """Values -> (number on the finest grid, its difference from the coarse one)."""
-        return {values: _with_error([function(runs[points]) for points in sorted(runs)])
+        """Values -> (number of the finest run, its error)."""
+        return {values: _with_error({way: function(run) for way, run in runs.items()})
                 for values, runs in sorted(self.of.items())}
 
 
 def _with_error(numbers):
-    """The last number, and its largest distance from the others."""
-    return numbers[-1], max([abs(number - numbers[-1]) for number in numbers[:-1]], default=0.0)
+    """The finest number, and the sum of what grid, cell and steps change."""
+    return numbers["finest"], sum(abs(number - numbers[BESIDE[way]])
+                                  for way, number in numbers.items() if way in BESIDE)
 
 
 def told(pair, digits=3):
@@ -121,16 +123,13 @@ def griffith_coefficient(force):
 
 
 def exponent(sheared, maugis):
-    """n of k ~ A_0^-n over the normal forces at a tangential Maugis parameter, fine and coarse."""
-    grids = sorted({points for runs in sheared.of.values() for points in runs})
-    slopes = []
-    for points in grids:
-        runs = [runs[points] for (_, parameter), runs in sorted(sheared.of.items())
-                if parameter == maugis and points in runs]
-        if len(runs) > 1:
-            slopes.append(-np.polyfit(np.log([area_at_rest(run) for run in runs]),
-                                      np.log([coefficient(run) for run in runs]), 1)[0])
-    return _with_error(slopes) if slopes else (np.nan, np.nan)
+    """n of k ~ A_0^-n over the normal forces at a tangential Maugis parameter, with its error."""
+    paths = [runs for (_, parameter), runs in sorted(sheared.of.items()) if parameter == maugis]
+    if len(paths) < 2:
+        return np.nan, np.nan
+    return _with_error({way: -np.polyfit(
+        np.log([area_at_rest(runs[way]) for runs in paths]),
+        np.log([coefficient(runs[way]) for runs in paths]), 1)[0] for way in paths[0]})
 
 
 # Tables
@@ -234,7 +233,7 @@ def _draw_paths(sheared, area, shape, quadratic):
     for (force, maugis), runs in sheared.of.items():
         if maugis not in (1.0, 2.0):
             continue
-        run, line = runs[max(runs)], "-" if maugis == 1.0 else "--"
+        run, line = runs["finest"], "-" if maugis == 1.0 else "--"
         look = {"color": shades[force], "linestyle": line}
         shear, size = run["tangential_force_x"], run["contact_area"]
         area.plot(shear, size, **look)
@@ -251,7 +250,7 @@ def _draw_paths(sheared, area, shape, quadratic):
         part, along, across = np.array(axes).T
         shape.plot(part, along / across, color=shades[force], linestyle=":", linewidth=0.9)
     area.set(xlabel=r"tangential force $T$ ($R\sqrt{\phi_n\phi_t}$)",
-             ylabel=r"contact area $A/\beta^2$", ylim=(0, None))
+             ylabel=r"contact area $A/\beta^2$", ylim=(0, 45))
     shape.set(xlabel="tangential force over its largest", ylabel="half axis along over across",
               ylim=(0.995, 1.1))
     quadratic.set(xlabel="square of that", ylabel="area over that at rest",
@@ -261,7 +260,7 @@ def _draw_paths(sheared, area, shape, quadratic):
     styles = (("-", "$\\lambda_t=1$"), ("--", "$\\lambda_t=2$"), (":", "bonded (LEFM)"))
     handles += [Line2D([], [], color="black", linestyle=line, label=text) for line, text in styles]
     for axes, lines in ((area, handles), (shape, handles), (quadratic, handles[:-1])):
-        axes.legend(handles=lines, ncols=1 if axes is area else 2)
+        axes.legend(handles=lines, ncols=2, loc="upper right" if axes is area else "best")
 
 
 def _draw_pulls(pulled, axes):

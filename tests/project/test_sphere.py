@@ -46,6 +46,26 @@ def test_tables_and_figure_tell_of_all_runs(script, found, tmp_path):
     assert script.page.draw(found, tmp_path / "a.png").stat().st_size > 50000
 
 
+def test_runs_are_kept_and_read_again(script, found, tmp_path, monkeypatch):
+    monkeypatch.setattr(script, "run", lambda task: (task[0], found[task[0]]))
+    todo = dict(list(script.tasks(quick=True).items())[:2])
+    script.measure(todo, tmp_path / "sphere.h5", 1, False)
+    kept = script.read_hdf5(tmp_path / "sphere.h5")[1]
+    assert set(kept) == set(todo)
+    for name, columns in kept.items():
+        assert list(columns["event"]) == list(found[name]["event"])
+        np.testing.assert_array_equal(columns["contact_area"], found[name]["contact_area"])
+
+
+def test_errors_are_summed_over_what_is_coarser(script):
+    """The cell and the steps beside the coarser grid, the grid beside the finest."""
+    runs = {f"sheared-4-1-{way}": {"number": number} for way, number
+            in (("finest", 10.0), ("grid", 10.5), ("cell", 10.3), ("steps", 11.5))}
+    value, error = script.page.Runs(runs, "sheared").numbers(lambda run: run["number"])[4.0, 1.0]
+    assert (value, error) == (10.0, pytest.approx(0.5 + 0.2 + 1.0, rel=1e-12))
+    assert set(script.WAYS) == {"finest", *script.page.BESIDE}
+
+
 def test_coefficients_are_those_of_a_parabola(script):
     force = np.linspace(0, 5, 40)
     run = {"tangential_force_x": force, "contact_area": 20 - 0.3 * force ** 2}
