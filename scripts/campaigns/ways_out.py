@@ -33,6 +33,10 @@ BAD = {"nothing_such", "some", "maybe", "xls", "bmp", "x", "normal_force,none_su
 ALLOWED = {("points", "1"), ("seconds", "1"), ("frames", "3")}
 """Option and value of `BAD` that are good."""
 
+BESIDE = {"maybe"}
+"""Values of a flag that are taken for one more archive, which is named; of the others there is a
+table."""
+
 FIELDS = ("report", "movie", "export")
 """Commands that may refuse an archive without fields, by its name."""
 
@@ -106,7 +110,8 @@ def _judge(verdict, worker, asked, archive, kept, seconds):
         verdict.add("time", command, said)
     elif done.status == 0 and (not good or not made):
         verdict.add("silent", command, f"{said}, {len(made)} files of {options}")
-    elif done.status != 0 and (len(errors) != 1 or made):
+    elif done.status != 0 and (len(errors) != 1
+                               or made and options.get("units") not in BESIDE):
         verdict.add("silent", command, f"{said}, {len(errors)} sentences, {len(made)} files")
     elif done.status != 0 and good and not _may_refuse(command, options, archive, kept, errors[0]):
         verdict.add("silent", command, f"refused: {said}")
@@ -133,7 +138,8 @@ def judge_table(verdict, path, archive, options):
         count = int(file.attrs["points"])
         if options.get("rows", "all") == "all" and len(rows) != count:
             verdict.add("silent", "table", f"{len(rows)} rows of {count} points")
-        for heading in (name for name in rows[0] if name.split(" [")[0] in file["branch"]):
+        for heading in (name for row in rows[:1] for name in row
+                        if name.split(" [")[0] in file["branch"]):
             column = file["branch"][heading.split(" [")[0]]
             if "names" in column.attrs or options.get("rows", "all") not in ("all", "last"):
                 continue

@@ -246,6 +246,8 @@ def test_a_table_that_says_something_else_is_seen(worker, tmp_path):
     text = made.read_text().rstrip("\n")
     for change, outcome in (("", "agreed"), ("e1", "silent")):
         verdict = judge.Verdict()
+        made.write_text("contact_area\n")
+        ways_out.judge_table(verdict, made, archive, {"rows": "event"})  # there are none
         made.write_text(text + change + "\n")
         ways_out.judge_table(verdict, made, archive, {})
         assert verdict.outcome == outcome
