@@ -1,11 +1,12 @@
 """Modes of the projection of an operator on a space that grows, for each symmetry."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
 from ..continuation.bifurcations import NEUTRAL
+from .sectors import Sectors, Together
 
 
 def together(grid, parts):
@@ -69,8 +70,11 @@ class Space:
     """
 
     def __init__(self, operator, axes=()):
-        self.operator, self.axes, self.grid = operator, axes, getattr(operator, "shared", None)
-        self._sectors = [_Sector(operator.size, self.grid) for _ in range(2 ** len(axes))]
+        self.operator, self.grid = operator, getattr(operator, "shared", None)
+        self._by = Sectors(operator, axes) if axes else Together(operator.size)
+        # the edges of contact have one each where no symmetry tells them apart
+        self._certain = 1 if axes else 2
+        self._sectors = [_Sector(self._by.length, self.grid) for _ in range(self._by.count)]
 
     def begin(self, vectors):
         """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
@@ -88,23 +92,20 @@ class Space:
     def product(self, vector):
         """J vector, kept."""
         image = self.operator.apply(vector)
-        for sector, part, its in zip(self._sectors, self._parts(vector), self._parts(image)):
+        for sector, part, its in zip(self._sectors, self._by.parts(vector), self._by.parts(image)):
             sector.append(part, its, lengths(vector, self.grid))
         return image
 
-    def _parts(self, vector):
-        """The vector's even and odd parts for each mirror."""
-        found = [vector]
-        for axis in self.axes:
-            pairs = [(part, self.operator.mirror(part, axis)) for part in found]
-            found = [0.5 * (part + sign * image) for part, image in pairs for sign in (1.0, -1.0)]
-        return found
-
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
-        certain = 1 if self.axes else 2
-        return [projected(sector.basis, sector.images, certain, self.grid)
-                for sector in self._sectors if sector.count]
+        return [self._whole(number, projected(sector.basis, sector.images, self._certain,
+                                              self.grid))
+                for number, sector in enumerate(self._sectors) if sector.count]
+
+    def _whole(self, number, found):
+        """Modes of a symmetry whose vectors are whole."""
+        return replace(found, vectors=self._by.whole(number, found.vectors),
+                       defects=self._by.whole(number, found.defects))
 
 
 class _Sector:
@@ -130,11 +131,15 @@ class _Sector:
     def append(self, vector, image, scale):
         """Append a vector, made orthonormal to the others, and its image; not what is hardly
         new."""
-        # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87).
+        norm, taken = lengths(vector, self._grid), np.zeros(self.count)
+        # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
         for _ in range(2):
-            parts = together(self._grid, self.basis @ vector)
-            vector, image = vector - parts @ self.basis, image - parts @ self.images
-        norm = lengths(vector, self._grid)
+            before, parts = norm, together(self._grid, self.basis @ vector)
+            vector, taken = vector - parts @ self.basis, taken + parts
+            norm = lengths(vector, self._grid)
+            if norm > 0.5 * before:
+                break
+        image = image - taken @ self.images
         if norm > 1e-6 * scale:
             if self.count == self._rows.shape[1]:
                 self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
