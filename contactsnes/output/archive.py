@@ -281,5 +281,5 @@ class Archive:
         # what it is made of, besides what stays: written anew, it is the same
         kept = self._first, runs, self._warnings, self._layout.arrays
         if self._frame is None or self._frame[0] != kept:
-            self._frame = kept, checksums.frame(file)
+            self._frame = kept, checksums.frame(checksums.parts(file))
         file.attrs["frame"] = self._frame[1]

@@ -2,6 +2,7 @@
 and of their fields."""
 
 import zlib
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,25 +10,45 @@ CHANGING = ("points", "complete", "frame")
 """Root attributes that points change, or that hold the checksum itself."""
 
 
-def frame(file):
-    """CRC-32 of what no point changes in an open archive: attributes, coordinates, names and units
-    of columns."""
-    found = zlib.crc32(_attributes(file, CHANGING))
+class Part(NamedTuple):
+    """A group or dataset of an open archive: its name from the root, itself, its attributes."""
+
+    name: str
+    item: object
+    attributes: dict
+
+
+def parts(file):
+    """The groups of an open archive and what lies in them, each opened and read once: a list of
+    `Part`, the root first."""
+    found = [Part("", file, dict(file.attrs))]
     for group in ("scene", "runs", "branch", "fields"):
-        for name, item in [("", file[group]),
-                           *sorted(file[group].items())] if group in file else []:
-            fixed = group == "runs" or name in ("x", "y", "initial_gap")
-            for part in (f"{group}/{name}".encode(), _attributes(item, ("point",)),
-                         _content(item[()]) if name and fixed else b""):
-                found = zlib.crc32(part, found)
-            for block in item.get("compliance", {}).values() if name == "active" else ():
-                found = zlib.crc32(_content(block[()]), found)
+        if group in file:
+            within = file[group]
+            found += [Part(name, item, dict(item.attrs)) for name, item in
+                      [(f"{group}/", within),
+                       *((f"{group}/{name}", within[name]) for name in sorted(within))]]
     return found
 
 
-def _attributes(item, without=()):
+def frame(parts):
+    """CRC-32 of what no point changes in an open archive, given as its `parts`: attributes,
+    coordinates, names and units of columns."""
+    found = zlib.crc32(_attributes(parts[0].attributes, CHANGING))
+    for name, item, attributes in parts[1:]:
+        group, _, within = name.partition("/")
+        fixed = group == "runs" or within in ("x", "y", "initial_gap")
+        for part in (name.encode(), _attributes(attributes, ("point",)),
+                     _content(item[()]) if within and fixed else b""):
+            found = zlib.crc32(part, found)
+        for block in item.get("compliance", {}).values() if within == "active" else ():
+            found = zlib.crc32(_content(block[()]), found)
+    return found
+
+
+def _attributes(attributes, without=()):
     """Attributes of a group or dataset as bytes."""
-    return repr([(name, np.asarray(item.attrs[name]).tolist()) for name in sorted(item.attrs)
+    return repr([(name, np.asarray(attributes[name]).tolist()) for name in sorted(attributes)
                  if name not in without]).encode()
 
 

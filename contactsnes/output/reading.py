@@ -21,6 +21,8 @@ class Record(Mapping):
     Parameters
     ----------
     file : h5py.File, the open archive
+    tried : bool, whether what is read from it later is tried in another process first, as it should
+        be of an archive of unknown origin
 
     Attributes
     ----------
@@ -40,33 +42,38 @@ class Record(Mapping):
     on_active : bool, whether they are stored on the nodes where the law acts only
     """
 
-    def __init__(self, file):
-        attributes = file.attrs
+    def __init__(self, file, tried=True):
+        self._tried = tried
+        parts = {part.name: part for part in checksums.parts(file)}
+        attributes = parts[""].attributes
         self.path, self.points = Path(file.filename), int(attributes["points"])
         self.complete = bool(attributes["complete"])
-        self.scene, self.options = dict(file["scene"].attrs), attributes["options"]
+        self.scene, self.options = parts["scene/"].attributes, attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
         self.runs, self.warnings = resuming.runs(file), attributes.get("warnings", "").splitlines()
-        branch, fields = file["branch"], file.get("fields", {})
-        named = [*branch.items(), *fields.items(), *fields.get("active", {}).items()]
-        self.units = {name: item.attrs["unit"] for name, item in named if "unit" in item.attrs}
-        self.names = {name: tuple(branch[name].attrs["names"]) for name in branch
-                      if "names" in branch[name].attrs}
-        self._columns = {name: branch[name][: self.points] for name in branch}
+        branch, fields = (_within(parts, group) for group in ("branch", "fields"))
+        self.units = {name: part.attributes["unit"] for name, part in [*branch.items(),
+                      *fields.items()] if "unit" in part.attributes}
+        self.on_active, self._rebuilt = "active" in fields, None
+        if self.on_active:
+            self.units |= {name: item.attrs["unit"] for name, item in
+                           fields["active"].item.items() if "unit" in item.attrs}
+        self.names = {name: tuple(part.attributes["names"]) for name, part in branch.items()
+                      if "names" in part.attributes}
+        self._columns = {name: part.item[: self.points] for name, part in branch.items()}
         self._waiting = stored.waiting(file)
-        self.coordinates = tuple(fields[name][:] for name in "xy" if name in fields)
-        self.initial_gap = fields["initial_gap"][...] if "initial_gap" in fields else None
+        self.coordinates = tuple(fields[name].item[:] for name in "xy" if name in fields)
+        self.initial_gap = fields["initial_gap"].item[...] if "initial_gap" in fields else None
         self.field_points = stored.field_points(file)
-        self.on_active, self._rebuilt = stored.has_active(file), None
-        self._check(file)
+        self._check(file, list(parts.values()))
         self._add(attributes["fields"])
         for name, names in self.names.items():
             self._columns[name] = np.array(names)[self._columns[name]]
 
-    def _check(self, file):
+    def _check(self, file, parts):
         """Raise if frame or rows are not those that were written; archives of older programs cannot
         tell."""
-        if "checksums" in file and (file.attrs["frame"] != checksums.frame(file)
+        if "checksums" in file and (parts[0].attributes["frame"] != checksums.frame(parts)
                                     or not np.array_equal(file["checksums"][: self.points, 0],
                                                           checksums.rows(self._columns))):
             raise ArchiveError(
@@ -118,10 +125,16 @@ class Record(Mapping):
         """Point (from 0) -> what is kept for going on from it, a mapping: of the last points, up to
         four."""
         held = self.points - len(self._waiting)
-        found = safely(self.path, lambda file: {
-            number - 1: stored.unpack(state)
-            for number, state in stored.states(file, held).items()})
+        found = self._taken(lambda file: {number - 1: stored.unpack(state) for number, state
+                                          in stored.states(file, held).items()})
         return found | {held + place: point.state for place, point in enumerate(self._waiting)}
+
+    def _taken(self, take):
+        """What a function takes from the file."""
+        if self._tried:
+            return safely(self.path, take)
+        with open_archive(self.path) as file:
+            return take(file)
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
@@ -130,13 +143,13 @@ class Record(Mapping):
             held = self.points - len(self._waiting)
             if held <= point < self.points and point in self.field_points:
                 return self._waiting[point - held].fields[name]
-            return safely(self.path, lambda file: stored.field(file, name, point))
+            return self._taken(lambda file: stored.field(file, name, point))
         return self._cell(name, self.active(point))
 
     def _cell(self, name, kept):
         """The cell's 'displacement' or 'traction' from what is kept of a point on active nodes."""
         if self._rebuilt is None:
-            self._rebuilt = safely(self.path, Rebuilt)
+            self._rebuilt = self._taken(Rebuilt)
         return self._rebuilt(name, kept)
 
     def active(self, point):
@@ -147,7 +160,7 @@ class Record(Mapping):
         held = self.points - len(self._waiting)
         if held <= point < self.points and point in self.field_points:
             return self._waiting[point - held].fields
-        return safely(self.path, lambda file: stored.on_active(file, point))
+        return self._taken(lambda file: stored.on_active(file, point))
 
     def each(self, points, names=("displacement", "traction")):
         """Iterate over points: of each the fields of these names, a list, as of `field`; many cost
@@ -171,7 +184,7 @@ class Record(Mapping):
             for point in in_file:
                 kept(file, point)
 
-        if in_file:
+        if in_file and self._tried:
             checked(self.path, take)
         for point in points:
             if point not in in_file:
@@ -181,6 +194,12 @@ class Record(Mapping):
                 on_active, whole = kept(file, point)
             yield [whole[name] if name in whole else self._cell(name, on_active)
                    for name in names]
+
+
+def _within(parts, group):
+    """Parts of an archive in one of its groups, by their names there."""
+    return {name.partition("/")[2]: part for name, part in parts.items()
+            if name.startswith(f"{group}/") and name != f"{group}/"}
 
 
 def read(path):

@@ -15,13 +15,11 @@ MOST = 300
 
 
 def drawn_distance(figure, finer):
-    """(largest distance of a curve or marker of one figure from the same one of the other, in
-    points; its width in points).
+    """(largest distance of a curve or marker of one figure, which is laid out, from the same one of
+    the other, in points; its width in points).
 
     ValueError where the figures do not have the same curves.
     """
-    for one in (figure, finer):
-        one.draw_without_rendering()
     worst = (0.0, 1.0)
     for first, second in zip(_all_axes(figure), _all_axes(finer), strict=True):
         lines = [[line for line in axes.lines if line.get_transform() == axes.transData]
@@ -70,14 +68,21 @@ def distance(points, curve):
     return float(max(nearest))
 
 
-def movement(draw, results, finer):
+def movement(figure, draw, finer):
     """What the table says of a figure: how far it moves, and that over the width of what moves.
-    ``draw`` : function of results."""
-    drawn = [evaluated(draw, one) for one in (results, finer)]
-    missing = next((why for figure, why in drawn if figure is None), None)
-    if missing:
+
+    Parameters
+    ----------
+    figure : matplotlib Figure as it was saved, or a sentence on what it lacks
+    draw : function of results that made it
+    finer : results of the runs on finer grids
+    """
+    if isinstance(figure, str):
+        return f"not known: {figure}", ""
+    again, missing = evaluated(draw, finer)
+    if missing is not None:
         return f"not known: {missing}", ""
-    moved, width = drawn_distance(*(figure for figure, _ in drawn))
+    moved, width = drawn_distance(figure, again)
     return f"{moved:.1g} points", f"{moved / width:.1g} of its width"
 
 

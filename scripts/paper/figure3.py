@@ -17,24 +17,23 @@ THRESHOLDS = (0.0, 1.0, np.e, 5.0, 8.0, 10.0)
 NEEDED = (pressed(10),)
 
 
-def widths(record, threshold):
-    """(forces, contact widths) of a run for a threshold in delta_n."""
-    found = [width_below(one.x, one.gap, threshold)
+def widths(record):
+    """(forces, threshold in delta_n -> contact widths) of a run."""
+    found = [[width_below(one.x, one.gap, threshold) for threshold in THRESHOLDS]
              for one in profiles(record, record.field_points)]
-    return record["normal_force"][record.field_points], np.array(found)
+    return record["normal_force"][record.field_points], dict(zip(THRESHOLDS, np.transpose(found)))
 
 
 def draw(results):
     """The figure."""
     figure, ((left, right),) = panels(1, 2, height=2.9)
-    record = results["pressed-n10"]
+    forces, found = widths(results["pressed-n10"])
+    stable = (forces > 0.985 * reference.jkr_line_pull_off(PERIOD)[1]) & (
+        np.arange(forces.size) <= np.argmin(forces))
+    exact = [2 * reference.jkr_line_half_width(force, PERIOD) for force in forces[stable]]
     for threshold, colour in zip(THRESHOLDS, shades(len(THRESHOLDS))):
-        forces, found = widths(record, threshold)
-        stable = (forces > 0.985 * reference.jkr_line_pull_off(PERIOD)[1]) & (
-            np.arange(forces.size) <= np.argmin(forces))
-        exact = [2 * reference.jkr_line_half_width(force, PERIOD) for force in forces[stable]]
         name = "e" if threshold == np.e else f"{threshold:g}\\,"
-        left.plot(forces[stable], 100 * (found[stable] / exact - 1), color=colour,
+        left.plot(forces[stable], 100 * (found[threshold][stable] / exact - 1), color=colour,
                   label=f"${name}\\delta_n$" if threshold else "$0$")
     left.axhline(0, color="k", linestyle="--", linewidth=0.8, label="JKR")
     left.set(xlabel=r"$w_n/w_{n,r}$", ylabel=r"$a_r/a_{JKR} - 1$, %", ylim=(-32, 20))

@@ -7,6 +7,8 @@ JKR's isolated contact, wider than that with neighbours by less than the line. T
 an edge of the contact.
 """
 
+import functools
+
 import numpy as np
 from observed import profile
 from runs import NORMAL, PERIOD, pressed
@@ -19,6 +21,7 @@ COLOURS = dict(zip(NORMAL, ("C0", "C1", "C2")))
 NEEDED = tuple(pressed(maugis) for maugis in NORMAL)
 
 
+@functools.cache
 def maugis_curve(maugis):
     """(normal forces, contact widths 2c) of Maugis and Dugdale's line contact in the cell, from
     pull-off on."""

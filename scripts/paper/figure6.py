@@ -14,6 +14,8 @@ friction acts then is Hertz's and the range of the law); dashed: the slip zone, 
 stiff interfaces.
 """
 
+import functools
+
 import numpy as np
 from observed import onset, peel, power_law, profiles, sheared_part, width_below
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, mapped, sheared
@@ -35,6 +37,7 @@ NEEDED = tuple(sheared("full", maugis, force, fields="all" if maugis in STUCK an
 """The runs with tau_inf = tau_max; the others are those of the map of regimes."""
 
 
+@functools.cache
 def mixed_mode_curve(force, parameter):
     """(tangential forces, contact widths) of bonded contacts at a normal force up to their
     strength."""
@@ -43,6 +46,7 @@ def mixed_mode_curve(force, parameter):
     return forces, 2 * reference.mixed_mode_line_half_width(force, forces, parameter, period=PERIOD)
 
 
+@functools.cache
 def uniform_slip_curve(force, maugis):
     """(tangential forces, contact widths) of a contact that slips as a whole, up to the peak of the
     law."""

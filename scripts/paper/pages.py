@@ -1,11 +1,14 @@
 """The pages that show figures and statements: scripts/paper/README.md, and the gallery in docs."""
 
+from functools import partial
+
 import cell
 import cost
 import early
 import numpy as np
 import onsets
 import poisson
+import prose
 import regimes
 import remnant
 import rough
@@ -16,7 +19,7 @@ import statements_residual  # noqa: F401
 import statements_theory  # noqa: F401
 from errors import figure_table
 from runs import ROOT, Finer
-from statement import evaluated, table
+from statement import ALL, evaluated, in_order, row
 
 from contactsnes.output.tables import markdown, write_between
 
@@ -98,10 +101,9 @@ def symbols(text):
     return text
 
 
-def statement_table(results, finer):
+def statement_table(found):
     """Lines of the table of statements."""
-    rows = [[str(number), *map(symbols, row)] for number, row in enumerate(table(results, finer),
-                                                                           start=1)]
+    rows = [[str(number), *map(symbols, one)] for number, one in enumerate(found, start=1)]
     return markdown(["", "where", "the paper says", "measured as", "found", "verdict"], rows)
 
 
@@ -140,13 +142,14 @@ def convergence(results, runs):
                                    f"{', '.join(ends)}." if ends else "")]
 
 
-def beyond_figures(results):
-    """Lines of the figures beyond the paper's: image, and what it shows."""
+def beyond_figures(told):
+    """Lines of the figures beyond the paper's: image, and what it shows, of ``told``, name ->
+    (text, None) or (None, what is missing)."""
     lines = []
     for name, module in BEYOND.items():
-        told, missing = evaluated(module.says, results)
+        text, missing = told[name]
         lines += [f"### {module.CAPTION}", "", f"![{module.CAPTION}]({name}.png)", "",
-                  symbols(told or f"Not told: {missing}."), ""]
+                  symbols(text or f"Not told: {missing}."), ""]
     return lines
 
 
@@ -155,25 +158,36 @@ def fixed(runs):
     return {run.name for run in [*runs, *runs_beyond()] if not run.finer}
 
 
-def write(results, runs, movements):
-    """Write both pages; ``runs`` are those of the paper's figures, ``movements`` how far these move
-    on finer grids (`errors.movement`)."""
+def pieces(results, runs):
+    """Name -> function without arguments of what the pages tell, each by itself; ``runs`` are those
+    of the paper's figures."""
     finer = Finer(results, fixed(runs))
+    everything = {run.name: run for run in [*runs, *runs_beyond()]}.values()
+    return {**{name: partial(evaluated, module.says, results) for name, module in BEYOND.items()},
+            "onsets": partial(evaluated, regimes.onset_tables, results),
+            **{number: partial(row, one, results, finer) for number, one in enumerate(in_order())},
+            "wrong": partial(prose.wrong, results),
+            "convergence": partial(convergence, results, everything),
+            "cost": partial(cost.report, results, runs)}
+
+
+def write(told, movements):
+    """Write both pages; ``told`` are the values of `pieces`, ``movements`` how far the paper's
+    figures move on finer grids (`errors.movement`)."""
     images = [f"![{caption}]({name}.png)\n\n{caption}. {symbols(BESIDE[name])}"
               for name, caption in CAPTIONS.items() if (HERE / f"{name}.png").is_file()]
-    everything = {run.name: run for run in [*runs, *runs_beyond()]}.values()
     (HERE / "README.md").write_text("\n".join([
         "# The paper, figure by figure", "", UNITS, "", "## Statements", "", ERROR_BARS, "",
-        *statement_table(results, finer), "", "## Convergence, errors and cost", "",
-        *convergence(results, everything), "", MOVEMENTS, "", *figure_table(movements), "",
-        *cost.report(results, runs), "", "## Figures", "", "\n\n".join(images), "",
-        "## Beyond the figures", "", *beyond_figures(results)]), encoding="utf-8")
+        *statement_table([told[number] for number in range(len(ALL))]), "",
+        "## Convergence, errors and cost", "", *told["convergence"], "", MOVEMENTS, "",
+        *figure_table(movements), "", *told["cost"], "", "## Figures", "",
+        "\n\n".join(images), "", "## Beyond the figures", "", *beyond_figures(told)]),
+        encoding="utf-8")
     shown = ("figure4", "figure5", "figure6", "figure7")
     gallery = [f'<img src="../scripts/paper/{name}.png" width="48%" alt="{CAPTIONS[name]}">'
                for name in shown]
     gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">'
                 for name, module in BEYOND.items()]
-    write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *cost.report(results, runs), ""]))
-    onsets_told, missing = evaluated(regimes.onset_tables, results)
-    write_between(PAGE, *MARKS, "\n".join([*(onsets_told if missing is None
-                                             else [f"Not told: {missing}."]), ""]))
+    write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *told["cost"], ""]))
+    lines, missing = told["onsets"]
+    write_between(PAGE, *MARKS, "\n".join([*(lines or [f"Not told: {missing}."]), ""]))

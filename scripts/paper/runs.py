@@ -9,10 +9,12 @@ w_n,r and w_t,r, as everywhere.
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from forked import called
 from starter import Starter
 
 from contactsnes import Scene, reference
@@ -44,6 +46,8 @@ DRIVE = reference.drive_stiffness(PERIOD, 2000.0)
 """Stiffness of the drive, force over displacement of the top."""
 USED = " s of processor time"
 """End of the line of a log that tells what a command took."""
+SHARES = 16
+"""Parts in which archives are read."""
 FINER = "-x2"
 """End of the names of runs on twice the points."""
 
@@ -312,6 +316,17 @@ class Results:
             self._read[name] = record
         return self._read[name]
 
+    def read_all(self, names, workers):
+        """Read the archives of runs that are not read yet, in several processes."""
+        names = [name for name in names if name not in self._read]
+        shares = [names[begin::SHARES] for begin in range(SHARES)]
+
+        def share(names):
+            return {name: self[name] for name in names if name in self}
+
+        for found in called([partial(share, names) for names in shares], workers):
+            self._read |= found
+
     def _record(self, name):
         """The archive of a run; of one that was made here to its end, without the trial in another
         process that an archive of unknown origin gets."""
@@ -321,7 +336,7 @@ class Results:
                 .startswith("exit status")):
             return read(path)
         with open_archive(path) as file:
-            return Record(file)
+            return Record(file, tried=False)
 
     def __contains__(self, name):
         try:

@@ -70,26 +70,28 @@ def statement(place, text, measure):
     """Decorator: a function of results that gives (list of Number or of (heading, list of Number),
     verdict) is one of the statements."""
     def wrap(function):
-        def row(results, finer=None):
+        def stated(results, finer=None):
             found, verdict = function(results)
             again = None if finer is None else evaluated(function, finer)[0]
             return Statement(place, text, measure, told(found, again and again[0]), verdict)
-        row.__name__, row.__doc__ = function.__name__, function.__doc__
-        row.__module__ = function.__module__
-        row.numbers = lambda results: listed(function(results)[0])
-        ALL.append(row)
-        return row
+        stated.__name__, stated.__doc__ = function.__name__, function.__doc__
+        stated.__module__ = function.__module__
+        stated.numbers = lambda results: listed(function(results)[0])
+        ALL.append(stated)
+        return stated
     return wrap
 
 
-def table(results, finer=None):
-    """All statements; one whose runs are missing, or did not come far enough, says so."""
-    rows = []
-    for one in sorted(ALL, key=lambda one: ORDER.index(one.__module__)):
-        row, error = evaluated(one, results, finer)
-        rows.append(row or Statement("", one.__name__.replace("_", " "), "",
-                                     f"a run is missing or too short: {error}", "open"))
-    return rows
+def in_order():
+    """The statements in the order of the table."""
+    return sorted(ALL, key=lambda one: ORDER.index(one.__module__))
+
+
+def row(one, results, finer=None):
+    """The row of a statement; one whose runs are missing, or did not come far enough, says so."""
+    found, error = evaluated(one, results, finer)
+    return found or Statement("", one.__name__.replace("_", " "), "",
+                              f"a run is missing or too short: {error}", "open")
 
 
 def listed(found):

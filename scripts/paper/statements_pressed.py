@@ -62,13 +62,11 @@ def reversible_work(results):
            "threshold over JKR's width in the cell, minus 1, mean "
            "over 0 < W < 25, lambda_n = 10")
 def thresholds(results):
-    found = []
-    for threshold in figure3.THRESHOLDS:
-        forces, widths = figure3.widths(results["pressed-n10"], threshold)
-        inside = (forces > 0) & (forces <= 25.001)
-        exact = np.array([2 * reference.jkr_line_half_width(force, PERIOD)
-                          for force in forces[inside]])
-        found.append(Number(f"{threshold:.3g} delta_n", np.mean(widths[inside] / exact - 1), "%"))
+    forces, widths = figure3.widths(results["pressed-n10"])
+    inside = (forces > 0) & (forces <= 25.001)
+    exact = np.array([2 * reference.jkr_line_half_width(force, PERIOD) for force in forces[inside]])
+    found = [Number(f"{threshold:.3g} delta_n", np.mean(width[inside] / exact - 1), "%")
+             for threshold, width in widths.items()]
     values = np.array([number.value for number in found])
     growth = np.diff(values) / np.diff(figure3.THRESHOLDS)
     at = figure3.THRESHOLDS.index(np.e)

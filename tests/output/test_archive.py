@@ -17,7 +17,7 @@ from contactsnes.output import archive as writing
 from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column, Layout
-from contactsnes.output.reading import read
+from contactsnes.output.reading import Record, read
 
 COLUMNS = {
     "leg": Column("", "i8"),
@@ -692,11 +692,29 @@ def test_a_disk_that_takes_no_more_of_the_journal_loses_no_point(tmp_path, monke
     assert check(archive.path, "all").points == 5
 
 
+@pytest.mark.parametrize("fields", ["all", "last"])
+def test_what_is_not_tried_before_is_read_without_another_process(tmp_path, monkeypatch, fields):
+    path = tmp_path / "run.h5"
+    append(Archive.create(path, **fields_content(fields)), 3)
+    tried = read(path)
+    expected = list(tried.each(tried.field_points))
+    monkeypatch.setattr(files, "failure", None)
+    with files.open_archive(path) as file:
+        record = Record(file, tried=False)
+    found = list(record.each(record.field_points))
+    assert len(found) == len(expected) > 0
+    for one, other in zip(found, expected):
+        np.testing.assert_array_equal(one, other)
+    last = record.field_points[-1]
+    np.testing.assert_array_equal(record.field("traction", last), expected[-1][1])
+    assert record.states().keys() == {0, 1, 2}
+
+
 def test_an_archive_without_a_key_is_resumed(tmp_path):
     append(Archive.create(tmp_path / "run.h5", **content()), 3)
     with h5py.File(tmp_path / "run.h5", "r+") as file:
         del file.attrs["journal"]
-        file.attrs["frame"] = writing.checksums.frame(file)
+        file.attrs["frame"] = writing.checksums.frame(writing.checksums.parts(file))
     archive = Archive.resume(tmp_path / "run.h5", **content())
     append(archive, 3)
     assert check(tmp_path / "run.h5").points == 6

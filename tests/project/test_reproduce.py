@@ -139,6 +139,34 @@ def test_catalogue_is_of_valid_scenes_and_loads():
             assert run == found[run.name]
 
 
+def test_functions_are_called_in_processes_that_hold_what_this_one_does():
+    import os
+
+    from forked import called
+
+    held = object()  # which no process could be sent
+    found = list(called([lambda number=number: (number, os.getpid(), id(held))
+                         for number in range(6)], 2))
+    assert [number for number, _, _ in found] == list(range(6))
+    assert {there for _, _, there in found} == {id(held)}
+    assert os.getpid() not in {process for _, process, _ in found}
+
+
+def test_archives_read_in_several_processes_are_read_once_and_the_same(results, monkeypatch):
+    import runs
+
+    names = ["half-t1-w0.8", "full-t1-w0.8", "missing"]
+    again = runs.Results(results.folder)
+    again.read_all(names, 2)
+    monkeypatch.setattr(runs, "open_archive", None)
+    for name in names[:2]:
+        assert list(again[name]) == list(results[name])
+        for column in again[name]:
+            np.testing.assert_array_equal(again[name][column], results[name][column])
+    assert "missing" not in again
+    again.read_all(names, 2)
+
+
 def test_power_law_finds_its_exponent():
     from observed import power_law
 
@@ -213,7 +241,8 @@ def test_a_figure_whose_run_is_missing_or_too_short_says_which(results, monkeypa
     _, why = statement.evaluated(lambda results: figure7.onset(results["half-t1-w0.8"]).force,
                                  results)
     assert why == "the run half-t1-w0.8 is too short: contactsnes: SNES DIVERGED_DTOL"
-    told, _ = errors.movement(figure7.draw, results, runs.Finer(results))
+    assert errors.movement(why, figure7.draw, runs.Finer(results))[0] == f"not known: {why}"
+    told, _ = errors.movement(figure7, figure7.draw, runs.Finer(results))
     assert told.startswith("not known: the run mcgarry-t0.1-w") and told.endswith("is missing")
     with pytest.raises(TypeError, match="int"):
         statement.evaluated(lambda results: len(3), results)
@@ -226,13 +255,13 @@ def test_statements_without_runs_are_open_or_analytic(modules, tmp_path):
     import statements_more
 
     empty = runs.Results(tmp_path / "empty")
-    rows = statement.table(empty, runs.Finer(empty))
+    rows = [statement.row(one, empty, runs.Finer(empty)) for one in statement.in_order()]
     assert len(rows) == len(statement.ALL) > 20
     closed = [row for row in rows if row.verdict != "open"]
     words = [row for row in closed if "confirmed" not in row.verdict]
     assert len(closed) == 6 and len(words) == 2
     assert words == [statements_more.misprints(empty), statements_more.experiments(empty)]
-    assert len(pages.statement_table(empty, runs.Finer(empty))) == len(rows) + 2
+    assert len(pages.statement_table(rows)) == len(rows) + 2
 
 
 def test_runs_on_twice_the_points_tell_the_errors_of_the_grid(results):
@@ -294,6 +323,7 @@ def test_movement_of_a_drawing_is_measured_in_points():
         return figure
 
     figure = drawing(0.0)
+    figure.draw_without_rendering()
     moved, width = drawn_distance(figure, drawing(0.01))
     height = figure.axes[0].get_window_extent().height * 72 / figure.dpi
     assert 0.3 * 0.01 * height < moved <= 1.001 * 0.01 * height and width == 1.2

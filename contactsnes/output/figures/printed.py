@@ -16,8 +16,10 @@ PRINTED = {**STYLE, "font.size": POINTS, "axes.labelsize": POINTS, "axes.titlesi
            "legend.fontsize": POINTS, "legend.title_fontsize": POINTS, "xtick.labelsize": POINTS,
            "ytick.labelsize": POINTS, "figure.titlesize": POINTS, "savefig.dpi": DOTS,
            "legend.handlelength": 1.4, "legend.handletextpad": 0.5, "legend.columnspacing": 0.9,
-           "legend.labelspacing": 0.3, "legend.borderpad": 0.2, "legend.borderaxespad": 0.4}
-"""The package's style at the printed width; a figure is made and saved with it."""
+           "legend.labelspacing": 0.3, "legend.borderpad": 0.2, "legend.borderaxespad": 0.4,
+           "axes.formatter.use_mathtext": False}
+"""The package's style at the printed width; a figure is made and saved with it. Plain numbers at
+ticks are not formulas: these take most of the time of drawing."""
 
 
 def panels(rows, columns, width=PAGE, height=None):
@@ -48,9 +50,11 @@ def save(figure, path, copies=None):
     copies : another folder, for copies of both files, or None
     """
     with matplotlib.rc_context(PRINTED):
-        # Laid out once; both files are of the same size.
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        # Laid out once, for the PNG; both files are of the same size.
+        figure.set_dpi(DOTS)
+        if figure.get_layout_engine() is not None:
+            figure.get_layout_engine().execute(figure)
+        figure.set_layout_engine(None)
         # The same figure is the same file: no date in it.
         for kind, how in ((".pdf", {"metadata": {"CreationDate": None}}), (".png", {"dpi": DOTS})):
             file = Path(path).parent / (Path(path).name.removesuffix(".png") + kind)
