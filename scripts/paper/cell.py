@@ -16,7 +16,7 @@ from observed import onset, sheared_part
 from runs import PERIOD, Run, half_width
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
-from style import AREA, FORCE, GREY, branch, panels, shades
+from style import AREA, FORCE, GREY, JUMP, branch, event_keys, key, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.elasticity import layer_compliance
@@ -146,6 +146,7 @@ def draw_cells(axes, results):
     axes.set(xlabel=FORCE, ylabel=AREA,
              title=f"(a)  $w_n/w_{{n,r}} = {FORCE_HELD}$, $\\lambda_t = 1$", xlim=(0, None),
              ylim=(8.6, None))
+    event_keys(axes)
     axes.legend(ncols=3, loc="lower left")
 
 
@@ -159,6 +160,7 @@ def draw_path(axes, results):
                label=f"H = {height:g}")
     axes.set(xlabel=r"$\bar u_t/u_{t,r}$", ylabel=FORCE, title=f"(d)  $\\lambda_t = {COMPLIANT:g}$",
              xlim=(0, min(60.0, mean.max())), ylim=(0, None))
+    key(axes, *JUMP[:2], **JUMP[2])
     axes.legend(loc="upper right")
 
 
@@ -184,6 +186,8 @@ def draw(results):
                 title="(b)  $H = 2000$")
     heights.set(xlabel=r"height $H/\beta$", ylabel="distance from $H = 2000$",
                 title="(c)  $L = 100$", ylim=(1e-8, 3))
+    periods.set_xticks(PERIODS, [f"{period:g}" for period in PERIODS])
+    periods.set_xticks([], minor=True)
     periods.legend()
     heights.legend()
     return figure

@@ -35,11 +35,11 @@ def draw(results):
     axes[0, 0].set_ylabel(r"$p_{int,n}\,\delta_n/\phi_n$")
     axes[1, 0].set_ylabel(r"$p_{int,t}\,\delta_t/\phi_t$")
     for line in axes:
-        line[-1].legend()
         low = np.min([one.get_ylim() for one in line])
         high = np.max([one.get_ylim() for one in line])
         for one in line:
+            one.legend(loc="lower right")
             one.set_ylim(low, high)
             one.axhline(0, color="0.7", linewidth=0.4, zorder=0)
-    lettered(axes.flat, [LAW_NAMES[name] for name in NAMED])
+    lettered(axes.flat, 2 * [LAW_NAMES[name] for name in NAMED])
     return figure

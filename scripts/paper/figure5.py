@@ -8,9 +8,10 @@ thin lines in (a, b) have the other residual friction.
 """
 
 import numpy as np
+from matplotlib.lines import Line2D
 from observed import onset, profile, sheared_part
 from runs import LOADS, TANGENTIAL, sheared
-from style import AREA, FORCE, GREY, SYMBOLS, branch, lettered, panels, shades
+from style import AREA, FORCE, GREY, SYMBOLS, below, branch, lettered, panels, shades
 
 from contactsnes.interface.laws.coupled import TANGENTIAL_PEAK
 
@@ -56,8 +57,7 @@ def draw_slip(axes, results, law):
         record = results[f"{law}-t{maugis:g}-w25"]
         part = sheared_part(record)
         axes.plot(record["tangential_displacement"][part],
-                  record["mean_tangential_displacement"][part] * maugis, color=COLOURS[maugis],
-                  label=f"$\\lambda_t = {maugis:g}$")
+                  record["mean_tangential_displacement"][part] * maugis, color=COLOURS[maugis])
         begun = onset(record)
         axes.plot(begun.displacement, record["mean_tangential_displacement"][begun.point] * maugis,
                   "*", color=COLOURS[maugis], markeredgecolor="k", markeredgewidth=0.4)
@@ -94,9 +94,6 @@ def draw_areas(axes, results, law, other, whole):
         first = results[f"{law}-t1-w{force:g}"]
         high = first["contact_area"][sheared_part(first)][0]
         part.set(ylim=(low - 0.15 * (high - low), high + 0.15 * (high - low)), **limits(whole))
-        part.plot([], [], color=GREY, linestyle=LINES[force], marker=MARKERS[force],
-                  label=f"$w_n/w_{{n,r}} = {force:g}$")
-        part.legend(loc="upper right")
     for maugis in TANGENTIAL:
         record = results[f"{law}-t{maugis:g}-w25"]
         points = marked(record)
@@ -118,7 +115,7 @@ def draw(results, law="half", whole=False):
     """The figure for one of the two residual frictions, up to `SHOWN` or over the whole range of
     displacements."""
     other, residual = ("full", 0.5) if law == "half" else ("half", 1.0)
-    figure, axes = panels(2, 3, height=5.6)
+    figure, axes = panels(2, 3, height=6.0)
     (area, force, slip), profiles = axes
     top = draw_areas(area, results, law, other, whole)
     for which, thin in ((other, True), (law, False)):
@@ -129,12 +126,26 @@ def draw(results, law="half", whole=False):
     slip.set(ylabel=r"$\langle u_t^s\rangle/\delta_t$", yscale="log", ylim=(1e-2, 3e3))
     for one in (force, slip):
         one.set(xlabel=SYMBOLS["drive"], **limits(whole))
-    slip.legend(loc="lower right")
-    for law_, look in ((law, dict(linewidth=1.2)), (other, dict(linewidth=0.6, alpha=0.6))):
-        force.plot([], [], color=GREY, label=f"$\\rho = {1 if law_ == 'full' else 0.5:g}$", **look)
-    force.legend(loc="upper left")
     for one, maugis in zip(profiles, TANGENTIAL[::-1]):
         draw_profiles(one, results[f"{law}-t{maugis:g}-w25"], maugis, residual)
     lettered((top, force, slip, *profiles), ("", "", "", *(f"$\\lambda_t = {maugis:g}$"
                                                          for maugis in TANGENTIAL[::-1])))
+    below(figure, keys(residual), 0.1, 4)
     return figure
+
+
+def keys(residual):
+    """What lines and symbols are, those of the other residual friction thin."""
+    return [*(Line2D([], [], color=colour, label=f"$\\lambda_t = {maugis:g}$")
+              for maugis, colour in COLOURS.items()),
+            Line2D([], [], color=GREY, marker="|", linestyle="none", markersize=7,
+                   label="profiles of (d-f)"),
+            *(Line2D([], [], color=GREY, linestyle=LINES[force], marker=MARKERS[force],
+                     markersize=6, markeredgecolor="k", markeredgewidth=0.4,
+                     label=f"$w_n/w_{{n,r}} = {force:g}$, onset") for force in LOADS[::-1]),
+            Line2D([], [], color=GREY, linewidth=1.2, label=f"$\\rho = {residual:g}$"),
+            Line2D([], [], color=GREY, linewidth=0.6, alpha=0.6,
+                   label=f"$\\rho = {1.5 - residual:g}$"),
+            Line2D([], [], color="k", linestyle=":", linewidth=0.7, label="jump"),
+            Line2D([], [], color="purple", linestyle=":", linewidth=0.9,
+                   label=r"$\tau_{\max}$, $\tau_\infty$")]

@@ -17,9 +17,10 @@ stiff interfaces.
 import functools
 
 import numpy as np
+from matplotlib.lines import Line2D
 from observed import onset, peel, power_law, profiles, sheared_part, width_below
 from runs import LOADS, MORE_TANGENTIAL, PERIOD, mapped, sheared
-from style import AREA, FORCE, GREY, lettered, panels, shades
+from style import AREA, FORCE, GREY, below, lettered, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
@@ -78,7 +79,7 @@ def draw_area(axes, results, residual, force):
     for maugis, colour in COLOURS.items():
         record = results[mapped(residual, maugis, force).name]
         forces, areas = peel(record)
-        axes.plot(forces, areas, color=colour, label=f"{maugis:g}")
+        axes.plot(forces, areas, color=colour)
         begun = onset(record)
         if begun and begun.force > end:
             beyond.append((maugis, begun, colour))
@@ -94,10 +95,10 @@ def draw_area(axes, results, residual, force):
     axes.plot(*uniform_slip_curve(force, 0.1), "-.", color="C3", linewidth=0.9)
     hertz = 2 * reference.hertz_line_half_width(force, PERIOD)
     axes.axhline(hertz, color="k", linewidth=0.4)
-    # Room for the legend below, and for onsets beyond the axis where no curve ends.
-    low, high = hertz - 0.55 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)
+    low, high = hertz - 0.06 * (areas[0] - hertz), areas[0] + 0.06 * (areas[0] - hertz)
     for place, (_, begun, colour) in enumerate(beyond):
-        level = low + ((0.68 if force > 1 else 0.4) + 0.08 * place) * (high - low)
+        # onsets beyond the axis where no curve ends
+        level = low + ((0.6 if force > 1 else 0.12) + 0.09 * place) * (high - low)
         axes.plot(end, level, ">", color=colour, markersize=5, markeredgecolor="k",
                   markeredgewidth=0.4, clip_on=False, zorder=5)
         axes.annotate(f"{begun.force:.3g}", (end, level), xytext=(-5, 0), ha="right", va="center",
@@ -112,17 +113,14 @@ def draw_loss(axes, results, force):
         axes.plot(forces[1:], np.maximum(areas[0] - areas[1:], 1e-9), color=colour)
     for parameter, dashes in MODE_PARAMETERS.items():
         forces, widths = mixed_mode_curve(force, parameter)
-        axes.plot(forces[1:], widths[0] - widths[1:], color="k", linewidth=0.7, dashes=dashes,
-                  label=f"$m = {parameter:g}$")
+        axes.plot(forces[1:], widths[0] - widths[1:], color="k", linewidth=0.7, dashes=dashes)
     forces, widths = uniform_slip_curve(force, 0.1)
-    axes.plot(forces[1:], widths[0] - widths[1:], "-.", color="C3", linewidth=0.9,
-              label="uniform slip, 0.1")
+    axes.plot(forces[1:], widths[0] - widths[1:], "-.", color="C3", linewidth=0.9)
     along = np.array([0.25, 0.6])
     axes.plot(along, 1.5 * along ** 2, color=GREY, linewidth=0.7)
     axes.text(0.31, 0.3, "2", color=GREY)
     axes.set(xscale="log", yscale="log", xlabel=FORCE, ylabel=r"$(a_r(0) - a_r)/\beta$",
              xlim=(0.2, 30), ylim=(0.005, 3))
-    axes.legend(loc="lower right", title="theory")
 
 
 def draw_stick(axes, results, force):
@@ -135,12 +133,11 @@ def draw_stick(axes, results, force):
         load, peak = record["normal_force"][-1], reference.peak_tangential_traction(maugis)
         slid = reference.sliding_force(load, peak, record.scene["normal_maugis"], PERIOD)
         axes.plot(record["tangential_force"][points] / slid, stick_widths(record, points),
-                  color=COLOURS[maugis], label=f"$\\lambda_t = {maugis:g}$")
+                  color=COLOURS[maugis])
     axes.plot(*slip_zone_curve(load, record.scene["normal_maugis"]), "--", color="C3",
-              linewidth=0.9, label="slip zone")
+              linewidth=0.9)
     axes.set(xlabel=r"$w_t/(\tau_{\max} a_\infty)$", ylabel=r"$a_{stick}/\beta$", xlim=(0, 1.1),
              ylim=(0, 13.5))
-    axes.legend(loc="lower left")
 
 
 def draw(results):
@@ -155,15 +152,21 @@ def draw(results):
     draw_loss(axes[2, 0], results, LOADS[1])
     draw_stick(axes[2, 1], results, LOADS[1])
     lettered(axes.flat, (*titles, titles[0], titles[0]))
-    for one in axes[:2, 0]:
-        one.legend(title=r"$\lambda_t$", ncols=3, loc="lower left")
-    for one in axes[:2, 1]:
-        for look, label in ((dict(color=GREY, linestyle=":", linewidth=1.0), "power law"),
-                            (dict(color="k", dashes=(6, 2), linewidth=0.7), "Griffith, $m = 1$"),
-                            (dict(color="k", dashes=(1, 2), linewidth=0.7), "mixed mode, 0.3"),
-                            (dict(color="C3", linestyle="-.", linewidth=0.9), "uniform slip, 0.1"),
-                            (dict(color="k", linewidth=0.4), "Hertz")):
-            one.plot([], [], label=label, **look)
-        handles, labels = one.get_legend_handles_labels()
-        one.legend(handles[-5:], labels[-5:], loc="lower left", ncols=2)
+    below(figure, keys(), 0.08, 5)
     return figure
+
+
+def keys():
+    """What curves and symbols are."""
+    look = {"linestyle": "none", "color": "w", "markeredgecolor": "k", "markeredgewidth": 0.6}
+    return [*(Line2D([], [], color=colour, label=f"$\\lambda_t = {maugis:g}$")
+              for maugis, colour in COLOURS.items()),
+            Line2D([], [], marker="o", markersize=4, label="onset", **look),
+            Line2D([], [], marker=">", markersize=5, label="onset, force beyond", **look),
+            Line2D([], [], color=GREY, linestyle=":", linewidth=1.0, label="power law"),
+            *(Line2D([], [], color="k", dashes=dashes, linewidth=0.7, label=label)
+              for dashes, label in zip(MODE_PARAMETERS.values(), ("Griffith, $m = 1$",
+                                                                  "mixed mode, 0.3"))),
+            Line2D([], [], color="C3", linestyle="-.", linewidth=0.9, label="uniform slip, 0.1"),
+            Line2D([], [], color="C3", linestyle="--", linewidth=0.9, label="slip zone"),
+            Line2D([], [], color="k", linewidth=0.4, label="Hertz")]

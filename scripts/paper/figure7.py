@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from observed import onset, peel
 from runs import LAWS, MORE_LOADS, TANGENTIAL, sheared
-from style import AREA, FORCE, lettered, panels, shades
+from style import AREA, FORCE, below, lettered, panels, shades
 
 from contactsnes import reference
 
@@ -105,8 +105,7 @@ def draw(results):
         one.set_xlabel(FORCE)
     lettered(axes.flat, [f"{name}, $\\lambda_t = {maugis:g}$" for maugis in TANGENTIAL
                          for name in ("eq. 3", r"eq. 5, $\rho = 1$", r"eq. 5, $\rho = 1/2$")])
-    figure.legend(handles=keys(), loc="lower center", ncols=4)
-    figure.get_layout_engine().set(rect=(0, 0.09, 1, 0.91))
+    below(figure, keys(), 0.09, 4)
     return figure
 
 

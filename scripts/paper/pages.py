@@ -37,10 +37,9 @@ ERROR_BARS = (
     "is largest; numbers without one are exact, and ± ? stands where it is not known: there "
     "is no run on a finer grid, or none that differs. ρ = τ<sub>∞</sub>/τ<sub>max</sub>.")
 MOVEMENTS = (
-    "Errors of the grid: the runs of these figures are made again on twice the points, but "
-    "for those of eq. 3 at λ<sub>t</sub> = 10, whose rims take too fine grids, and for those "
-    "of residual frictions beside τ<sub>max</sub> and half of it, whose onsets have their own "
-    "errors in the map below; each figure is drawn from these, too, and both drawings are "
+    "Errors of the grid: the runs of these figures are made again on twice the points, but for "
+    "those of residual frictions beside τ<sub>max</sub> and half of it, whose onsets have their "
+    "own errors in the map below; each figure is drawn from these, too, and both drawings are "
     "compared.")
 CAPTIONS = {
     "figure2": "Figure 2: the traction-separation laws",
@@ -107,39 +106,48 @@ def statement_table(found):
     return markdown(["", "where", "the paper says", "measured as", "found", "verdict"], rows)
 
 
+BESIDE_FOLD = 1e-6
+"""Part of a fold's displacement, within which a point shares the fold's neutral mode."""
+
+
+def kinds(record):
+    """What certificates say of each point: stable, fold, unstable, beside a fold, whose neutral
+    mode it has, or unknown."""
+    moved, folds = record["tangential_displacement"], record["event"] == "fold"
+    beside = np.any(np.abs(moved[:, None] - moved[folds]) <= BESIDE_FOLD * np.abs(moved[folds]),
+                    axis=1)
+    return np.select([folds, record["stable"] == 1, record["unstable_modes"] > 0, beside],
+                     ["fold", "stable", "unstable", "beside"], "unknown")
+
+
 def convergence(results, runs):
     """Lines on the convergence and stability of all points."""
-    residual = 0.0
-    count = {"stable": 0, "fold": 0, "unstable": 0, "unknown": 0}
-    ends = []
-    astray = []
-    traced = 0
+    residual, traced, ends, astray = 0.0, 0, [], []
+    count = dict.fromkeys(("stable", "fold", "unstable", "beside", "unknown"), 0)
     for run in runs:
         if run.name not in results or run.options.get("continuation_stability", "off") == "off":
             continue
         record = results[run.name]
-        residual = max(residual, record["residual_norm"].max())
-        kinds = np.select([record["event"] == "fold", record["stable"] == 1,
-                           record["unstable_modes"] > 0], ["fold", "stable", "unstable"], "unknown")
+        residual, found = max(residual, record["residual_norm"].max()), kinds(record)
         for name in count:
-            count[name] += int(np.sum(kinds == name))
+            count[name] += int(np.sum(found == name))
         if run.options.get("continuation_at_fold") == "trace":
-            traced += int(np.sum(kinds == "unstable"))
+            traced += int(np.sum(found == "unstable"))
         else:
-            places = record["tangential_displacement"][kinds == "unstable"]
+            places = record["tangential_displacement"][found == "unstable"]
             astray += [f"{places.size} of {run.name} between {places.min():.6g} "
                        f"and {places.max():.6g}"] if places.size else []
         if not record.complete:
-            ends.append(run.name)
+            ends.append(f"{run.name} ({results.reason(run.name)})")
     astray += [f"{traced} between folds of branches that are traced"] * (traced > 0)
     return [f"Of {sum(count.values())} points, all with a residual norm of "
             f"at most {residual:.0e} ranges of the law, {count['stable']} "
-            f"are certified stable, {count['fold']} are folds, "
-            f"{count['unstable']} have an unstable mode" + (f" ({'; '.join(astray)})"
-                                                                     if astray else "")
-            + f", and {count['unknown']} have a mode that is neutral or "
-            "was not found." + (" Runs that ended before their end: "
-                                   f"{', '.join(ends)}." if ends else "")]
+            f"are certified stable, {count['fold']} are folds, {count['beside']} lie within "
+            f"{BESIDE_FOLD:.0e} of a fold's displacement and share its neutral mode (as where "
+            f"gross sliding begins at the fold itself), {count['unstable']} have an unstable mode"
+            + (f" ({'; '.join(astray)})" if astray else "")
+            + f", and {count['unknown']} have a mode that is neutral or was not found."
+            + (f" Runs that ended before their end: {'; '.join(ends)}." if ends else "")]
 
 
 def beyond_figures(told):

@@ -13,7 +13,7 @@ import numpy as np
 from beyond import finer, held, refined, strength, unsheared
 from observed import onset, profile, sheared_part, stuck
 from runs import PERIOD, half_width
-from style import AREA, FORCE, JUMP, ONSET, branch, key, panels, shades
+from style import AREA, FORCE, branch, event_keys, key, panels, shades
 
 from contactsnes import reference
 
@@ -113,8 +113,7 @@ def draw(results):
     relative.set(xlabel=r"$(1-2\nu)/(2(1-\nu))$", ylabel="change from $\\nu = 1/2$, %", title="(e)")
     relative.set_ylim(1.6 * relative.get_ylim()[0], None)
     for one, least in ((high, 10.4), (low, 1.7), (works, 1.4)):
-        for label, look, more in (ONSET, JUMP):
-            key(one, label, look, **more)
+        event_keys(one)
         one.set_ylim(least, None)
     pressed.set_ylim(-3.9, None)
     for one in (high, low, pressed, half, relative, works):

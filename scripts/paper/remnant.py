@@ -10,10 +10,11 @@ areas are measured (full).
 
 import numpy as np
 from beyond import finer, held, refined, sliding, strength, unsheared
+from matplotlib.lines import Line2D
 from observed import onset, sheared_part
 from runs import PERIOD
 from scipy.optimize import brentq
-from style import AREA, FORCE, branch, panels, shades
+from style import AREA, FORCE, below, branch, lettered, panels, shades
 
 from contactsnes import reference
 
@@ -72,21 +73,17 @@ def least_share(force):
 def draw(results):
     """The figure."""
     figure, axes = panels(2, 2, height=5.4)
-    for one, force, letter in zip(axes.flat, FORCES, "abc"):
+    for one, force in zip(axes.flat, FORCES):
         for share, colour in zip(SHARES, shades(len(SHARES))):
             record = results[run(share, force).name]
             branch(one, record, "tangential_force", "contact_area", sheared_part(record),
-                   color=colour, label=f"{share:g}")
+                   color=colour)
             begun = onset(record)
             if begun:
                 one.plot(begun.force, begun.area, "x" if comes_off(record) else "*", color=colour,
                          markersize=7, markeredgecolor=colour if comes_off(record) else "k",
                          markeredgewidth=1.5 if comes_off(record) else 0.3)
-        one.set(xlabel=FORCE, ylabel=AREA, title=f"({letter})  $w_n/w_{{n,r}} = {force:g}$",
-                xlim=(0, None))
-    for one, least in zip(axes.flat[:3], (11.5, 2.3, 2.1)):
-        one.set_ylim(least, None)
-        one.legend(title="remnant adhesion $r$", loc="lower left", ncols=2)
+        one.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None))
     last, shares = axes[1, 1], np.linspace(0, 1, 101)
     for number, force in enumerate(FORCES):
         records = [results[run(share, force).name] for share in SHARES]
@@ -101,9 +98,22 @@ def draw(results):
                   color=f"C{number}", linewidth=0.7)
     last.plot([], [], "k--", linewidth=0.9, label=r"JKR, $r\,\phi_n$")
     last.plot([], [], "k-", linewidth=0.7, label=r"JKR, gap $< e\,\delta_n$")
-    last.set(xlabel="remnant adhesion $r$", ylabel=AREA + ", sliding", ylim=(0, None), title="(d)")
+    last.plot([], [], "ks", markerfacecolor="w", label="before shear")
+    last.set(xlabel="remnant adhesion $r$", ylabel=AREA + ", sliding", ylim=(0, None))
     last.legend(loc="center", bbox_to_anchor=(0.55, 0.63), ncols=2)
+    lettered(axes.flat, [f"$w_n/w_{{n,r}} = {force:g}$" for force in FORCES])
+    below(figure, keys(), 0.09, 4)
     return figure
+
+
+def keys():
+    """What curves and symbols of (a-c) are."""
+    return [*(Line2D([], [], color=colour, label=f"$r = {share:g}$")
+              for share, colour in zip(SHARES, shades(len(SHARES)))),
+            Line2D([], [], color="k", marker="*", markerfacecolor="w", linestyle="none",
+                   label="onset of sliding"),
+            Line2D([], [], color="k", marker="x", linestyle="none", label="comes off"),
+            Line2D([], [], color="k", linestyle=":", linewidth=0.7, label="jump")]
 
 
 def fates(results):

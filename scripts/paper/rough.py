@@ -15,7 +15,7 @@ from beyond import HEIGHT, finer, refined
 from matplotlib.lines import Line2D
 from observed import onset, profile, sheared_part
 from runs import Run
-from style import AREA, FORCE, GREY, JUMP, ONSET, branch, key, lettered, panels, shades
+from style import AREA, FORCE, GREY, JUMP, branch, event_keys, key, lettered, panels, shades
 
 from contactsnes import reference
 from contactsnes.interface.laws.coupled import SLIP
@@ -173,8 +173,7 @@ def draw_shear(axes, results):
                                  label=f"{slope:g}") for slope, colour in zip(SLOPES, COLOURS)],
                  title="slope", loc="upper right")
     key(area, "other seeds", linewidth=0.6)
-    for label, look, more in (ONSET, JUMP):
-        key(area, label, look, **more)
+    event_keys(area)
     area.legend(handles=[*slopes, *area.get_legend_handles_labels()[0]], title="slope", ncols=2,
                 loc="lower left")
     area.set(xlabel=FORCE, ylabel=AREA, xlim=(0, None), ylim=(3.6, None))

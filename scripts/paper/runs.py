@@ -144,8 +144,7 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
     approach = reference.jkr_line_approach(half_width(max(force, 0.8)), PERIOD)
     return Run(
         name,
-        # Rims that sink under eq. 3 take finer grids than can be doubled at a reasonable cost.
-        finer="points" not in given and (maugis < 10 or law != "mcgarry"),
+        finer="points" not in given,
         options={
             **{f"scene_{key}": value for key, value in scene.items()},
             "scene_points": size,
@@ -351,15 +350,20 @@ class Results:
     def lacking(self):
         """A sentence on the run that was asked for last: that it is missing, or how it ended before
         what is looked for."""
-        name, log = self.asked, self.path(self.asked).with_suffix(".log")
-        said = [line for line in log.read_text(encoding="utf-8").splitlines()
-                if line.strip()] if log.is_file() else []
+        name = self.asked
+        said = [line for line in self._log(name).splitlines() if line.strip()]
         if name not in self:
             return f"the run {name} is missing" + (f" ({said[-1]})" if said else "")
         ended = "" if self[name].complete else " and ended early"
-        reason = next((line for line in reversed(said) if line.startswith("contactsnes:")
-                       or "error" in line.lower()), "")
+        reason = self.reason(name)
         return f"the run {name} is too short{ended}" + (f": {reason}" if reason else "")
+
+    def reason(self, name):
+        """What a run said last of an error, in words; empty where it said nothing."""
+        said = reversed(self._log(name).splitlines())
+        found = next((line for line in said if line.startswith("contactsnes:")
+                      or "error" in line.lower()), "")
+        return found.removeprefix("contactsnes: ").removeprefix("error: ").partition("; ")[0]
 
     def done(self, run):
         """Whether a run has been made, with these options, to whatever end."""
@@ -410,10 +414,10 @@ class Results:
     def used(self, runs):
         """Seconds of processor time that runs have taken, by their logs."""
         return sum(float(line.removesuffix(USED)) for run in runs
-                   for line in self._log(run).splitlines() if line.endswith(USED))
+                   for line in self._log(run.name).splitlines() if line.endswith(USED))
 
-    def _log(self, run):
-        log = self.path(run.name).with_suffix(".log")
+    def _log(self, name):
+        log = self.path(name).with_suffix(".log")
         return log.read_text(encoding="utf-8") if log.is_file() else ""
 
     def finer(self, run):

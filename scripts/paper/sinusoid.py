@@ -12,7 +12,7 @@ import numpy as np
 from beyond import HEIGHT, finer, held, refined, strength, unsheared
 from observed import onset, profile, sheared_part
 from runs import PERIOD, Run
-from style import AREA, FORCE, GREY, branch, panels, shades
+from style import AREA, FORCE, GREY, JUMP, branch, event_keys, key, panels, shades
 
 from contactsnes import reference
 
@@ -119,6 +119,7 @@ def draw_pressing(axes, results):
     axes.plot(reference.jkr_line_load(half_widths, PERIOD), 2 * half_widths, ":", color=GREY,
               label="cylinder, JKR")
     axes.plot([], [], "--", color=GREY, linewidth=0.8, label="Johnson")
+    key(axes, *JUMP[:2], **JUMP[2])
     axes.set(xlabel=r"$w_n/w_{n,r}$", ylabel=AREA, xlim=(-6, 1.05 * HIGHEST[1.0]),
              ylim=(0, 1.04 * WAVE))
     axes.legend(loc="lower right")
@@ -151,6 +152,9 @@ def draw_shear(axes, results):
         traction.axhline(level, linestyle=":", color="purple", linewidth=0.9)
     area.plot([], [], "--", color=GREY, linewidth=0.7, marker="s", markersize=4,
               markerfacecolor="w", label="cylinder")
+    event_keys(area)
+    key(traction, r"$\tau_{\max}$, $\tau_\infty$", ":", color="purple", linewidth=0.9)
+    traction.set_xticks([-10, -5, 0, 5, 10])
     area.legend(title=r"$w_n/w_{n,r}$", loc="center right", bbox_to_anchor=(1.0, 0.42))
     traction.legend(title=r"$w_n/w_{n,r}$", loc="upper right", ncols=2)
 

@@ -49,6 +49,18 @@ JUMP = ("jump", "k:", {"linewidth": 0.7})
 """Entries of stars at onsets and of the dotted lines of `branch`."""
 
 
+def event_keys(axes):
+    """Entries of a legend for onsets and jumps."""
+    for label, look, more in (ONSET, JUMP):
+        key(axes, label, look, **more)
+
+
+def below(figure, handles, share, columns):
+    """A legend below all panels of a figure, in a share of its height."""
+    figure.legend(handles=handles, loc="lower center", ncols=columns)
+    figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))
+
+
 def shades(count, name="viridis"):
     """Colours of a family of curves, dark to light."""
     return matplotlib.colormaps[name](np.linspace(0.0, 0.9, count))

@@ -240,7 +240,7 @@ def test_a_figure_whose_run_is_missing_or_too_short_says_which(results, monkeypa
     monkeypatch.setattr(figure7, "onset", lambda record: None)
     _, why = statement.evaluated(lambda results: figure7.onset(results["half-t1-w0.8"]).force,
                                  results)
-    assert why == "the run half-t1-w0.8 is too short: contactsnes: SNES DIVERGED_DTOL"
+    assert why == "the run half-t1-w0.8 is too short: SNES DIVERGED_DTOL"
     assert errors.movement(why, figure7.draw, runs.Finer(results))[0] == f"not known: {why}"
     told, _ = errors.movement(figure7, figure7.draw, runs.Finer(results))
     assert told.startswith("not known: the run mcgarry-t0.1-w") and told.endswith("is missing")
