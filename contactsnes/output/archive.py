@@ -39,6 +39,11 @@ SECONDS = 1.0
 point in the file."""
 
 
+def _completed(file):
+    """Mark a file as complete."""
+    file.attrs.modify("complete", True)
+
+
 class Archive:
     """Archive of a branch that is being computed, made by `create` or `resume`.
 
@@ -172,10 +177,10 @@ class Archive:
                 or time.monotonic() - self._settled > SECONDS):
             self.settle()
 
-    def settle(self):
-        """Write the points that wait in the journal to the file."""
+    def settle(self, then=lambda file: None):
+        """Write the points that wait in the journal to the file, and what ``then`` does to it."""
         if self._waiting:
-            self._store.put(self._waiting)
+            self._store.put(self._waiting, then)
             self._settled = time.monotonic()
             self._waiting = []
             self._journal.remove()
@@ -184,11 +189,13 @@ class Archive:
         """Mark the archive as complete: the path was followed to its regular end."""
         if self.complete:
             return
-        self.settle()
         small = self._layout.fields == "all" and (self._layout.precision == "single"
                                                   or self._layout.active is not None)
-        (self._store.pack if small else self._store.commit)(
-            lambda file: file.attrs.modify("complete", True), self._store.held)
+        if self._waiting and not small:
+            self.settle(_completed)
+        else:
+            self.settle()
+            (self._store.pack if small else self._store.commit)(_completed, self._store.held)
         self.complete = True
 
     def remove(self):

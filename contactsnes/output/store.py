@@ -17,6 +17,10 @@ from . import stored
 from .files import SAFE, ArchiveError, WriteError, open_archive, opened
 from .layout import CHUNKS
 
+ROOMY = 1 << 16
+"""Bytes of a state up to which there is room for one four times as large: those of a line grow with
+its contact, and a file written anew takes longer than all of a step."""
+
 
 def unwritten(path, error):
     """The error to raise where a disk does not take what is written for an archive."""
@@ -47,14 +51,18 @@ class Store:
         self._slot = 0  # bytes of a state that it has room for
         self._frame = frame
 
-    def put(self, points):
-        """Write points, a list of `stored.Kept`."""
+    def put(self, points, then=lambda file: None):
+        """Write points, a list of `stored.Kept`, and what ``then`` does to the file."""
         first = self.held + 1
         states = stored.packed(first, points)
         if self.layout.active is not None:
             self.layout.active.expect(points)
-        self.commit(lambda file: self.layout.put(file, first, points, states),
-                    self.held + len(points), max(state.size for state in states.values()))
+
+        def write(file):
+            self.layout.put(file, first, points, states)
+            then(file)
+
+        self.commit(write, self.held + len(points), max(state.size for state in states.values()))
         self.held += len(points)
 
     def pack(self, write, points):
@@ -128,7 +136,8 @@ class Store:
                         self._check_alone(old)
                     states = stored.states(old, self.held) if old else {}
                     slot = max([slot, *(state.size for state in states.values())])
-                    slot = slot if self.layout.packed else slot * 3 // 2
+                    if not self.layout.packed:
+                        slot = max(slot * 3 // 2, min(slot * 4, ROOMY))
                     chunk = max(1, -(-2 * points // CHUNKS))
                     self._frame(new, slot, chunk)
                     if old:
