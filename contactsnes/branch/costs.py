@@ -131,9 +131,9 @@ def _part(scene, load, part=window_part, *more):
 
 
 def _points(scene, load, steps):
-    """Points of the start and of each leg, about."""
-    legs = scene.legs(load) if load.path else ()
-    found, values = [1], dict(scene.initial(load))
+    """Points of the start and of each leg, about; loads and steps as they are typed."""
+    legs = load.legs(scene.dimension) if load.path else ()
+    found, values = [1], dict(load.initial(scene.dimension, scene.isolated))
     for number, leg in enumerate(legs, start=1):
         component, control = next(iter(leg.controls.items()))
         before = values.get(component)

@@ -143,3 +143,9 @@ def test_points_follow_from_the_steps():
     load = Load(path="normal_force=hold; normal_force=5; normal_force=15")
     steps = Steps(largest_step=0.5)
     assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 1 + 25 + 25
+    si = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3, young_modulus=1e6,
+                     work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
+                     adhesive_strength=2e4, shear_strength=3e4)
+    typed = Load(path="normal_force=1e-3; normal_force=2e-3; tangential_displacement_x=1e-5")
+    steps = Steps(largest_step=(1e-4, 5.1e-5, 5.1e-7))
+    assert costs.cost(si, typed, (64, 64), steps=steps).points == 1 + 25 + 25 + 25

@@ -27,6 +27,8 @@ from .words import label, number, word, word_and_symbol
 
 DOTS = 150
 """Dots per inch."""
+SI = ("m", "N", "N/m")
+"""Units of what stands above a picture, which may have a prefix."""
 RATES = (2, 30)
 """Fewest and most pictures a second."""
 
@@ -171,10 +173,15 @@ def _title(record, point):
     names = [name for name in ("normal_force", "tangential_force", "tangential_force_x",
                                "normal_displacement") if name in record]
     told = [f"${word_and_symbol(name)[1]}$ = {number(float(record[name][point]), 4)}"
-            for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
+            + _unit(record.units[name]) for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
     event = record["event"][point]
     return f"point {point}:  " + ",  ".join(told[:3]) + (
         f"  ({word(event)})" if event != "none" else "")
+
+
+def _unit(unit):
+    """A unit of SI behind a number; others stand at the axes."""
+    return f" {unit}" if unit in SI or unit[1:] in SI else ""
 
 
 def _line(record, points, width):
