@@ -3,6 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
+from contourpy import contour_generator
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -99,7 +101,7 @@ def draw_row(figure, line, record, row, gaps):
     """
     for axes, value, gap in zip(line, row.values, gaps):
         image = draw_map(axes, record, value, row.colormap, row.norm)
-        draw_edge(axes, record, gap)
+        draw_edge(axes, edge(record, gap))
     bar = figure.colorbar(image, ax=list(line), label=label(row.text, row.symbol, row.unit, "\n"),
                           aspect=14, extend="max" if row.text == "gap" else "neither")
     if isinstance(row.norm, TwoSlopeNorm):
@@ -126,20 +128,30 @@ def draw_map(axes, record, values, colormap, norm):
     return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, norm=norm)
 
 
-def draw_edge(axes, record, gap):
-    """Line where the contact ends, if the scene says at which gap.
+def edge(record, gap):
+    """Lines where the contact ends, arrays (points, 2), if the scene says at which gap.
 
     Parameters
     ----------
-    axes : matplotlib's
     record : Readable
     gap : array (x, y), unit of the initial gap
     """
-    if np.min(gap) < record.contact_gap < np.max(gap):
-        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="white",
-                     linewidths=1.4)
-        axes.contour(*record.coordinates, gap.T, levels=[record.contact_gap], colors="black",
-                     linewidths=0.6)
+    inside = gap < record.contact_gap
+    if not inside.any() or inside.all():
+        return []
+    near = []  # a node farther than the contact goes
+    for axis in range(2):
+        places = np.flatnonzero(inside.any(axis=1 - axis))
+        near.append(slice(max(places[0] - 1, 0), places[-1] + 2))
+    x, y = (line[part] for line, part in zip(record.coordinates, near))
+    return contour_generator(x, y, gap[tuple(near)].T).lines(record.contact_gap)
+
+
+def draw_edge(axes, lines):
+    """Draw where the contact ends, lines of `edge`, to be seen on all colours."""
+    for colour, width in (("white", 1.4), ("black", 0.6)):
+        axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, zorder=2),
+                            autolim=False)
 
 
 def pressure_colours(pressures):

@@ -19,7 +19,7 @@ from ...options.fields import InputError
 from ..files import ArchiveError
 from ..prefixes import read
 from .data import NothingToShow, contact_region, fields, shear
-from .maps import draw_edge, draw_map, rows
+from .maps import draw_edge, draw_map, edge, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
 from .style import STYLE, ZERO, settings
@@ -173,7 +173,8 @@ def _title(record, point):
     names = [name for name in ("normal_force", "tangential_force", "tangential_force_x",
                                "normal_displacement") if name in record]
     told = [f"${word_and_symbol(name)[1]}$ = {number(float(record[name][point]), 4)}"
-            + _unit(record.units[name]) for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
+            + _unit(record.units[name])
+            for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
     event = record["event"][point]
     return f"point {point}:  " + ",  ".join(told[:3]) + (
         f"  ({word(event)})" if event != "none" else "")
@@ -264,11 +265,12 @@ def _plane(record, points, width):
     mark, along = _mark(figure.add_subplot(grid[1, :]), record)
 
     def draw(place):
+        lines = edge(record, gaps[place])
         for axes, image, row in zip(stack, images, shown):
             image.set_data(row.values[place].T)
-            for edge in [*axes.collections]:
-                edge.remove()
-            draw_edge(axes, record, gaps[place])
+            for former in [*axes.collections]:
+                former.remove()
+            draw_edge(axes, lines)
         parts = [part for axes in stack for part in (*axes.images, *axes.collections,
                                                      *axes.spines.values())]
         return [*parts, *_place(figure, record, points[place], mark, along)]
