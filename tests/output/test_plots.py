@@ -390,6 +390,7 @@ def test_size_style_and_columns(tmp_path):
                           (dict(columns="contact_area"), "two columns at least"),
                           (dict(columns="tangential_force,event"), "no column event of numbers"),
                           (dict(format="gif"), "-plot_format is 'gif'"),
+                          (dict(size=2.0), "-plot_size is too small for"),
                           (dict(together="a/b"), "-plot_output")):
         for file in tmp_path.glob("*.png"):
             file.unlink()

@@ -20,6 +20,7 @@ The shear's figures begin where the tangential load begins.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -143,8 +144,20 @@ def _drawn(kinds, stem, asked):
                 continue
             for suffix in asked.formats:
                 figures.files.append(stem.with_name(f"{stem.name}-{name}{suffix}"))
-                figure.savefig(figures.files[-1])
+                _save(figure, figures.files[-1])
     return figures
+
+
+def _save(figure, path):
+    """Write a figure; InputError where there is no room for what stands in it."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        try:
+            figure.savefig(path)
+        except UserWarning:
+            width, height = 2.54 * figure.get_size_inches()
+            raise InputError(f"-plot_size is too small for {path}, {width:.3g} x {height:.3g} cm: "
+                             "give more, or width and height with a comma") from None
 
 
 def _kinds(record, points, measured):
