@@ -52,7 +52,7 @@ def read(specification):
     why = failure(lambda: reader(filename, dataset)) if suffix == ".h5" else ""
     try:
         if why:
-            raise ValueError(why)
+            raise ValueError(why.removeprefix("ValueError: "))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of files without a number
             found = reader(filename, dataset)
@@ -82,8 +82,8 @@ def _read_dataset(filename, dataset):
 
     with h5py.File(filename, "r") as file:
         if not isinstance(file.get(dataset or "/"), h5py.Dataset):
-            what = f"there is no dataset '{dataset}'" if dataset else "no dataset is named"
-            raise ValueError(f"{what}; write FILE.h5:dataset, "
+            named = f"'{dataset}'" if dataset else "in the name"
+            raise ValueError(f"there is no dataset {named}; write FILE.h5:dataset, "
                              f"at the top level there are: {', '.join(file) or 'none'}")
         return file[dataset][()]
 

@@ -127,7 +127,8 @@ def _may_refuse(command, options, archive, kept, text):
     with h5py.File(archive, "r") as file:
         few = int(file.attrs["points"]) < 2
     return ("pip install" in text or few
-            or (command in FIELDS and kept["archive_fields"] != "all")
+            or ((command in FIELDS or "plot_points" in options)
+                and kept["archive_fields"] != "all")
             or options.get("rows") in ("event", "fold") or "plot_with" in options)
 
 
