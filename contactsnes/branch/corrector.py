@@ -43,7 +43,7 @@ def known(grid, values):
 def finite(state):
     """A state from which a solve may begin; NotConverged for one that holds infinite values or
     NaN."""
-    if not (known(state.window.grid, state.displacement) and known(state.window.grid, state.means)):
+    if not (known(state.window.grid, state.once) and known(state.window.grid, state.means)):
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
     return state
 

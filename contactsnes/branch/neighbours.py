@@ -50,7 +50,7 @@ class Neighbours:
         guess, state : State
         largest : whether the largest at a node, not the root mean square
         """
-        return states.missed(self.contact, states.with_components(guess, len(state.displacement)),
+        return states.missed(self.contact, states.with_components(guess, state.components),
                              state, largest)
 
     def strayed(self, guess, last, state):
@@ -88,7 +88,7 @@ class Neighbours:
 
     def _alike(self, *found):
         """States with the components of the last of them."""
-        return [states.with_components(state, len(found[-1].displacement)) for state in found]
+        return [states.with_components(state, found[-1].components) for state in found]
 
     def progress(self, origin, ahead, state):
         """How far a state is from ``origin`` towards ``ahead``, as a part of that distance

@@ -8,8 +8,10 @@ from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.bordered import ArcLength
+from ..contact.even_form import EvenForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import DISPLACEMENT, FORCE
+from ..contact.state import spread
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
 from ..solvers import callbacks
@@ -152,26 +154,44 @@ class Tracer(Corrector, Neighbours, Ends):
         form.linearise(unknown)
         change = self._linear(self.snes, form,
                               form.load_derivative(-direction, np.empty(form.size)), 1e-3)
-        moved, gap = unknown + step * change, states.normal_gap(self.contact, state)
-        field, half, law = form.displacement(moved), state.half, self.contact.law
-        away = field[0] - state.displacement[0]
-        # In the regularised gap a long step into overlap stays bounded.
-        given = (gap, away) if half is None else (half.fold(gap), half.fold(away))
-        for values in zip(*(np.array_split(each, 1 + len(given[0]) // PART) for each in given)):
-            values[1][...] = law.regularised_step(*values, law.moving_stiffness)
-        field[0] = state.displacement[0] + (away if half is None else half.unfold(given[1]))
-        moved = form.pack(field, form.scalars(moved))
+        moved = unknown + step * change
+        means = state.means + step * self.contact.far_displacement(form.components, direction)
+        means[form.forced] = form.scalars(moved)
+        ahead = self._regularised(form, state, moved, means)
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where
             # the law acts.
+            moved = form.packed(ahead)
             aside = form.displacement(form.residual(moved, np.empty(form.size)))
-            near = gap < states.NEAR
+            near = states.normal_gap(self.contact, state) < states.NEAR
             moved[form.count:] += form.grid.held(
                 self.contact.grid.sum(aside[form.forced][:, near])
                 / max(self.contact.grid.count(near), 1))
-        means = state.means + step * self.contact.far_displacement(form.components, direction)
-        means[form.forced] = form.scalars(moved)
-        return states.State(form.window, form.displacement(moved), means, state.half)
+            means[form.forced] = form.scalars(moved)
+        return ahead
+
+    def _regularised(self, form, state, moved, means):
+        """The state of an unknown that a state was ``moved`` to, the normal step taken in the
+        regularised gap, where a long one into overlap stays bounded.
+
+        Parameters
+        ----------
+        form : of the equations
+        state : State on its window
+        moved : array of the form's size
+        means : array (components,), ranges of the law, kept as it is
+        """
+        half, law = state.half if isinstance(form, EvenForm) else None, self.contact.law
+        field = form.displacement(moved) if half is None else form.once(moved)
+        begin = state.normal if half is None else state.once[0]
+        gap = begin + self.contact.gap_on(half or form.window)
+        away = field[0] - begin
+        for values in zip(*(np.array_split(each, 1 + len(gap) // PART) for each in (gap, away))):
+            values[1][...] = law.regularised_step(*values, law.moving_stiffness)
+        np.add(begin, away, out=field[0])
+        if half is None:
+            return states.State(form.window, field, means, state.half)
+        return spread(half, field, means)
 
     def stiffness(self, point):
         """dW/dD at a point, w_n,r/u_n,r or R phi_n/u_n,r, other loads held as they are controlled

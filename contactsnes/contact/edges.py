@@ -229,7 +229,8 @@ def _stretched(contact, state, window, places, target, part, widened=False):
         known.append(slice(min(low, count - 2), high))
         sources.append(source - known[-1].start)
     kept = state.window
-    field = kept.cut(kept.box(state.displacement), known)
+    field = (kept.cut(kept.box(state.displacement), known) if state.half is None
+             else state.half.around(state.once, known))
     field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)

@@ -136,7 +136,11 @@ class EvenForm:
 
     def displacement(self, unknown):
         """Displacements (components, nodes of the full window), ranges of the law."""
-        return self.half.window.unfold(self.half.displacement(self.plain(unknown)))
+        return self.half.window.unfold(self.once(unknown))
+
+    def once(self, unknown):
+        """Displacements (components, nodes), ranges of the law, at nodes of the half, each once."""
+        return self.half.displacement(self.plain(unknown))
 
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""

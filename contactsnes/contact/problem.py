@@ -236,7 +236,7 @@ class Contact:
 
         Outside the window the law is zero, so the balance itself gives the displacement there.
         """
-        components, window = len(state.displacement), state.window
+        components, window = state.components, state.window
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.local_shape).copy()
         cell = np.zeros((components, *self.grid.local_shape))

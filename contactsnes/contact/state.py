@@ -20,6 +20,16 @@ class State:
     half: object = None
 
     @property
+    def components(self):
+        """Their number."""
+        return len(self.means)
+
+    @property
+    def normal(self):
+        """Normal displacement (nodes)."""
+        return self.displacement[0]
+
+    @property
     def nodes(self):
         """The window's nodes, each once where others are its mirror images."""
         return self.window if self.half is None else self.half
@@ -28,6 +38,31 @@ class State:
     def once(self):
         """Displacements (components, nodes) at these."""
         return self.displacement if self.half is None else self.half.fold(self.displacement)
+
+
+class Mirrored(State):
+    """A State that is known by its half; the whole is made when it is asked for.
+
+    Parameters
+    ----------
+    half : EvenWindow
+    once : array (components, nodes of the half), ranges of the law
+    means : array (components,), ranges of the law
+    """
+
+    def __init__(self, half, once, means):
+        vars(self).update(window=half.full, half=half, once=once, means=means)
+
+    @cached_property
+    def displacement(self):
+        """Displacements on the window, array (components, nodes)."""
+        return self.half.unfold(self.once)
+
+    @property
+    def normal(self):
+        """Normal displacement (nodes)."""
+        return (self.displacement if "displacement" in vars(self)
+                else self.half.unfold(self.once[:1]))[0]
 
 
 def onto(state, window):
@@ -75,4 +110,4 @@ def spread(nodes, displacement, means):
     """
     if not nodes.even:
         return State(nodes, displacement, means)
-    return State(nodes.full, nodes.unfold(displacement), means, nodes)
+    return Mirrored(nodes, displacement, means)

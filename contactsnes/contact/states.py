@@ -102,7 +102,7 @@ def within_range(contact, state):
 
 def normal_gap(contact, state):
     """Normal gap on the state's window (nodes), delta_n."""
-    return state.displacement[0] + contact.gap_on(state.window)
+    return state.normal + contact.gap_on(state.window)
 
 
 def _at_rim(contact, state):
@@ -129,11 +129,12 @@ def fitted(contact, state, afresh=False):
                                                    -1).min(axis=1).max() > 1.2 * reach)
     if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
         return state
+    if window.is_whole and contact.window(
+            normal_gap(contact, state).reshape(contact.grid.local_shape)) == window:
+        return state
     cell = contact.extended(state)
     fresh = contact.window(cell[0] + contact.initial_gap)
-    if fresh == window:
-        return state
-    return State(fresh, fresh.take(cell), state.means)
+    return state if fresh == window else State(fresh, fresh.take(cell), state.means)
 
 
 def wider(state, window):
@@ -167,7 +168,7 @@ def covers(contact, state, closest=None):
 
 def with_components(state, components):
     """The state with tangential displacements added (as zeros) or left out."""
-    present = len(state.displacement)
+    present = state.components
     if present == components:
         return state
     displacement, means = np.zeros((components, state.window.size)), np.zeros(components)

@@ -1,7 +1,6 @@
 """When states are taken for even or odd about the apex: where the contact and its loads are, and
 the method allows it, until a state is not."""
 
-from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
@@ -67,24 +66,25 @@ class Symmetry:
     def checked(self, state):
         """The state; if it is not even where it should be, no state is taken for even from now
         on."""
-        count = len(state.displacement)
+        count = state.components
         if not self.holds(count) or self._is_known(state):
             return state
         if not self._is_even(state):
             self.leave("the state is not even about the apex")
             return state
-        return replace(state, half=self.half_of(state.window, count))
+        return State(state.window, state.displacement, state.means,
+                     self.half_of(state.window, count))
 
     def _is_known(self, state):
         """Whether a state is one of those that are even or odd as states are taken now."""
         return (state.half is not None
-                and state.half.parities == unlike(self.parities(len(state.displacement))))
+                and state.half.parities == unlike(self.parities(state.components)))
 
     def _is_even(self, state):
         """Whether mirror images in a state are alike, and the law acts where there is one only
         nowhere."""
         if not asymmetry(state.window, state.displacement,
-                         self.parities(len(state.displacement))) <= EVEN:
+                         self.parities(state.components)) <= EVEN:
             return False
         if centred(state.window) == state.window:
             return True
@@ -103,7 +103,7 @@ class Symmetry:
         state = self.checked(state)
         if state.half is not None:
             return state
-        window = centred(state.window) if self.holds(len(state.displacement)) else state.window
+        window = centred(state.window) if self.holds(state.components) else state.window
         if (len(window.parts) < len(state.window.parts) and not self.asked
             and 2.0 * cost(state.window) < cost(window)):
             self.leave("boxes around the spots cost less than half of one window")
@@ -111,15 +111,15 @@ class Symmetry:
         if window == state.window:
             return state
         return State(window, onto(state, window), state.means,
-                     self.half_of(window, len(state.displacement)))
+                     self.half_of(window, state.components))
 
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node
         have no mirror image."""
-        if state is None or not self.holds(len(state.displacement)) or self._is_known(state):
+        if state is None or not self.holds(state.components) or self._is_known(state):
             return state
         window = centred(state.window)
-        half = self._folded(window, len(state.displacement))
+        half = self._folded(window, state.components)
         return spread(half, half.fold(onto(state, window)), state.means)
 
     def half_of(self, window, components):

@@ -205,6 +205,20 @@ class EvenWindow:
                         nodes[0] = 0.0
         return found
 
+    def around(self, values, part):
+        """Values (components, *part) in a part of the full window's box, slices by direction, from
+        those (components, nodes) at these nodes."""
+        found = self.box(values)
+        for axis, (cut, n) in enumerate(zip(part, self.full.shape)):
+            place = np.arange(cut.start, cut.stop) - n // 2
+            found = found.take(np.abs(place), axis=1 + axis)
+            factor = np.sign(place)
+            factor[place == -(n // 2)] *= not self.closed[axis]
+            for field, signs in zip(found, self.parities or ()):
+                if signs[axis] < 0:
+                    field *= np.expand_dims(factor, tuple(range(1, len(part) - axis)))
+        return found
+
     def of(self, component):
         """The signs of a component in each direction; None where it is even in all."""
         signs = self.parities and self.parities[component]
