@@ -41,17 +41,21 @@ class State:
 
 
 class Mirrored(State):
-    """A State that is known by its half; the whole is made when it is asked for.
+    """A State that may be known by its half: the whole is made when it is asked for."""
 
-    Parameters
-    ----------
-    half : EvenWindow
-    once : array (components, nodes of the half), ranges of the law
-    means : array (components,), ranges of the law
-    """
+    @classmethod
+    def of(cls, half, once, means):
+        """The one of displacements at the nodes of a half.
 
-    def __init__(self, half, once, means):
-        vars(self).update(window=half.full, half=half, once=once, means=means)
+        Parameters
+        ----------
+        half : EvenWindow
+        once : array (components, nodes of the half), ranges of the law
+        means : array (components,), ranges of the law
+        """
+        made = object.__new__(cls)
+        vars(made).update(window=half.full, half=half, once=once, means=means)
+        return made
 
     @cached_property
     def displacement(self):
@@ -110,4 +114,4 @@ def spread(nodes, displacement, means):
     """
     if not nodes.even:
         return State(nodes, displacement, means)
-    return Mirrored(nodes, displacement, means)
+    return Mirrored.of(nodes, displacement, means)
