@@ -162,13 +162,12 @@ CLONES static void keep_row(const Form *f, Block *b, const double *restrict weig
                             long node, long at, double *restrict count, double *restrict sum)
 {
     const long n = b->extent[1];
-    double *restrict into = b->into + at, *restrict outside = b->outside + at, *restrict back = b->back + at;
+    double *restrict into = b->into + at, *restrict back = b->back + at;
     double whole = 0.0, stiffness = 0.0;
     for (long k = 0; k < n; k++) {
         const double w = weight[k], own = f->weight ? w * f->weight[node + k] : w;
         whole += own;
         stiffness += own * tangent[k];
-        outside[k] = 1.0 - w;
     }
     *count += whole;
     *sum += stiffness;
@@ -268,7 +267,7 @@ static void keep_picked(Zone *z, Block *b, const double *tangent)
         if (!(w > 0.0)) continue;
         b->node[b->picked] = (int)k;
         b->into[b->picked] = b->back[b->picked] = sqrt(w);
-        b->outside[b->picked++] = 1.0 - w;
+        b->picked++;
         for (int axis = 0; axis < 2; axis++) {
             if (place[axis] < first[axis]) first[axis] = place[axis];
             if (place[axis] > last[axis]) last[axis] = place[axis];
@@ -291,7 +290,7 @@ CLONES static void find_line(Zone *z, Block *b, const double *tangent, double le
     long first = n, last = -1, at = 0;
     for (long box = 0; box < boxes; box++) {
         /* they stay there until the block has taken them: what is written never lies beyond */
-        double *weight = b->outside + box * n;
+        double *weight = b->into + box * n;
         smooth_line(z, tangent + box * n, level, even, weight);
         for (long k = 0; k < n; k++)
             if (weight[k] > 0.0) {
@@ -305,7 +304,7 @@ CLONES static void find_line(Zone *z, Block *b, const double *tangent, double le
     b->extent[1] = last + 1 - b->first[1];
     for (long box = 0; box < boxes; box++, at += b->extent[1]) {
         double count = 0.0, sum = 0.0;
-        memcpy(z->mask, b->outside + box * n + b->first[1], b->extent[1] * sizeof *z->mask);
+        memcpy(z->mask, b->into + box * n + b->first[1], b->extent[1] * sizeof *z->mask);
         keep_row(f, b, z->mask, tangent + box * n + b->first[1], b->first[1], at, &count, &sum);
         b->mean[box] = sum / (count > 0.0 ? count : 1.0);
     }
@@ -394,7 +393,7 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
     at = 0;
     if (response->picked) {
         copy(field, out, z->form->nodes);
-        blend_nodes(t, 0, b->at, b->node, b->outside, b->back, out, b->picked);
+        blend_nodes(t, 0, b->at, b->node, b->into, b->back, out, b->picked);
         return 0;
     }
     for (long box = 0; box < boxes; box++) {
@@ -404,7 +403,7 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
         for (long j = b->first[0]; j < b->first[0] + e[0]; j++, at += e[1]) {
             const long row = j * c, first = row + b->first[1];
             copy(x + row, y + row, b->first[1]);
-            blend_row(t, box, j - b->first[0], b->outside + at, b->back + at, x + first, y + first, e[1]);
+            blend_row(t, box, j - b->first[0], b->into + at, b->back + at, x + first, y + first, e[1]);
             copy(x + row + right, y + row + right, c - right);
         }
         copy(x + (b->first[0] + e[0]) * c, y + (b->first[0] + e[0]) * c, n - (b->first[0] + e[0]) * c);

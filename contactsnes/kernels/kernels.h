@@ -110,7 +110,7 @@ typedef struct { /* a circle that a core fits on: the component's compliance the
 typedef struct { /* core block of a component */
     long on, first[2], extent[2], made; /* made: precision of its circle's symbol, or NONE */
     const Circle *circle;
-    double *into, *back, *outside, *mean, *column, *inverse;
+    double *into, *back, *mean, *column, *inverse;
     long picked; /* of a response with picked nodes: those of the core, and their numbers on its circle */
     int *node, *at;
 } Block;
@@ -170,9 +170,9 @@ void take_row(const Transform *t, long field, long row, double mean, double fact
               const double *own, double *out, long n);
 void take_nodes(const Transform *t, long field, const int *at, double mean, double factor,
                 const double *own, double *out, long n);
-void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+void blend_row(const Transform *t, long field, long row, const double *into, const double *back,
                const double *x, double *out, long n);
-void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
+void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *into,
                  const double *back, double *x, long n);
 int filter(Transform *t, const long *shape, const void *symbol);
 long place_of(const Transform *t, long row, long column);
@@ -188,7 +188,7 @@ void packed_put_row(const Transform *t, long field, long row, long first, const 
                     const double *x, long n);
 void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
                      const double *scale, const double *own, double *out, long n);
-void packed_blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+void packed_blend_row(const Transform *t, long field, long row, const double *into, const double *back,
                       const double *x, double *out, long n);
 void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed);

@@ -52,11 +52,11 @@ CLONES void packed_take_row(const Transform *t, long field, long row, double mea
         out[k] = (r[2 * k] - mean) * factor * (scale ? scale[k] : 1.0) + own[k];
 }
 
-CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict outside,
+CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict into,
                              const double *restrict back, const double *x, double *out, long n)
 {
     const float *restrict r = row_of(t, field, row);
-    for (long k = 0; k < n; k++) out[k] = outside[k] * x[k] + back[k] * r[2 * k];
+    for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[2 * k] - into[k] * x[k]);
 }
 
 /* waves of some columns of a field's rows, a column after the other, zero beyond the rows used */

@@ -209,18 +209,18 @@ static void OF(take_nodes)(const Transform *t, long field, const int *at, double
     for (long k = 0; k < n; k++) out[k] = (r[at[k]] - mean) * factor + own[k];
 }
 
-CLONES static void OF(blend_row)(const Transform *t, long field, long row, const double *restrict outside,
+CLONES static void OF(blend_row)(const Transform *t, long field, long row, const double *restrict into,
                                  const double *restrict back, const double *x, double *out, long n)
 {
     const REAL *restrict r = OF(row_of)(t, field, row);
-    for (long k = 0; k < n; k++) out[k] = outside[k] * x[k] + back[k] * r[k];
+    for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[k] - into[k] * x[k]);
 }
 
 static void OF(blend_nodes)(const Transform *t, long field, const int *at, const int *node,
-                            const double *outside, const double *back, double *x, long n)
+                            const double *into, const double *back, double *x, long n)
 {
     const REAL *r = OF(row_of)(t, field, 0);
-    for (long k = 0; k < n; k++) x[node[k]] = outside[k] * x[node[k]] + back[k] * r[at[k]];
+    for (long k = 0; k < n; k++) x[node[k]] += back[k] * (r[at[k]] - into[k] * x[node[k]]);
 }
 
 /* complex x times a real symbol, in place */

@@ -122,8 +122,7 @@ class Block(ctypes.Structure):
 
     _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2), ("made", c_long),
                 ("circle", POINTER(Circle)),
-                *((name, c_void_p) for name in ("into", "back", "outside", "mean", "column",
-                                                "inverse")),
+                *((name, c_void_p) for name in ("into", "back", "mean", "column", "inverse")),
                 ("picked", c_long), ("node", c_void_p), ("at", c_void_p)]
 
 

@@ -80,19 +80,19 @@ void take_nodes(const Transform *t, long field, const int *at, double mean, doub
     IN_ITS_PRECISION(t, take_nodes, t, field, at, mean, factor, own, out, n);
 }
 
-/* out = outside x + back row; out may be x */
-void blend_row(const Transform *t, long field, long row, const double *outside, const double *back,
+/* out = x + back (row - into x); out may be x */
+void blend_row(const Transform *t, long field, long row, const double *into, const double *back,
                const double *x, double *out, long n)
 {
-    if (t->packed) packed_blend_row(t, field, row, outside, back, x, out, n);
-    else IN_ITS_PRECISION(t, blend_row, t, field, row, outside, back, x, out, n);
+    if (t->packed) packed_blend_row(t, field, row, into, back, x, out, n);
+    else IN_ITS_PRECISION(t, blend_row, t, field, row, into, back, x, out, n);
 }
 
-/* x = outside x + back row of some nodes and n places of a field */
-void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *outside,
+/* x = x + back (row - into x) for some nodes and n places of a field */
+void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *into,
                  const double *back, double *x, long n)
 {
-    IN_ITS_PRECISION(t, blend_nodes, t, field, at, node, outside, back, x, n);
+    IN_ITS_PRECISION(t, blend_nodes, t, field, at, node, into, back, x, n);
 }
 
 /* where a node stands in a field */

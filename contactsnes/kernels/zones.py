@@ -79,7 +79,7 @@ class CompiledZone:
         own, boxes, nodes = self.structure, len(window.parts), window.size
         for i in range(count):
             block = own.block[i]
-            block.into, block.outside = self._array(nodes), self._array(nodes)
+            block.into = self._array(nodes)
             block.back = self._array(nodes) if self.kernel.structure.scale else block.into
             if isinstance(window, Nodes):
                 self._kept.append(np.zeros((2, nodes), dtype=np.intc))
