@@ -15,6 +15,7 @@ from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.contact.state import spread
 from contactsnes.contact.states import State, onto
 from contactsnes.contact.symmetry import EVEN
 from contactsnes.dynamics import jumps
@@ -697,3 +698,29 @@ def test_run_says_what_is_skipped_and_refuses_what_is_not_even(tmp_path):
             "is solved" in done.stdout + done.stderr)
     refused(call("run", *INFO, "-contact_symmetry", "even", "-snes_type", "qn", folder=tmp_path),
             "-contact_symmetry is 'even'", "qn")
+
+
+@pytest.mark.parametrize("shape, extent", [((12, 10), (12, 10)), ((12, 10), (7, 10)),
+                                           ((12, 10), (5, 9)), ((16,), (16,)), ((16,), (9,))])
+@pytest.mark.parametrize("signs", [1, -1])
+def test_a_part_around_the_apex_is_that_of_the_whole(shape, extent, signs):
+    """Of fields that are even, odd in both directions, and in one, from their half alone; a state
+    that is known by its half is the one of all nodes."""
+    grid = Grid(shape, (4.0,) * len(shape))
+    window = Window(grid, [n // 2 - e // 2 for n, e in zip(shape, extent)], extent)
+    parities = ((1,) * len(shape), (signs,) * len(shape), (1, signs)[-len(shape):])
+    half = EvenWindow(window, parities)
+    once = half.fold(half.unfold(np.random.default_rng(4).normal(size=(3, half.size))))
+    whole = half.unfold(once)
+    for part in (tuple(slice(0, n) for n in extent), tuple(slice(n // 2 - 2, n) for n in extent),
+                 tuple(slice(1, n // 2 + 2) for n in extent)):
+        np.testing.assert_array_equal(half.around(once, part),
+                                      window.box(whole)[(slice(None), *part)])
+    state = spread(half, once, np.zeros(3))
+    assert "displacement" not in vars(state) and state.components == 3
+    np.testing.assert_array_equal(state.normal, whole[0])
+    assert "displacement" not in vars(state)
+    np.testing.assert_array_equal(state.displacement, whole)
+    made = replace(state, displacement=2.0 * whole)
+    np.testing.assert_array_equal(made.once, 2.0 * once)
+    np.testing.assert_array_equal(made.normal, 2.0 * whole[0])
