@@ -80,8 +80,9 @@ class Branch:
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
-        self._heights = shapes.of(scene).heights(scene)
-        self.contact = contact_of(scene, load, form, self._heights, log)
+        heights = shapes.of(scene).heights(scene)
+        self._checksum = heights is not None and resuming.checksum(heights)
+        self.contact = contact_of(scene, load, form, heights, log)
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
         refuse_without_tangent(self.steps.stability, form)
@@ -144,8 +145,7 @@ class Branch:
         if self.scene.isolated:
             # Forces of legs that are yet to come may ask for a larger one.
             found["box_points"] = self.contact.grid.shape
-        if self._heights is not None:
-            found["heights_sha256"] = resuming.checksum(self._heights)
+        found |= {"heights_sha256": self._checksum} if self._checksum else {}
         return found | sources(self.scene)
 
     def __iter__(self):

@@ -12,7 +12,7 @@ from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
 from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
-from ..solvers.snes import COLD
+from ..solvers.snes import COLD, collect
 from .coarser import coarser, finer_state, resolving
 from .departure import Departure
 
@@ -46,6 +46,8 @@ def reached(system, start, controls, load, where):
             point = reached(coarse, start, controls, load, where)
             system.contact.coarse.cache_clear()
             state = finer_state(coarse.contact, system.contact, point.state)
+            coarse = point = None
+            collect()  # the coarse grid's memory is the finer one's
         except (NotConverged, NoEquilibrium) as error:
             system.log(f"the coarser grid does not serve ({error})")
         else:
@@ -207,3 +209,6 @@ def _coarsely(system, controls, origin, motion):
     except (NotConverged, NoEquilibrium) as error:
         system.log(f"the coarser grid does not serve ({error})")
         return None
+    finally:
+        coarse = None
+        collect()

@@ -20,8 +20,8 @@ HELD = {"own": 1, "fgmres": 2, "gmres": 1}
 def memory_of_solve(unknowns, whole, kind=None):
     """Bytes of a solve: Krylov vectors and 30 arrays of the unknowns, 10 arrays over the cell.
 
-    Measured on rough planes without a window, in arrays of the nodes: 46 of one component on 1024 x
-    1024 nodes, 121 of three on 512 x 512; by PETSc's FGMRES 81 and 205.
+    Measured on rough planes without a window, in arrays of the nodes: 43 of one component on 1024 x
+    1024 nodes, 109 of three on 512 x 512; by PETSc's FGMRES some 35 and 85 more.
 
     Parameters
     ----------

@@ -115,9 +115,10 @@ class Balance:
         acts = form.gap(unknown)[0] < self.contact.law.range
         if isinstance(solver, EvenForm) and acts.any():
             self._proved = state.window, len(controls)
-        field = np.abs(form.displacement(residual))
-        return Imbalance(form.grid.norm(residual),
-                         float(form.grid.maximum(field, where=acts, initial=0.0)), closest)
+        norm, field = form.grid.norm(residual), residual[:form.count].reshape(form.shape)
+        np.abs(field, out=field)
+        return Imbalance(norm, float(form.grid.maximum(field, where=acts, initial=0.0) * form.root),
+                         closest)
 
     def _halved(self, state, solver):
         """Whether the half of a state tells of all of its nodes: it is made of that alone, as the

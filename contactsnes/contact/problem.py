@@ -84,7 +84,7 @@ class Contact:
         self._operators = {}
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.survey = lru_cache(maxsize=2)(partial(surveyed, self))
+        self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
         self.evaluated = lru_cache(maxsize=1)(partial(on_window, self))
         self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):

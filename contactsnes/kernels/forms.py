@@ -14,6 +14,8 @@ from .slabs import SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
 
+WAVES = 2048
+"""Waves of a spectrum that blocks are multiplied with at a time, as kernels.h has it."""
 KEPT = 2 ** 14
 """Numbers of a tangent up to which that of a residual is kept for a linearisation at the same
 unknown."""
@@ -48,6 +50,13 @@ def call(function, counter, *arguments):
         counter.check()
 
 
+def _copied(transform, by_columns=False):
+    """Memory for the part of spectra that blocks are multiplied with at a time."""
+    if by_columns or transform.structure.packed:
+        return np.empty_like(transform.block)
+    return np.empty((transform.count, WAVES), dtype=transform.spectrum.dtype)
+
+
 def _response(convolution, count, transform):
     """The structure of a convolution's product, and what it keeps.
 
@@ -69,11 +78,9 @@ def _response(convolution, count, transform):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        held = transform.block if own.transform.contents.packed else transform.spectrum
-        product = None if all(i == j for i, j in symbols) else np.empty_like(held)
+        product = None if all(i == j for i, j in symbols) else _copied(transform)
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
-        by_columns = own.transform.contents.packed or window.grid.shared
-        product = np.empty_like(transform.block if by_columns else transform.spectrum)
+        product = _copied(transform, window.grid.shared)
     if product is not None:
         own.product = address(product)
     if isinstance(window, Nodes):

@@ -16,6 +16,7 @@
 #endif
 
 enum { NONE = -1, MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
+enum { WAVES = 2048 }; /* of a spectrum that blocks are multiplied with at a time */
 enum { COLUMNS = 8 }; /* of spectra that are transformed at a time: a line of the cache in a row */
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
@@ -54,7 +55,8 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     long components, boxes, shape[2];
     const void *symbol[MOST][MOST]; /* of the transform's precision; null where a block is zero */
     long is_complex[MOST][MOST];
-    void *product;   /* count x waves, complex unless even; null where blocks are multiplied in place */
+    void *product;   /* count x WAVES, complex unless even, or a block of columns; null where blocks are
+                        multiplied in place */
     long picked;     /* if `on_circle` is not null, some nodes of one box: their number, */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;

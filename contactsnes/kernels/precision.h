@@ -267,43 +267,59 @@ CLONES void OF(add_times)(REAL *restrict x, const REAL *restrict s, const REAL *
         }
 }
 
+/* WAVES waves at a time, which stay in the cache. */
 static void OF(couple)(const Response *r, int transposed)
 {
     Transform *t = r->transform;
-    const long n = t->waves, m = r->boxes;
+    const long waves = t->waves, m = r->boxes;
     REAL *x = t->spectrum, *product = r->product;
-    memcpy(product, x, 2 * t->count * n * sizeof *x);
-    memset(x, 0, 2 * t->count * n * sizeof *x);
-    for (long i = 0; i < r->components; i++)
-        for (long j = 0; j < r->components; j++) {
-            const REAL *s = r->symbol[i][j];
-            const long wide = r->is_complex[i][j] ? 2 * n : n;
-            if (!s) continue;
-            for (long a = 0; a < m; a++)
-                for (long b = 0; b < m; b++)
-                    if (transposed)
-                        OF(add_times)(x + 2 * (j * m + b) * n, s + (a * m + b) * wide,
-                                      product + 2 * (i * m + a) * n, n, r->is_complex[i][j], -1);
-                    else
-                        OF(add_times)(x + 2 * (i * m + a) * n, s + (a * m + b) * wide,
-                                      product + 2 * (j * m + b) * n, n, r->is_complex[i][j], 1);
+    for (long from = 0; from < waves; from += WAVES) {
+        const long n = waves - from < WAVES ? waves - from : WAVES;
+        for (long f = 0; f < t->count; f++) {
+            REAL *own = x + 2 * (f * waves + from);
+            memcpy(product + 2 * f * WAVES, own, 2 * n * sizeof *x);
+            memset(own, 0, 2 * n * sizeof *x);
         }
+        for (long i = 0; i < r->components; i++)
+            for (long j = 0; j < r->components; j++) {
+                const REAL *s = r->symbol[i][j];
+                const long numbers = r->is_complex[i][j] ? 2 : 1;
+                if (!s) continue;
+                for (long a = 0; a < m; a++)
+                    for (long b = 0; b < m; b++) {
+                        const long to = transposed ? j * m + b : i * m + a;
+                        const long source = transposed ? i * m + a : j * m + b;
+                        OF(add_times)(x + 2 * (to * waves + from),
+                                      s + ((a * m + b) * waves + from) * numbers,
+                                      product + 2 * source * WAVES, n, r->is_complex[i][j],
+                                      transposed ? -1 : 1);
+                    }
+            }
+    }
 }
 
 /* The blocks, or their transpose, times spectra of even and odd fields, whose numbers are real. */
 CLONES static void OF(couple_real)(const Response *r, int transposed)
 {
     Transform *t = r->transform;
-    const long n = t->waves;
-    memcpy(r->product, t->spectrum, t->count * n * sizeof(REAL));
-    memset(t->spectrum, 0, t->count * n * sizeof(REAL));
-    for (long i = 0; i < r->components; i++)
-        for (long j = 0; j < r->components; j++) {
-            const REAL *restrict s = r->symbol[i][j];
-            const REAL *restrict y = (REAL *)r->product + (transposed ? i : j) * n;
-            REAL *restrict x = (REAL *)t->spectrum + (transposed ? j : i) * n;
-            for (long k = 0; k < n && s; k++) x[k] += s[k] * y[k];
+    const long waves = t->waves;
+    REAL *product = r->product;
+    for (long from = 0; from < waves; from += WAVES) {
+        const long n = waves - from < WAVES ? waves - from : WAVES;
+        for (long f = 0; f < t->count; f++) {
+            REAL *own = (REAL *)t->spectrum + f * waves + from;
+            memcpy(product + f * WAVES, own, n * sizeof(REAL));
+            memset(own, 0, n * sizeof(REAL));
         }
+        for (long i = 0; i < r->components; i++)
+            for (long j = 0; j < r->components; j++) {
+                if (!r->symbol[i][j]) continue;
+                const REAL *restrict s = (const REAL *)r->symbol[i][j] + from;
+                const REAL *restrict y = product + (transposed ? i : j) * WAVES;
+                REAL *restrict own = (REAL *)t->spectrum + (transposed ? j : i) * waves + from;
+                for (long k = 0; k < n; k++) own[k] += s[k] * y[k];
+            }
+    }
 }
 
 static void OF(multiply)(const Response *r, int transposed)

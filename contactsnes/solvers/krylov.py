@@ -91,25 +91,31 @@ class FlexibleGMRES:
         ksp : petsc4py KSP
         b, x : petsc4py Vec; x is filled, or what the solve begins with
         """
-        residual, work = b.duplicate(), b.duplicate()
-        if ksp.getInitialGuessNonzero():
-            ksp.getOperators()[0].mult(x, residual)
-            residual.aypx(-1.0, b)
+        vector, again = b.duplicate(), ksp.getInitialGuessNonzero()
+        if again:
+            ksp.getOperators()[0].mult(x, vector)
+            vector.aypx(-1.0, b)
         else:
             x.set(0.0)
-            b.copy(residual)
-        single, size = self._trusts(ksp, b), residual.norm()
+            b.copy(vector)
+        single, size = self._trusts(ksp, b), vector.norm()
         ksp.setIterationNumber(0)
         self._judge(ksp, 0, size)
         while not ksp.getConvergedReason():
-            self._cycle(ksp, x, (residual, work), size, self._basis(single))
-            single = False
+            # what is not known of the solution yet is room to work in
+            work = b.duplicate() if again else x
+            factors = self._cycle(ksp, (vector, work), size, basis := self._basis(single))
+            if not again:
+                x.set(0.0)
+            else:
+                work.destroy()  # at once: older petsc4py does so late
+            basis[1].add(factors, x.getArray())
+            single, again = False, True
             if not ksp.getConvergedReason():
-                ksp.getOperators()[0].mult(x, residual)
-                residual.aypx(-1.0, b)
-                size = residual.norm()
-        for vector in (residual, work):
-            vector.destroy()
+                ksp.getOperators()[0].mult(x, vector)
+                vector.aypx(-1.0, b)
+                size = vector.norm()
+        vector.destroy()
 
     def ritz_values(self):
         """Ritz values of the last cycle, none of no solve."""
@@ -143,12 +149,12 @@ class FlexibleGMRES:
             reason = PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
         ksp.setConvergedReason(reason)
 
-    def _cycle(self, ksp, x, vectors, size, basis):
-        """A cycle, after which x is better.
+    def _cycle(self, ksp, vectors, size, basis):
+        """A cycle; the parts of the second basis in the solution.
 
         Parameters
         ----------
-        ksp, x : petsc4py KSP and Vec
+        ksp : petsc4py KSP
         vectors : (Vec, Vec), the residual, which is overwritten, and one to work in
         size : float, its norm
         basis : (Basis, Basis)
@@ -170,4 +176,4 @@ class FlexibleGMRES:
             self._judge(ksp, ksp.getIterationNumber(), norm)
             if column[-1] == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
-        made.add(triangle.factors(), x.getArray())
+        return triangle.factors()
