@@ -34,12 +34,13 @@ def draw(results):
         below.set(xlabel=r"$g_t/\delta_t$")
     axes[0, 0].set_ylabel(r"$p_{int,n}\,\delta_n/\phi_n$")
     axes[1, 0].set_ylabel(r"$p_{int,t}\,\delta_t/\phi_t$")
-    for line in axes:
+    # room for the keys of the lower ones above their curves
+    for line, room, place in zip(axes, (0.0, 0.6), ("lower right", "upper left")):
         low = np.min([one.get_ylim() for one in line])
         high = np.max([one.get_ylim() for one in line])
         for one in line:
-            one.legend(loc="lower right")
-            one.set_ylim(low, high)
+            one.legend(loc=place)
+            one.set_ylim(low, high + room * (high - low))
             one.axhline(0, color="0.7", linewidth=0.4, zorder=0)
     lettered(axes.flat, 2 * [LAW_NAMES[name] for name in NAMED])
     return figure

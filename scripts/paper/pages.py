@@ -172,7 +172,7 @@ def pieces(results, runs):
     finer = Finer(results, fixed(runs))
     everything = {run.name: run for run in [*runs, *runs_beyond()]}.values()
     return {**{name: partial(evaluated, module.says, results) for name, module in BEYOND.items()},
-            "onsets": partial(evaluated, regimes.onset_tables, results),
+            "tables": partial(evaluated, regimes.onset_tables, results),
             **{number: partial(row, one, results, finer) for number, one in enumerate(in_order())},
             "wrong": partial(prose.wrong, results),
             "convergence": partial(convergence, results, everything),
@@ -197,5 +197,5 @@ def write(told, movements):
     gallery += [f'<img src="../scripts/paper/{name}.png" width="32%" alt="{module.CAPTION}">'
                 for name, module in BEYOND.items()]
     write_between(GALLERY, BEGIN, END, "\n".join([*gallery, "", *told["cost"], ""]))
-    lines, missing = told["onsets"]
+    lines, missing = told["tables"]
     write_between(PAGE, *MARKS, "\n".join([*(lines or [f"Not told: {missing}."]), ""]))

@@ -39,6 +39,9 @@ LOADS = (0.8, 25)
 """Normal forces of figures 5 and 6."""
 MAPPED = (0.1, 0.2, 0.36, 0.6, 1, 1.4, 2, 3.6, 6, 10, 14)
 """Tangential Maugis parameters of the map of regimes."""
+PROFILED = {("half", 10, 25): (825, 1880, 2935, 3990)}
+"""(law, tangential parameter, normal force) -> displacements of the top that a run stops at: its
+front goes so far in a step that profiles of two runs compare at the same ones only."""
 MORE_LOADS = (-1, 0, 0.8, 3, 6, 10.4, 16, 25)
 """Normal forces of figure 7; for a tangential parameter of 10 every second one."""
 PERIOD = 100.0
@@ -138,6 +141,11 @@ def sheared(law, maugis, force, *, control="displacement", fields="none", beyond
         # The contact peels long before it slides: smaller steps first.
         legs.insert(1, legs[1].replace(f"{end:.6g}", f"{drive(scene, begin):.6g}"))
         steps.insert(1, drive(scene, begin) / 40)
+    for stop in PROFILED.get((law, maugis, force), ()) if fields == "all" else ():
+        there = next(place for place in range(1, len(legs))
+                     if stop < float(legs[place].rpartition("=")[2]))
+        legs.insert(there, f"{legs[there].rpartition('=')[0]}={stop:g}")
+        steps.insert(there, steps[there])
     if beyond is None:
         beyond = law != "mcgarry" and maugis <= 1 or fields == "all"
     name = f"{law}-t{maugis:g}-w{force:g}" + "-force" * (control == "force") + suffix

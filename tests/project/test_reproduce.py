@@ -300,6 +300,29 @@ def test_numbers_have_the_digits_their_errors_leave(value, error, unit, text):
     assert with_error(value, error, unit) == text
 
 
+def test_a_point_at_a_fold_is_told_from_one_whose_mode_was_not_found():
+    import pages
+
+    record = {"event": np.array(["none", "fold", "gross_sliding", "none", "none", "none"]),
+              "tangential_displacement": np.array([50.0, 100.0, 100.0, 100.00005, 90.0, 70.0]),
+              "stable": np.array([1, 0, 0, 0, 0, 0]),
+              "unstable_modes": np.array([0, 0, 0, 0, 0, 1])}
+    assert list(pages.kinds(record)) == ["stable", "fold", "beside", "beside", "unknown",
+                                         "unstable"]
+
+
+def test_profiles_of_a_fast_front_are_at_displacements_that_finer_runs_have_too():
+    import runs
+
+    run = runs.sheared("half", 10, 25, fields="all")
+    ends = [float(leg.rpartition("=")[2]) for leg in run.options["load_path"].split(";")[1:]]
+    assert ends == sorted(ends) and set(runs.PROFILED["half", 10, 25]) < set(ends)
+    assert len(run.options["continuation_largest_step"].split(",")) == len(ends) + 1
+    assert not set(runs.PROFILED["half", 10, 25]) & {
+        float(leg.rpartition("=")[2])
+        for leg in runs.sheared("half", 10, 25).options["load_path"].split(";")}
+
+
 def test_numbers_without_an_error_say_so():
     from statement import Number, told
 
