@@ -152,9 +152,8 @@ class Corrector:
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
-            left = 0 if kept is None else kept.size
             self.form = self.snes = self.arc = kept = None
-            collect(left)  # the old one's memory is the new one's
+            collect()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,

@@ -2,7 +2,6 @@
 user's options over them."""
 
 import atexit
-import math
 import weakref
 from contextlib import contextmanager
 
@@ -24,9 +23,6 @@ NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
 """Reason to stop at a norm that is no number, by its older or its newer name."""
 
-
-MANY = 2 ** 14
-"""Unknowns of forms that are not used any more from which on their memory is given back."""
 
 COLD, WARM = 200, 16
 """Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
@@ -100,7 +96,7 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     single : bool, whether linear solves may be in single precision
     """
     database = PETSc.Options(prefix)
-    collect(form.size)
+    collect()
     snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx, form.bounded = form, database.hasName("snes_max_it")
@@ -171,22 +167,10 @@ def kept(thing):
     return thing
 
 
-_waiting = {"unknowns": 0}
-
-
-def collect(unknowns=math.inf):
+def collect():
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
-    problem's size.
-
-    Parameters
-    ----------
-    unknowns : of a form that is not used any more; few of them wait for others, since looking for
-        them takes as long as a small solve
-    """
-    _waiting["unknowns"] += unknowns
-    if _waiting["unknowns"] >= MANY:
-        _waiting["unknowns"] = 0
-        getattr(PETSc, "garbage_cleanup", lambda: None)()
+    problem's size."""
+    getattr(PETSc, "garbage_cleanup", lambda: None)()
 
 
 @atexit.register
