@@ -18,7 +18,9 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
+import math
 from functools import cache
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -249,8 +251,8 @@ class PathEnergies:
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
         basis, slopes = line_rule(self._places(entries), first)
         forces = np.array([other.forces for other in entries]).T @ basis
-        displacements = np.array([other.displacements for other in entries]).T @ slopes
-        external = weights(self.contact, len(forces)) @ np.sum(forces * displacements, axis=1)
+        moved = np.array([other.displacements for other in entries]).T @ slopes
+        external = np.vdot(weights(self.contact, len(forces))[:, None] * forces, moved)
         point, before = entry.point.changed(smooth_steps=steps), entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
@@ -263,9 +265,9 @@ class PathEnergies:
         count = len(entries[0].forces)
         rigid = self.contact.rigid_compliance(count) / (self.contact.ranges ** 2
                                                         * self.contact.grid.area)
-        places = np.array([np.concatenate([other.displacements, (1.0 + rigid) * other.forces])
-                           for other in entries])
-        return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
+        places = [[*other.displacements.tolist(), *((1.0 + rigid) * other.forces).tolist()]
+                  for other in entries]
+        return [0.0, *accumulate(map(math.dist, places, places[1:]))]
 
     def _summed(self, point, before, external, interface, lost):
         """The point with the works of an earlier one and those done since."""

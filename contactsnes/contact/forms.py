@@ -139,10 +139,12 @@ class DisplacementForm:
 
     def state(self, unknown):
         """The State of an unknown: its displacements, and means by the load and the tractions."""
-        traction = self.contact.law.traction(self.gap(unknown))
-        means = self.far - self.rigid_compliance * self.grid.mean(traction)
+        means = self.far.copy()
+        state = spread(self.window, self.displacement(unknown), means)
+        if self.rigid_compliance.any():
+            means -= self.rigid_compliance * self.contact.survey(state).total / self.grid.size
         means[self.forced] = self.scalars(unknown)
-        return spread(self.window, self.displacement(unknown), means)
+        return state
 
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in ``work``."""
