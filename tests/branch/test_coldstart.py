@@ -57,7 +57,9 @@ def _both(spent):
     (SPHERE, DISPLACEMENT, 3.0), (SPHERE, FORCE, 2.0),
     ({**SPHERE, "points": (256, 320), "period": (12.0, 14.0), "poisson": 0.2}, DISPLACEMENT, 2.5),
     ({**SPHERE, "geometry": "cylinder", "points": (256, 64)}, DISPLACEMENT, 2.0)])
-def test_the_same_state_as_on_the_grid_itself(scene, control, value):
+def test_the_same_state_as_on_the_grid_itself(scene, control, value, options):
+    """To what is left of their residuals: a state may be some hundred times as far off."""
+    options(snes_atol="1e-9")
     system, through, cost = first(scene, control, value, symmetry="off")
     assert len(coldstart.levels(system.contact, states.undeformed(system.contact, (control,),
                                                                   np.array([value])))) > 1
