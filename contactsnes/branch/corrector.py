@@ -133,8 +133,9 @@ class Corrector:
         whole = self.settings.window == "off" or FORMS[self.settings.form].whole_cell
         if not whole:
             # Coarser grids for the full approximation scheme are made of one box.
-            scattered = self.contact.scattered and not asked().one_window
-            state = (on_nodes(self.contact, state, afresh) if scattered
+            scatters = (self.symmetry.scatters(len(state.displacement))
+                        and not asked().one_window)
+            state = (on_nodes(self.contact, state, afresh) if scatters
                      else states.fitted(self.contact, boxed(self.contact, state), afresh))
             whole = len(state.window.parts) > 1 and asked().one_window
         if whole and state.window != widest:

@@ -128,7 +128,7 @@ def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
     window, half, grid = point.state.window, point.state.half, contact.grid
-    halved = half is not None and min(half.shape) > REACH + 1
+    halved = half is not None and not grid.shared and min(half.shape) > REACH + 1
     found, tractions = 0.0, (contact.survey if halved else contact.evaluated)(point.state)[1]
     for i, component in enumerate(tractions):
         boxes = (half.box(component)[None] if halved
@@ -139,7 +139,8 @@ def short_waves(contact, point):
                 sign = half.parities[i][axis - 1] if half.parities else 1
                 aside = contact.kernels.alternation(boxes, axis, sign, half.closed[axis - 1])
             elif grid.shared:
-                waves = differences(grid.with_rows(boxes, REACH), axis, extent == total)
+                waves = differences(window.parts[0].with_rows(boxes, REACH), axis,
+                                    extent == total)
                 aside = grid.maximum(np.abs(grid.without_rows(waves, REACH)), initial=0.0)
             else:
                 # beyond a window the law does not act
@@ -165,9 +166,9 @@ def narrow(contact, before, after):
     grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
                                                             *window.parts[0].shape)
     depth_in = scipy.ndimage.distance_transform_edt
+    boxes = window.parts[0].with_rows(boxes, NARROW)
     depths = [grid.maximum(grid.without_rows(
-        depth_in(np.pad(grid.with_rows(box, NARROW), 1))[INNER[box.ndim]], NARROW))
-        for box in boxes]
+        depth_in(np.pad(box, 1))[INNER[box.ndim]], NARROW)) for box in boxes]
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 

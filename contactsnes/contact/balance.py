@@ -60,7 +60,8 @@ class Response:
         array."""
         if self._half is not None and asymmetry(
                 self._given[0], values,
-                self._half.window.parities) <= ROUNDING * np.max(np.abs(values)):
+                self._half.window.parities) <= ROUNDING * self._given[0].grid.maximum(
+                    np.abs(values)):
             folded = self._half.window.fold(values)
             out[...] = self._half.window.unfold(self._half.apply(folded, folded))
             return out
@@ -113,7 +114,7 @@ class Balance:
         closest = (form.closest_beyond(state.means[0])
                    if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
         acts = form.gap(unknown)[0] < self.contact.law.range
-        if isinstance(solver, EvenForm) and acts.any():
+        if isinstance(solver, EvenForm) and form.grid.any(acts):
             self._proved = state.window, len(controls)
         norm, field = form.grid.norm(residual), residual[:form.count].reshape(form.shape)
         np.abs(field, out=field)
@@ -135,7 +136,7 @@ class Balance:
         """The Imbalance of a state whose half tells of all of its nodes."""
         solver.set_load(load)
         unknown = solver.packed(state)
-        if solver.kernel:
+        if solver.kernel and not solver.grid.shared:
             return Imbalance(*solver.kernel.imbalance(unknown, self.contact.law.range))
         residual = solver.residual(unknown, np.empty(solver.size))
         acts = solver.gap(unknown)[0] < self.contact.law.range

@@ -134,17 +134,15 @@ def _near_part(contact, nodes, gap):
     nodes : Window, or EvenWindow, whose box begins in the middle of the window's
     gap : array (nodes), delta_n
     """
-    near = nodes.box(gap) < contact.law.range
+    near, box = nodes.box(gap) < contact.law.range, nodes.parts[0]
+    lines = [box.occupied(near, axis) for axis in range(near.ndim)]
     if not nodes.even:
-        window = nodes.parts[0]
-        return window.own(tuple(extent(window.occupied(near, axis), 0, margin=2)
-                                for axis in range(near.ndim)))
+        return box.own(tuple(extent(line, 0, margin=2) for line in lines))
     # where the cell closes, the last node of the half stands before the first one of the window
-    stops = [min(extent(near, axis).stop + 2, n - n // 2)
-             for axis, n in enumerate(nodes.full.shape)]
-    return (tuple(slice(count // 2, count // 2 + stop)
-                  for stop, count in zip(stops, nodes.full.shape)),
-            tuple(slice(0, stop) for stop in stops))
+    here, inside = box.own(tuple(slice(0, min(extent(line, 0).stop + 2, n - n // 2))
+                                 for line, n in zip(lines, nodes.full.extents)))
+    return tuple(slice(count // 2 + part.start, count // 2 + part.stop)
+                 for part, count in zip(here, nodes.full.extents)), inside
 
 
 def _follow_spots(contact, states, weights):
@@ -212,24 +210,22 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     Both are counted from the first node of ``window``, of whose box ``part`` is a part. A state
     that is not known so far is ``widened`` to it.
     """
-    known, sources = [], []
-    for here, there, wanted, begin, count in zip(places, target, part,
-                                                 nodes_between(window, state.window).tolist(),
-                                                 state.window.extents):
+    kept, sources, parts = state.window, [], []
+    for here, there, wanted, begin in zip(places, target, part,
+                                          nodes_between(window, kept).tolist()):
         source = contact.kernels.sources(wanted.start, wanted.stop, here, there, begin)
-        if not len(source):  # others have all of these rows
-            known.append(slice(0, 0))
-            sources.append(source)
-            continue
-        low, high = int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2
-        whole = state.window.extents == contact.grid.shape
-        if not (widened or whole) and (low < 0 or high > count):
-            return _stretched(contact, wider(state, window), window, places, target, part, True)
-        low, high = (min(max(place, 0), count) for place in (low, high))
-        known.append(slice(min(low, count - 2), high))
-        sources.append(source - known[-1].start)
-    kept = state.window
-    field = (kept.cut(kept.box(state.displacement), known) if state.half is None
+        sources.append(source)
+        # (of slabs, others may have all of these rows)
+        parts.append((int(source[0]) - SUPPORT, int(source[-1]) + SUPPORT + 2) if len(source)
+                     else (0, 0))
+    beyond = [low < 0 or high > count for (low, high), count in zip(parts, kept.extents)]
+    if not (widened or kept.extents == contact.grid.shape) and contact.grid.any(beyond):
+        return _stretched(contact, wider(state, window), window, places, target, part, True)
+    known = [slice(min(max(low, 0), count - 2, high), min(high, count))
+             for (low, high), count in zip(parts, kept.extents)]
+    sources = [source - line.start for source, line in zip(sources, known)]
+    field = (kept.cut(kept.box(state.displacement), known)
+             if state.half is None or contact.grid.shared
              else state.half.around(state.once, known))
     field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
     for axis, places in enumerate(sources, start=1):

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ..grid.cosines import EvenConvolution
-from ..grid.even import EvenWindow
+from ..grid.even import halved
 from ..grid.parity import parities as parities_of
 from ..kernels.forms import twin
 from .forms import DisplacementForm
@@ -33,7 +33,7 @@ class HalfForm(DisplacementForm):
         super().__init__(contact, window, [DISPLACEMENT if without else control
                                            for control, without in zip(controls, odd)])
         self.rigid_compliance[odd] = 0.0
-        self.root = np.sqrt(self.components * window.full.size)
+        self.root = np.sqrt(self.components * window.full.total)
 
 
 class EvenForm:
@@ -63,7 +63,7 @@ class EvenForm:
     def __init__(self, contact, window, controls, parities=None):
         count = len(controls)
         self.parities = parities or parities_of(contact.operator(count), count)
-        even = EvenWindow(window, self.parities)
+        even = halved(window, self.parities)
         self.half = half = HalfForm(contact, even, controls)
         self.contact = contact
         self.window = window
@@ -78,7 +78,7 @@ class EvenForm:
         scale = np.sqrt(even.grid.weights)
         self.root = half.root / scale
         self.node_scale = scale
-        self._scale = np.append(np.tile(scale, self.components), np.ones(len(half.forced)))
+        self._scale = np.append(np.tile(scale, self.components), np.ones(half.size - half.count))
         self._plain = np.empty(self.size)
 
     @cached_property
@@ -144,7 +144,7 @@ class EvenForm:
 
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""
-        return unknown[self.count:]
+        return self.half.scalars(unknown)
 
     def state(self, unknown):
         """The State of an unknown, as of `DisplacementForm`."""

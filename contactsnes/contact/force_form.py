@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ..grid.cell import Convolution
-from ..grid.even import EvenWindow
+from ..grid.even import halved
 from .forms import DisplacementForm
 from .problem import DISPLACEMENT, FORCE
 from .states import State
@@ -76,7 +76,7 @@ class ForceForm:
     @cached_property
     def half(self):
         """The EvenWindow of the cell."""
-        return EvenWindow(self.window)
+        return halved(self.window)
 
     def packed(self, state):
         """The unknown of a State on the cell."""

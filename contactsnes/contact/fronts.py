@@ -167,5 +167,5 @@ def followed_places(contact, states):
 def nodes_between(window, other):
     """Nodes from the first one of a window to that of another near it in each direction, over the
     cell's border or not."""
-    return np.array([(there - here + total // 2) % total - total // 2
-                     for here, there, total in zip(window.start, other.start, window.grid.shape)])
+    return np.array([(there - here + total // 2) % total - total // 2 for here, there, total
+                     in zip(window.origin, other.origin, window.grid.shape)])

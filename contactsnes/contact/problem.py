@@ -267,9 +267,7 @@ class Contact:
     def window(self, normal_gap):
         """The window around the nodes of the cell whose normal gap (delta_n) is within the law's
         range."""
-        if self.grid.shared:
-            return self.grid.whole
-        made = enclosing if self.convex else fitting
+        made = enclosing if self.convex or self.grid.shared else fitting
         return made(self.grid, normal_gap < self.law.range, margin=0.05)
 
     def acting(self, normal_gap):

@@ -6,7 +6,7 @@ from functools import cache, partial
 import numpy as np
 
 from ..grid.boxes import cost
-from ..grid.even import EvenWindow, asymmetry, centred, lone, unlike
+from ..grid.even import asymmetry, centred, halved, lone, unlike
 from ..grid.parity import obstacle
 from ..grid.parity import parities as parities_of
 from ..options.fields import InputError
@@ -52,6 +52,11 @@ class Symmetry:
     def holds(self, components):
         """Whether states with so many components are taken for even or odd."""
         return self.wanted and self._told(components, self._loaded)[0]
+
+    def scatters(self, components):
+        """Whether solves with so many components are on some nodes of the plane instead of boxes:
+        where processes share out the cell, these are for even states alone."""
+        return self.contact.scattered and not (self.contact.grid.shared and self.holds(components))
 
     def parities(self, components):
         """Those of so many components, of `parity.parities`; None where states are not taken for
@@ -132,7 +137,7 @@ class Symmetry:
         """The EvenWindow of a centred window for so many components; the last one is kept."""
         made = window, self.parities(components)
         if self._half is None or self._half[0] != made:
-            self._half = made, EvenWindow(*made)
+            self._half = made, halved(*made)
         return self._half[1]
 
     def form(self, components):

@@ -251,7 +251,7 @@ class OverdampedMotion:
         if window in (contact.grid.whole, contact.widest):
             return True
         near = self.equations.rim_gap(self.history[-1].gap) < contact.law.certain
-        if near and not contact.scattered:
+        if near and not self.symmetry.scatters(len(self.controls)):
             return False
         if contact.convex and not near:
             return True
@@ -276,7 +276,7 @@ class OverdampedMotion:
         contact = self.contact
         cell = self._extended()
         gap = cell[0] + contact.initial_gap
-        if contact.scattered:
+        if self.symmetry.scatters(len(self.controls)):
             window = scattered.window(contact, gap)
         else:
             window = contact.window(gap)

@@ -129,7 +129,7 @@ class Stability:
         accurate : residual; None where signs alone are asked for
         number : of the last mode that is to be accurate, 0 for the leading one
         """
-        scattered = self.contact.scattered
+        scattered = self.system.symmetry.scatters(len(point.controls))
         state = point.state if scattered else states.fitted(self.contact, point.state)
         axes = []
         if len(state.window.parts) == 1 and not (scattered or self.contact.grid.shared):

@@ -21,7 +21,7 @@ from ..contact.even_form import HalfForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
 from ..contact.states import NEAR
-from ..grid.even import EvenWindow
+from ..grid.even import halved
 from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
@@ -68,7 +68,7 @@ class Equations:
         self.mass = contact.mean_mass(count)[self.moving]
         self.stiffness = np.where(self.pulled, 0.0,
                                   1.0 / np.where(sprung, compliance, 1.0)[self.moving])
-        self.half = EvenWindow(window) if even else None
+        self.half = halved(window) if even else None
         controls = [FORCE if i in self.moving else control for i, control in enumerate(controls)]
         self.form = (HalfForm(contact, self.half, controls) if even
                      else DisplacementForm(contact, window, controls))

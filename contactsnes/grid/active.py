@@ -31,11 +31,12 @@ class Nodes:
     start, shape, closed, limits : those of the box
     """
 
-    even, is_whole = False, False
+    even, is_whole, picked = False, False, True
 
     def __init__(self, hull, places):
         self.grid, self.hull, self.parts = hull.grid, hull, (hull,)
         self.start, self.shape = hull.start, hull.shape
+        self.origin, self.extents = hull.origin, hull.extents
         self.closed, self.limits = hull.closed, hull.limits
         self.places = np.ascontiguousarray(places, dtype=np.int32)
         self.places.flags.writeable = False
@@ -169,8 +170,9 @@ def some(hull, places):
 
 
 def within(hull, mask):
-    """The window of the nodes of a box where a mask over the cell holds; the box itself if these
-    are nearly all."""
+    """The window of the nodes of a box, of a cell that is shared out of all of that, where a mask
+    over the cell holds; the box itself if these are nearly all."""
+    hull = hull.grid.whole if hull.grid.shared else hull
     places = np.flatnonzero(hull.take(mask))
     return (some(hull, places) if 0 < hull.grid.together(places.size) <= WORTH * hull.total
             else hull)

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from .active import Nodes, NodesConvolution
+from .active import NodesConvolution
 from .cell import Convolution, clear_padding
 from .windows import Window, enclosing
 
@@ -47,7 +47,7 @@ class Spots:
     parts : the boxes, each a Window; nodes are those of one box after the other
     """
 
-    even, is_whole = False, False
+    even, is_whole, picked = False, False, False
 
     def __init__(self, grid, start, shape):
         self.grid = grid
@@ -55,7 +55,8 @@ class Spots:
         self.shape = tuple(int(n) for n in shape)
         self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start),
                                   key=lambda part: part.start))
-        self.start = tuple(part.start for part in self.parts)
+        self.start = self.origin = tuple(part.start for part in self.parts)
+        self.extents = self.shape
         self.size = self.total = len(self.parts) * self.parts[0].size
         self._which = self.start, self.shape, grid.shape, grid.periods
 
@@ -114,12 +115,12 @@ class Spots:
 def reaching(window):
     """The window a fifth further on either side of its boxes; itself where there is no room for
     that."""
-    shape, extra = window.grid.shape, [max(2, extent // 5) for extent in window.shape]
-    wide = [extent + 2 * more for extent, more in zip(window.shape, extra)]
+    shape, extra = window.grid.shape, [max(2, extent // 5) for extent in window.extents]
+    wide = [extent + 2 * more for extent, more in zip(window.extents, extra)]
     if any(extent >= total for extent, total in zip(wide, shape)):
         return window
     if len(window.parts) == 1:
-        return Window(window.grid, [start - more for start, more in zip(window.start, extra)], wide)
+        return window.grid.box([start - more for start, more in zip(window.origin, extra)], wide)
     first = (np.array(window.start) - extra) % shape
     return window if np.triu(_overlap(first, np.broadcast_to(wide, first.shape), shape),
                              1).any() else Spots(window.grid, first, wide)
@@ -209,7 +210,7 @@ def convolution(window, operator, count, make=None):
     operator, count, make : as of `cell.Convolution`
     """
     kind = (SpotsConvolution if isinstance(window, Spots) else NodesConvolution
-            if isinstance(window, Nodes) else Convolution)
+            if window.picked else Convolution)
     return kind(window, operator, count, make)
 
 

@@ -94,6 +94,15 @@ class Grid(Fields, Counter):
         """The window of all nodes."""
         return Window(self, (0,) * len(self.shape), self.shape)
 
+    def box(self, start, shape):
+        """The window of a box of nodes.
+
+        Parameters
+        ----------
+        start, shape : first node, and nodes in each direction
+        """
+        return Window(self, start, shape)
+
     @property
     def transform(self):
         """What makes transforms over the cell."""

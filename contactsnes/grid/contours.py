@@ -135,6 +135,8 @@ def cut_patches(box, level):
     below = _corners(box[1:-1, 1:-1] < level)
     every = np.logical_and.reduce(below)
     cut = np.nonzero(np.logical_or.reduce(below) & ~every)
+    if not every.size:  # (of slabs, others may have all of the box)
+        return 0, cut, np.empty((0, 4, 4))
     patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
     return np.count_nonzero(every), cut, patches
 

@@ -44,9 +44,8 @@ class Cosines(Filtering):
             else np.array(parities) < 0
         self.real = pyfftw.zeros_aligned((count, *shape)) if memory is None else memory
         self.spectrum = self.real
-        self.closed = tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
-        self.gain = math.prod(2 * (m - 1) if closed else 2 * m
-                              for m, closed in zip(shape, self.closed))
+        self.closed = closes(grid, shape)
+        self.gain = gain_of(shape, self.closed)
         self._counter = grid.counter
         self._cost = (count * transform_cost(math.prod(shape), grid.counter.size),
                       self.real.itemsize < 8)
@@ -98,9 +97,51 @@ class Cosines(Filtering):
 
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast."""
-        axes = [np.pi / h * (np.arange(m) / (m - 1) if closed else (np.arange(m) + 0.5) / m)
-                for m, h, closed in zip(self.shape, spacings, self.closed)]
-        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+        return cosine_waves(self.shape, self.closed, spacings)
+
+
+def closes(grid, shape):
+    """Whether points from the axis outwards reach to the middle of the cell, for each direction."""
+    return tuple(m == n // 2 + 1 for m, n in zip(shape, grid.shape))
+
+
+def gain_of(shape, closed):
+    """By what a pair of cosine transforms multiplies.
+
+    Parameters
+    ----------
+    shape, closed : points in each direction, and whether they reach to the middle of the cell
+    """
+    return math.prod(2 * (m - 1) if one else 2 * m for m, one in zip(shape, closed))
+
+
+def cosine_waves(shape, closed, spacings):
+    """Wave numbers of cosine transforms, 1/beta, to broadcast.
+
+    Parameters
+    ----------
+    shape, closed : as of `gain_of`
+    spacings : of the nodes, beta
+    """
+    axes = [np.pi / h * (np.arange(m) / (m - 1) if one else (np.arange(m) + 0.5) / m)
+            for m, h, one in zip(shape, spacings, closed)]
+    return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+
+def along(field, axis, kind, odd):
+    """Cosine transform of a type of a field along an axis, in place; a sine transform where it is
+    odd.
+
+    Parameters
+    ----------
+    field, axis, kind, odd : array, int, 1 to 3, bool
+    """
+    if odd:
+        _sines(np.moveaxis(field, axis, 0), kind)
+        return
+    done = scipy.fft.dct(field, kind, axis=axis, overwrite_x=True)
+    if done is not field:
+        field[...] = done
 
 
 def _sines(field, kind):
@@ -135,9 +176,9 @@ class EvenConvolution(Convolution):
     def __init__(self, window, operator, count, make=Cosines):
         self.window, self.count, self._make = window, count, make
         self._circle = tuple(limit if closed else fast_length(2 * n - 1)
-                             for n, limit, closed in zip(window.shape, window.limits,
+                             for n, limit, closed in zip(window.extents, window.limits,
                                                          window.closed))
-        self.transform = make(window.grid, self._circle, count, window.parities)
+        self.transform = window.placed(make(window.grid, self._circle, count, window.parities))
         self.blocks = {key: self._symbol(operator, key) for key in operator.blocks}
         self._lay_out()
 
@@ -150,10 +191,12 @@ class EvenConvolution(Convolution):
         if all(window.closed):
             part = operator.blocks[key][tuple(slice(0, m) for m in self._circle)]
             return self.transform.ordered(sign * (part * 1j ** own.count(-1)).real)
-        plan = self._make(window.grid, self._circle, 1, (own,) if -1 in own else None)
         lags = tuple(slice(0, m if closed else 2 * n - 1)
-                     for n, m, closed in zip(window.shape, plan.shape, window.closed))
+                     for n, m, closed in zip(window.extents, self._circle, window.closed))
+        rows, kernel = operator.kernel_at(key, lags)
+        plan = window.grid.placed(self._make(window.grid, self._circle, 1,
+                                             (own,) if -1 in own else None), *rows)
         plan.real[0] = 0.0
-        plan.real[(0, *lags)] = operator.kernel(key)[lags]
+        plan.real[(0, *map(slice, kernel.shape))] = kernel
         plan.forward()
         return sign / plan.gain * plan.spectrum[0]

@@ -7,7 +7,7 @@ Sums over nodes are those of even fields: of squares and of products of two odd 
 """
 
 import math
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -18,29 +18,24 @@ from .windows import Window
 def centred(window):
     """The smallest window about the apex, one box, that holds a window."""
     start, shape = [], []
-    for axis, (extent, total) in enumerate(zip(window.shape, window.grid.shape)):
-        ends = [end for part in window.parts for end in (total // 2 - part.start[axis],
-                                                         part.start[axis] - total // 2 + extent
+    for axis, (extent, total) in enumerate(zip(window.parts[0].extents, window.grid.shape)):
+        ends = [end for part in window.parts for end in (total // 2 - part.origin[axis],
+                                                         part.origin[axis] - total // 2 + extent
                                                          - 1)]
         reach = max(1, *ends)
         whole = extent == total or 2 * reach + 1 >= total
         start.append(0 if whole else total // 2 - reach)
         shape.append(total if whole else 2 * reach + 1)
-    return Window(window.grid, start, shape)
-
-
-def mirrored(field, axis):
-    """Mirror image about the apex, along an axis, of an array that the cell's nodes fill there."""
-    return np.roll(np.flip(field, axis), 1, axis)
+    return window.grid.box(start, shape)
 
 
 def lone(window):
     """Mask of the nodes of a window (nodes) whose mirror image in some direction lies outside of
     it."""
-    known = np.zeros((1, *window.grid.shape), dtype=bool)
+    known = np.zeros((1, *window.grid.local_shape), dtype=bool)
     window.put(np.ones((1, window.size), dtype=bool), known)
-    return window.take(np.any([known & ~mirrored(known, axis) for axis in range(1, known.ndim)],
-                              axis=0))[0]
+    return window.take(np.any([known & ~window.grid.mirrored(known, axis)
+                               for axis in range(len(window.grid.shape))], axis=0))[0]
 
 
 def asymmetry(window, values, parities=None):
@@ -56,14 +51,15 @@ def asymmetry(window, values, parities=None):
     signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
         else np.array(parities, dtype=float)
     signs = [sign.reshape(-1, *[1] * len(window.grid.shape)) for sign in signs.T]
-    if len(window.parts) > 1:
-        cell = np.full((len(values), *window.grid.shape), math.inf)
+    if len(window.parts) > 1 or window.grid.shared:
+        cell = np.full((len(values), *window.grid.local_shape), math.inf)
         window.put(values, cell)
-        differences = (np.abs(cell - sign * mirrored(cell, axis))
-                       for axis, sign in enumerate(signs, start=1))
+        differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))
+                       for axis, sign in enumerate(signs))
         with np.errstate(invalid="ignore"):
-            return float(max(np.max(difference, where=np.isfinite(difference), initial=0.0)
-                             for difference in differences))
+            return float(window.grid.largest(max(
+                np.max(difference, where=np.isfinite(difference), initial=0.0)
+                for difference in differences)))
     box, largest = window.box(values), 0.0
     for axis, (first, extent, total) in enumerate(zip(window.start, window.shape,
                                                       window.grid.shape), start=1):
@@ -91,15 +87,15 @@ class EvenGrid(Grid):
 
     def sum(self, values):
         """Sum over all nodes that the given ones stand for (last axis)."""
-        return values @ self.weights
+        return self.together(values @ self.weights)
 
     def mean(self, values):
         """Mean over the whole cell of values that vanish off these nodes (last axis)."""
-        return values @ self.weights / self.size
+        return self.sum(values) / self.size
 
     def count(self, mask):
         """Number of nodes that those stand for where ``mask`` holds."""
-        return int(np.sum(self.weights, where=mask))
+        return int(self.together(np.sum(self.weights, where=mask)))
 
 
 def unlike(parities):
@@ -110,6 +106,43 @@ def unlike(parities):
 def _flat(axes, shape):
     """Flat indices into a box of a shape of the nodes at given places along each direction."""
     return np.ravel_multi_index(np.ix_(*axes), shape).reshape(-1)
+
+
+def line_weights(count, closed):
+    """How many nodes each node of a direction stands for, from the apex outwards."""
+    line = np.full(count, 2.0)
+    line[0] = 1.0
+    if closed:
+        line[-1] = 1.0
+    return line
+
+
+def negate(field, axis, numbers, count, closed):
+    """Turn an even field into an odd one along an axis, in place: it changes its sign before the
+    apex, and vanishes there.
+
+    Parameters
+    ----------
+    field : array
+    axis : int
+    numbers : of the nodes along it, in a window about the apex
+    count, closed : nodes of that window, and whether the cell closes on itself there
+    """
+    nodes = np.moveaxis(field, axis, 0)
+    nodes[numbers < count // 2] *= -1.0
+    nodes[numbers == count // 2] = 0.0
+    if closed:
+        nodes[numbers == 0] = 0.0
+
+
+def halved(window, parities=None):
+    """The `EvenWindow` of a centred window, of whatever class its grid has it.
+
+    Parameters
+    ----------
+    window, parities : as of `EvenWindow`
+    """
+    return (window.grid.even_window or EvenWindow)(window, parities)
 
 
 class EvenWindow:
@@ -123,26 +156,20 @@ class EvenWindow:
     closed : whether the window fills a direction, where the cell closes on itself
     """
 
-    even = True
+    even, picked = True, False
 
     def __init__(self, full, parities=None):
         cell = full.grid
         self.parities = unlike(parities)
         self.full, self.start = full, tuple(n // 2 for n in cell.shape)
-        self.shape = tuple(n // 2 + 1 for n in full.shape)
+        self.shape = self.extents = tuple(n // 2 + 1 for n in full.shape)
         self.size = math.prod(self.shape)
         self.closed = tuple(n == total for n, total in zip(full.shape, cell.shape))
         self.limits = tuple(n // 2 + 1 for n in cell.shape)
         folded = [(n // 2 + np.arange(count)) % n for n, count in zip(full.shape, self.shape)]
         self._folded = _flat(folded, full.shape)
-        weights = np.ones(())
-        for n, closed in zip(self.shape, self.closed):
-            line = np.full(n, 2.0)
-            line[0] = 1.0
-            if closed:
-                line[-1] = 1.0
-            weights = np.multiply.outer(weights, line)
-        self.grid = EvenGrid(cell, weights.reshape(-1))
+        lines = [line_weights(*line) for line in zip(self.shape, self.closed)]
+        self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
 
     box, parts, total = Window.box, Window.parts, Window.total
     occupied, own = Window.occupied, Window.own
@@ -171,6 +198,15 @@ class EvenWindow:
                 found[i] = 0.0
         return found
 
+    def wave_weights(self):
+        """How many waves of the cell each cosine stands for, on a window that is the cell, array
+        (*shape)."""
+        return self.grid.weights.reshape(self.shape)
+
+    def placed(self, transform):
+        """A transform of these nodes' circle, of which this process has some rows: all."""
+        return transform
+
     def rim(self):
         """Mask of the nodes on the border of the full window, as `windows.Window.rim`."""
         mask = np.zeros(self.shape, dtype=bool)
@@ -198,11 +234,7 @@ class EvenWindow:
         for field, signs in zip(found, self.parities or () if found.ndim > 1 else ()):
             for axis, (n, odd) in enumerate(zip(self.full.shape, signs)):
                 if odd < 0:
-                    nodes = np.moveaxis(self.full.box(field), axis, 0)
-                    nodes[:n // 2] *= -1.0
-                    nodes[n // 2] = 0.0
-                    if self.closed[axis]:
-                        nodes[0] = 0.0
+                    negate(self.full.box(field), axis, np.arange(n), n, self.closed[axis])
         return found
 
     def around(self, values, part):

@@ -5,6 +5,11 @@ import numpy as np
 from .contours import first_largest
 
 
+def mirrored(field, axis):
+    """Mirror image about the apex, along an axis, of an array that the cell's nodes fill there."""
+    return np.roll(np.flip(field, axis), 1, axis)
+
+
 class Fields:
     """Fields over the cell of a grid in one process, of which nothing is elsewhere.
 
@@ -12,8 +17,8 @@ class Fields:
     """
 
     shared = False
-    """Whether nodes are shared out among processes: none has windows, boxes or mirror images of its
-    own, but rows of the cell or some of their nodes."""
+    """Whether nodes are shared out among processes: each has rows of the cell, of a box about its
+    apex or of a quarter of that, or some nodes of its rows."""
 
     @property
     def local_shape(self):
@@ -31,6 +36,27 @@ class Fields:
     def row_before(self, field):
         """The row of a field over the cell before the first one that is here."""
         return field[-1]
+
+    def first_part(self, field, part):
+        """(first row and number of rows, values there) of the first nodes of a field over the cell,
+        as far as they are this process's: all.
+
+        Parameters
+        ----------
+        field : array (*grid)
+        part : slices from 0 on
+        """
+        return (0, part[0].stop), field[part]
+
+    def mirrored(self, field, axis):
+        """Mirror image about the apex, along an axis of the cell, of a field over it (..., *grid).
+
+        Parameters
+        ----------
+        field : array
+        axis : int, of the cell
+        """
+        return mirrored(field, axis - len(self.shape))
 
     @property
     def row_numbers(self):
@@ -116,6 +142,9 @@ class Fields:
         return scalars
 
     # Waves, of which half are kept.
+    even_window = even_circle = None
+    """Class of windows of even fields, and what makes their transforms, where nodes are shared
+    out."""
     circle = None
     """What makes transforms on circles smaller than the cell, where that is shared out."""
 

@@ -24,8 +24,24 @@ def nearest(field, source, window):
         return nearest(field, source, window.hull).take(window.places, axis=-1)
     if isinstance(source, Nodes):
         field, source = source.filled(field), source.hull
+    if window.grid.shared:
+        return _in_rows(field, source, window)
     boxes = [_in_box(field, source, part) for part in window.parts]
     return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+
+
+def _in_rows(field, source, box):
+    """`nearest` from one box to another, of both of which some rows are here; neither wraps around
+    the cell's border.
+
+    Parameters
+    ----------
+    field, source, box : array (components, nodes), Slab and Slab
+    """
+    rows, columns = (np.clip(first + np.arange(count) - origin, 0, known - 1)
+                     for first, count, origin, known in zip(box.start, box.shape, source.origin,
+                                                            source.extents))
+    return source.rows.at(source.box(field), rows)[..., columns].reshape(len(field), -1)
 
 
 def _numbers_among(source, window):

@@ -17,7 +17,8 @@ def numbers_of(window):
     if isinstance(window, Nodes):
         nodes = {"window_nodes": window.grid.to_first(window.node_numbers() if shared
                                                       else window.places)}
-    start, shape = ((0, 0), window.grid.shape) if shared else (window.start, window.shape)
+    box = window.parts[0] if shared else window
+    start, shape = (box.origin, box.extents) if shared else (window.start, window.shape)
     return {"window_start": np.array(start), "window_shape": np.array(shape), **nodes}
 
 
@@ -47,17 +48,21 @@ def restored(grid, numbers, field):
             comm.send(part, dest=rank)
         else:
             mine = part
-    is_whole, places, values = comm.recv(source=0) if comm.rank else mine
-    return grid.whole if is_whole else some(grid.whole, places), values
+    box, places, values = comm.recv(source=0) if comm.rank else mine
+    return grid.box(*box) if box else some(grid.whole, places), values
 
 
 def _parts(grid, window, field):
-    """What each process has of a window of the whole cell: whether that is the cell, the nodes'
-    numbers among those of the process, ascending, and the values of a field there."""
-    nodes = window.node_numbers()
+    """What each process has of a window of the whole cell: start and shape of a box that does not
+    wrap around the cell's border, None of another window; the nodes' numbers among those of the
+    process, ascending, and the values of a field there."""
+    nodes, box = window.node_numbers(), None
+    if isinstance(window, Window) and all(first + n <= total for first, n, total in zip(
+            window.start, window.shape, grid.shape)):
+        box = window.start, window.shape
     order = np.argsort(nodes, kind="stable")
     nodes = nodes[order]
     for first, count in grid.rows.parts:
         begin, end = np.array([first, first + count]) * grid.shape[1]
         mine = slice(*np.searchsorted(nodes, (begin, end)))
-        yield window.is_whole, nodes[mine] - begin, field[:, order[mine]]
+        yield box, nodes[mine] - begin, field[:, order[mine]]

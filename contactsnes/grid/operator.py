@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 
-from .cell import Transform
-
 
 class Operator:
     """A circulant operator on the cell: blocks {(i, j): half spectrum}, those left out zero, and
@@ -23,11 +21,22 @@ class Operator:
         """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
         0."""
         if key not in self._kernels:
-            plan = Transform(self.grid, self.grid.shape, 1)
+            plan = self.grid.transform(self.grid, self.grid.shape, 1)
             plan.spectrum[0] = self.blocks[key]
             plan.backward()
-            self._kernels[key] = plan.real[0]
+            self._kernels[key] = plan.real[0].copy()
         return self._kernels[key]
+
+    def kernel_at(self, key, lags):
+        """(first row and number of rows, kernel there) of this process's part of the lags of a
+        plane, in another process's or its own; on a line all of them.
+
+        Parameters
+        ----------
+        key : (i, j), of the block
+        lags : slice from 0 on for each direction
+        """
+        return self.grid.first_part(self.kernel(key), lags)
 
     def on_window(self, key, window):
         """The block on the padded circle of a window."""
@@ -52,7 +61,7 @@ class Operator:
         lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
                                  np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
                 for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
-        plan = Transform(self.grid, circle, 1)
+        plan = self.grid.transform(self.grid, circle, 1)
         plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
                                                  for lag, total in zip(lags, self.grid.shape)))]
         for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):

@@ -26,22 +26,22 @@ def parity(operator, key):
     """
     known = _KNOWN.setdefault(operator, {})
     if key not in known:
-        known[key] = _measured(operator.blocks[key])
+        known[key] = _measured(operator.blocks[key], operator.grid)
     return known[key]
 
 
-def _measured(block):
+def _measured(block, grid):
     """The parity of a kernel by its half spectrum: real ones are even about the origin, imaginary
     ones odd."""
-    size = SAME * np.max(np.abs(block), initial=0.0)
+    size = SAME * grid.maximum(np.abs(block), initial=0.0)
     whole = -1 if np.iscomplexobj(block) else 1
-    if whole < 0 and np.max(np.abs(block.real), initial=0.0) > size:
+    if whole < 0 and grid.maximum(np.abs(block.real), initial=0.0) > size:
         return None
     if block.ndim == 1:
         return (whole,)
     image = np.roll(block[::-1], 1, axis=0)
     for sign in (1, -1):
-        if np.max(np.abs(image - sign * block), initial=0.0) <= size:
+        if grid.maximum(np.abs(image - sign * block), initial=0.0) <= size:
             return sign, sign * whole
     return None
 
@@ -94,8 +94,6 @@ def obstacle(contact, components, loaded=()):
     components : int
     loaded : tangential components on which loads act
     """
-    if contact.grid.shared:
-        return "nodes are shared out among processes, of which none has mirror images of its own"
     if not contact.unevenness <= UNEVEN:
         return ("the initial gap is not even about the apex: its mirror "
                 f"images differ by up to {contact.unevenness:.3g} delta_n, of "

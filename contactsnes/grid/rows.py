@@ -11,15 +11,18 @@ class Rows:
     ----------
     comm : communicator (mpi4py)
     first, count : int, the rows of this process
-    total : int, rows of the cell
+    total : int, rows of all processes
+    beyond : ``wrap``, ``nearest`` or ``mirror``: what follows beyond the first and the last row, by
+        the names of SciPy's filters
 
     Attributes
     ----------
     parts : list of (first row, number of rows) of each process
     """
 
-    def __init__(self, comm, first, count, total):
+    def __init__(self, comm, first, count, total, beyond="wrap"):
         self.comm, self.first, self.count, self.total = comm, first, count, total
+        self._beyond = beyond
         self.parts = comm.allgather((first, count))
         self.fewest = min(count for _, count in self.parts)
 
@@ -36,18 +39,31 @@ class Rows:
         field : array (..., rows of this process, columns)
         wanted : array of int, numbers of rows in the cell; each process asks for its own
         """
-        asked = self.comm.allgather(np.asarray(wanted))
-        sent = [field[..., rows[(rows >= self.first) & (rows < self.first + self.count)]
-                      - self.first, :] for rows in asked]
-        got = self.comm.alltoall(sent)
-        mine = asked[self.comm.rank]
+        asked, own = self.comm.allgather(np.asarray(wanted)), self.comm.rank
+        mine = asked[own]
         found = np.empty((*field.shape[:-2], len(mine), field.shape[-1]), dtype=field.dtype)
-        for (first, count), part in zip(self.parts, got):
-            found[..., (mine >= first) & (mine < first + count), :] = part
+        on_way, coming = [], []
+        for rank, (rows, (first, count)) in enumerate(zip(asked, self.parts)):
+            here = rows[(rows >= self.first) & (rows < self.first + self.count)] - self.first
+            there = np.flatnonzero((mine >= first) & (mine < first + count))
+            if rank == own:
+                found[..., _slice(there), :] = field[..., _slice(here), :]
+                continue
+            if len(there):
+                part = np.empty((*field.shape[:-2], len(there), field.shape[-1]), field.dtype)
+                coming.append((self.comm.Irecv(part, source=rank), there, part))
+            if len(here):
+                part = np.ascontiguousarray(field[..., _slice(here), :])
+                on_way.append((self.comm.Isend(part, dest=rank), part))
+        for request, there, part in coming:
+            request.Wait()
+            found[..., _slice(there), :] = part
+        for request, _ in on_way:
+            request.Wait()
         return found
 
     def around(self, field, before, after):
-        """A field (..., rows, columns) with rows of the cell before and after, around its border.
+        """A field (..., rows, columns) with rows before and after, whoever has them.
 
         Parameters
         ----------
@@ -58,8 +74,17 @@ class Rows:
         outside = np.r_[0:before, before + self.count:len(numbers)]
         wide = np.empty((*field.shape[:-2], len(numbers), field.shape[-1]), dtype=field.dtype)
         wide[..., before:before + self.count, :] = field
-        wide[..., outside, :] = self.at(field, numbers[outside] % self.total)
+        wide[..., outside, :] = self.at(field, self._inside(numbers[outside]))
         return wide
+
+    def _inside(self, numbers):
+        """Numbers of the rows that stand for those of numbers beyond the first or the last one."""
+        if self._beyond == "nearest":
+            return np.clip(numbers, 0, self.total - 1)
+        if self._beyond == "wrap":
+            return numbers % self.total
+        around = numbers % max(2 * (self.total - 1), 1)
+        return np.minimum(around, 2 * (self.total - 1) - around)
 
     def all(self, field):
         """All rows of a field over the cell, on every process.
@@ -78,6 +103,13 @@ class Rows:
         field : array (..., rows of this process, columns)
         """
         return to_first(self.comm, field, -2)
+
+
+def _slice(numbers):
+    """Numbers as a slice, where they follow each other upwards: no copy is made to pick them."""
+    if len(numbers) and np.all(np.diff(numbers) == 1):
+        return slice(int(numbers[0]), int(numbers[-1]) + 1)
+    return numbers
 
 
 def to_first(comm, array, axis):

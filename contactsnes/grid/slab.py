@@ -1,37 +1,59 @@
-"""This process's rows of a cell that is shared out (`slabs`): a window."""
-
-import math
+"""This process's rows of a cell that is shared out (`slabs`), or of a box of it: a window."""
 
 import numpy as np
 
+from .contours import ringed
+from .rows import Rows
 from .slab_nodes import SlabNodes
 from .windows import Window
 
 
 class Slab(Window):
-    """This process's rows of the cell, as a window that is the whole cell.
+    """This process's rows of a box of the cell that does not wrap around its border; of the cell,
+    where none is given.
 
     Parameters
     ----------
     grid : Slabs
+    start, shape : of the box, as of `windows.Window`
+
+    Attributes
+    ----------
+    start, shape : of what is here; ``origin`` and ``extents`` are those of the box
+    rows : Rows of the box
     """
 
-    is_whole, of_nodes = True, SlabNodes
+    def __init__(self, grid, start=(0, 0), shape=None):
+        super().__init__(grid, start, grid.shape if shape is None else shape)
+        first, column = self.origin
+        begin, end = (min(max(row - first, 0), self.extents[0])
+                      for row in (grid.rows.first, grid.rows.first + grid.rows.count))
+        self.start, self.shape = (first + begin, column), (end - begin, self.extents[1])
+        self.size = self.shape[0] * self.shape[1]
+        self.rows = grid.rows if self.is_whole else Rows(grid.comm, begin, end - begin,
+                                                         self.extents[0],
+                                                         "wrap" if self.closed[0] else "nearest")
 
-    def __init__(self, grid):
-        super().__init__(grid, (0, 0), grid.shape)
-        self.start, self.shape = (grid.rows.first, 0), grid.local_shape
-        self.size = math.prod(grid.local_shape)
-        self.indices = slice(None), slice(None)
+    @property
+    def of_nodes(self):
+        """Class of windows of some of the cell's nodes."""
+        return SlabNodes if self.is_whole else None
+
+    @property
+    def is_whole(self):
+        """Whether the box is the cell."""
+        return self.extents == self.grid.shape
 
     @property
     def total(self):
         """Number of nodes, in all processes."""
-        return self.grid.size
+        return self.extents[0] * self.extents[1]
 
-    def take(self, field):
-        """Values (..., nodes) of a field (..., rows, columns) of this process: a view."""
-        return np.ascontiguousarray(field).reshape(*field.shape[:-2], self.size)
+    @property
+    def indices(self):
+        """What picks the nodes from what is here of a field over the cell."""
+        row, column = self.start[0] - self.grid.rows.first, self.start[1]
+        return slice(row, row + self.shape[0]), slice(column, column + self.shape[1])
 
     def circle(self):
         """Shape of the circle that holds a convolution: the cell."""
@@ -39,18 +61,31 @@ class Slab(Window):
 
     def node_numbers(self):
         """Numbers in the cell of the nodes that are here, array (nodes,)."""
-        return np.arange(self.size) + self.start[0] * self.grid.shape[1]
+        return np.add.outer((self.start[0] + np.arange(self.shape[0])) * self.grid.shape[1],
+                            self.start[1] + np.arange(self.shape[1])).reshape(-1)
 
     @property
-    def extents(self):
-        """Nodes in each direction, in all processes."""
-        return self.grid.shape
+    def numbers(self):
+        """Numbers of the nodes in what is here of fields over the cell, array (nodes,)."""
+        return self.node_numbers() - self.grid.rows.first * self.grid.shape[1]
+
+    @property
+    def picked(self):
+        """Whether nodes are some of those of the circle, by their numbers there (``on_circle``)."""
+        return not self.is_whole
+
+    @property
+    def places(self):
+        """Numbers of the nodes among those of the cell that are here, array (nodes,)."""
+        return self.numbers.astype(np.int32)
+
+    on_circle = places
 
     def occupied(self, mask, axis):
         """Where along an axis a mask (rows, columns) holds anywhere."""
-        here = super().occupied(mask, axis)
+        here = Window.occupied(self, mask, axis)
         if axis == 0:
-            return self.grid.rows.all(here[:, None])[:, 0]
+            return self.rows.all(here[:, None])[:, 0]
         return self.grid.together(here) > 0.0
 
     def line(self, box, axis, through):
@@ -60,24 +95,37 @@ class Slab(Window):
         ----------
         box : array (rows, columns)
         axis : int
-        through : row and column, in the cell
+        through : row and column, in the box
         """
         if axis == 0:
-            return self.grid.rows.all(box[:, through[1]:through[1] + 1])[:, 0]
-        return self.grid.rows.at(box, [through[0]])[0]
+            return self.rows.all(box[:, through[1]:through[1] + 1])[:, 0]
+        return self.rows.at(box, [through[0]])[0]
 
     def own(self, part):
-        """A part of the cell, slices, as far as it is here, and the same in what is here."""
-        rows, (first, count) = part[0], (self.grid.rows.first, self.grid.rows.count)
+        """A part of the box, slices, as far as it is here, and the same in what is here."""
+        rows, (first, count) = part[0], (self.rows.first, self.rows.count)
         begin, end = max(rows.start, first), min(rows.stop, first + count)
         end = max(begin, end)
         return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
 
     def cut(self, box, part):
-        """A part of the cell, slices, of a box (..., rows, columns), whoever has it."""
-        return self.grid.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]
+        """A part of the box, slices, of values (..., rows, columns), whoever has them."""
+        return self.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]
 
     def ringed(self, box):
-        """A box (..., rows, columns) with the nodes around it: a row before and two after."""
-        box = np.concatenate([box[..., -1:], box, box[..., :2]], axis=-1)
-        return self.grid.rows.around(box, 1, 2)
+        """A box (..., rows, columns) with the nodes around it, or its outermost nodes again: a row
+        before and two after."""
+        return self.rows.around(ringed(box, self.closed[1:]), 1, 2)
+
+    def with_rows(self, box, reach):
+        """A box (..., rows, columns) with rows of others on either side."""
+        return self.rows.around(box, reach, reach)
+
+    def rim(self):
+        """Mask of the nodes on the border of the box, in directions that it does not fill."""
+        mask = np.zeros(self.shape, dtype=bool)
+        if not self.closed[1]:
+            mask[:, [0, -1]] = True
+        if not self.closed[0]:
+            mask[np.isin(self.rows.numbers, (0, self.extents[0] - 1))] = True
+        return mask.reshape(-1)

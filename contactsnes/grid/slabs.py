@@ -12,17 +12,19 @@ import numpy as np
 import pyfftw
 
 from .cell import Grid
+from .even import EvenGrid
 from .rows import Rows, to_first
 from .slab import Slab
+from .slab_cosines import SlabEvenCircle
+from .slab_even import SlabEven
+from .slab_fields import SlabFields
 from .slab_transform import SlabCircle, SlabTransform, share
 
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them."""
-SAMPLED = 256
-"""Rows and columns, about, of which a quantile is taken."""
 
 
-class Slabs(Grid):
+class Slabs(SlabFields, Grid):
     """The periodic grid of a plane whose rows belong to several processes.
 
     Parameters
@@ -37,7 +39,7 @@ class Slabs(Grid):
     rows : Rows, who has which
     """
 
-    circle, shared = SlabCircle, True
+    circle, even_window, even_circle, shared = SlabCircle, SlabEven, SlabEvenCircle, True
 
     def __init__(self, shape, periods, comm, counter=None):
         def slice_of(total):
@@ -58,6 +60,31 @@ class Slabs(Grid):
     def _whole(self):
         """The window of all nodes that are here."""
         return Slab(self)
+
+    def box(self, start, shape):
+        """This process's rows of a box of nodes; directions in which it would wrap around the
+        cell's border are taken whole.
+
+        Parameters
+        ----------
+        start, shape : first node, and nodes in each direction
+        """
+        inside = [0 <= first and first + n <= total
+                  for first, n, total in zip(start, shape, self.shape)]
+        found = Slab(self, *zip(*((first, n) if fits else (0, total) for first, n, total, fits
+                                  in zip(start, shape, self.shape, inside))))
+        return self.whole if found.is_whole else found
+
+    def weighted(self, weights, rows):
+        """This grid with reductions over even fields, of which a node counts as many times as its
+        weight says.
+
+        Parameters
+        ----------
+        weights : array (nodes,)
+        rows : Rows of these nodes
+        """
+        return EvenSlabs(self, weights, rows)
 
     @property
     def transform(self):
@@ -155,11 +182,6 @@ class Slabs(Grid):
         first = next(value for component in zip(*firsts) for value in component if value)
         return np.copysign(largest, first)
 
-    def noise(self, count, seed):
-        """Random numbers (count, rows, columns), each row's its own."""
-        return np.stack([np.random.default_rng((seed, row)).standard_normal(
-            (count, self.shape[1])) for row in self.rows.numbers], axis=1)
-
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""
         return to_first(self.comm, values, -1)
@@ -182,35 +204,6 @@ class Slabs(Grid):
         return [number - here.start for number in super().lone_columns()
                 if here.start <= number < here.stop]
 
-    # Fields over the cell, of which every process has its rows.
-    def with_rows(self, field, reach):
-        """A field over the cell (..., rows, columns) with rows on either side."""
-        return self.rows.around(field, reach, reach)
-
-    def without_rows(self, field, reach):
-        """The same without them."""
-        return field[..., reach:field.shape[-2] - reach, :]
-
-    def row_before(self, field):
-        """The row of a field over the cell before the first one that is here."""
-        return self.rows.at(field, [(self.rows.first - 1) % self.shape[0]])[0]
-
-    @property
-    def row_numbers(self):
-        """Numbers in the cell of the rows that are here."""
-        return self.rows.numbers
-
-    def part_of(self, field):
-        """This process's rows of a whole field over the cell (..., *grid)."""
-        return field[..., self.rows.first:self.rows.first + self.rows.count, :]
-
-    def every_other(self, field):
-        """A field over the cell at every other node: this process's rows of ``half`` or, where
-        that is none, a whole one."""
-        if self.half is None:
-            return self.rows.all(field[..., self.rows.first % 2::2, ::2])
-        return self.rows.at(field[..., ::2], 2 * self.half.rows.numbers)
-
     @cached_property
     def half(self):
         """Slabs of every other node; None where these are so few that every process has all."""
@@ -222,23 +215,6 @@ class Slabs(Grid):
     def first_column(self):
         """Number of the first column of half spectra that is here."""
         return self.waves.start
-
-    def quantiles(self, field, parts):
-        """Values below which parts of a field over the cell lie, about: of some rows and
-        columns."""
-        strides = [max(1, n // SAMPLED) for n in self.shape]
-        sample = field[self.rows.numbers % strides[0] == 0, ::strides[1]]
-        return np.quantile(np.concatenate(self.comm.allgather(sample)), parts)
-
-    def edge(self, field, axis):
-        """The first row or column of a field over the cell, as far as it is here."""
-        return field[:self.rows.first == 0] if axis == 0 else field[:, :1]
-
-    def highest(self, field):
-        """The first node of the largest value of a field over the cell, a tuple of int."""
-        node = np.unravel_index(np.argmax(field), field.shape)
-        tops = self.comm.allgather((field[node], (int(node[0]) + self.rows.first, int(node[1]))))
-        return max(tops, key=lambda top: top[0])[1]
 
     # Scalars among the unknowns: the last process has them.
     @property
@@ -259,3 +235,17 @@ class Slabs(Grid):
     def held(self, scalars):
         """Of scalars those that are kept here: all or none."""
         return scalars if self.has_scalars else scalars[:0]
+
+
+class EvenSlabs(EvenGrid, Slabs):
+    """The same whose reductions run over a quarter of the nodes of even fields, each with its
+    weight.
+
+    Parameters
+    ----------
+    grid, weights, rows : as of `Slabs.weighted`
+    """
+
+    def __init__(self, grid, weights, rows):
+        super().__init__(grid, weights)
+        self.rows = rows

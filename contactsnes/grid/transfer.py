@@ -145,17 +145,19 @@ def smooth(window, values, width):
 
 
 def _smooth_rows(window, values, width):
-    """`smooth` of the whole cell, of which some rows are here."""
+    """`smooth` of a box of the cell, or of a quarter of one, of which some rows are here."""
     grid, box = window.grid, window.box(values)
-    reaches = [round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5) for spacing in grid.spacings]
-    wide, first = grid.with_rows(box, 3 * reaches[0]), box.ndim - 2
+    reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
+               for points, spacing in zip(window.extents, grid.spacings)]
+    wide, first = window.rows.around(box, 3 * reaches[0], 3 * reaches[0]), box.ndim - 2
     # as in one process, of what is here and near by
     part = (slice(None),) * first + tuple(extent(wide != 0.0, axis, 3 * reach + 1)
                                           for axis, reach in enumerate(reaches, first))
     blurred, out = wide[part].astype(float), np.zeros(wide.shape)
     for axis, reach in enumerate(reaches, first):
         # beyond the rows that are here nothing is that counts for them
-        mode = "wrap" if axis > first and blurred.shape[axis] == grid.shape[1] else "nearest"
+        mode = ("nearest" if axis == first else "mirror" if window.even
+                else "wrap" if blurred.shape[axis] == grid.shape[1] else "nearest")
         for _ in range(3 if reach and blurred.size else 0):
             blurred = scipy.ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
     blurred[np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0)] = 0.0

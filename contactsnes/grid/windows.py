@@ -17,9 +17,14 @@ class Window:
     grid : the cell
     start : first node in each direction; 0 is taken in directions that the window fills
     shape : nodes in each direction
+
+    Attributes
+    ----------
+    origin, extents : start and shape of the box, of which a process may have a part only
     """
 
     even = False  # whether a node stands for its mirror images, too
+    picked = False  # whether nodes are some of those of a circle, by their numbers there
     of_nodes = None  # class of windows of some of its nodes, where it has one of its own
 
     def __init__(self, grid, start, shape):
@@ -27,6 +32,7 @@ class Window:
         self.shape = tuple(int(n) for n in shape)
         self.start = tuple(int(s) % total if n < total else 0
                            for s, n, total in zip(start, self.shape, grid.shape))
+        self.origin, self.extents = self.start, self.shape
         self.size, self.limits = math.prod(self.shape), grid.shape
         self.closed = tuple(n == total for n, total in zip(self.shape, grid.shape))
 
@@ -95,11 +101,6 @@ class Window:
         none of the window's, if it has such (`active.Nodes`)."""
         return values.reshape(*values.shape[:-1], *self.shape)
 
-    @property
-    def extents(self):
-        """Nodes of the box in each direction, in all processes."""
-        return self.shape
-
     def occupied(self, mask, axis):
         """Where along an axis a mask (*box) holds anywhere."""
         return mask.any(axis=tuple(other for other in range(mask.ndim) if other != axis))
@@ -123,6 +124,10 @@ class Window:
     def cut(self, box, part):
         """A part, slices, of a box (..., *box), as a copy."""
         return box[(..., *part)].copy()
+
+    def with_rows(self, box, reach):
+        """A box (..., *box) with rows of others around what is here: nothing is missing."""
+        return box
 
     def rim(self):
         """Mask of the nodes on the border of the box, in directions that the window does not
@@ -191,8 +196,7 @@ def enclosing(grid, mask, margin):
     """
     start, shape = [], []
     for axis, total in enumerate(grid.shape):
-        others = tuple(i for i in range(mask.ndim) if i != axis)
-        line = np.flatnonzero(mask.any(axis=others))
+        line = np.flatnonzero(grid.whole.occupied(mask, axis))
         if line.size == 0:
             first, extent = total // 2 - 1, 2
         else:
@@ -205,4 +209,4 @@ def enclosing(grid, mask, margin):
             first, extent = 0, total
         start.append(first)
         shape.append(extent)
-    return Window(grid, start, shape)
+    return grid.box(start, shape)

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..grid.even import mirrored
+from ..grid.fields import mirrored
 from ..options.fields import InputError
 from .gap import evaluated, is_convex, where
 from .heights import seams

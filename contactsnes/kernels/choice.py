@@ -29,7 +29,7 @@ class Interpreted:
     """
 
     compiled = False
-    even, law_reason = Cosines, None
+    law_reason = None
     spline, sources = staticmethod(spline), staticmethod(sources)
     crossings, alternation = staticmethod(crossings), staticmethod(alternation)
 
@@ -55,6 +55,16 @@ class Interpreted:
         grid, shape, count : as of `grid.cell.Transform`
         """
         return (grid.circle or grid.transform)(grid, shape, count)
+
+    @staticmethod
+    def even(grid, shape, count, parities=None):
+        """Cosine transforms, or what makes them once their rows have places.
+
+        Parameters
+        ----------
+        grid, shape, count, parities : as of `grid.cosines.Cosines`
+        """
+        return (grid.even_circle or Cosines)(grid, shape, count, parities)
 
     def law(self, law):
         """The law as it is."""
@@ -86,6 +96,7 @@ class Compiled:
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
+        self._slab_even = slabs.SlabEvenReal
         self._kept = lru_cache(maxsize=24)(self._make)
 
     def _make(self, even, cell, shape, count, *parities):
@@ -120,6 +131,8 @@ class Compiled:
         ----------
         grid, shape, count, parities : as of that
         """
+        if grid.shared:
+            return grid.even_circle(grid, shape, count, parities, self._slab_even)
         return self._charged(True, grid, shape, count, parities)
 
     def _charged(self, even, grid, shape, count, *parities):

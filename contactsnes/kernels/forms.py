@@ -7,10 +7,9 @@ import weakref
 
 import numpy as np
 
-from ..grid.active import Nodes
 from . import structures
 from .laws import kernel_of
-from .slabs import SlabReal
+from .slabs import SlabEvenReal, SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
 
@@ -32,7 +31,7 @@ def twin(form, half, scale=None):
     """
     law = kernel_of(half.contact.law)
     transform = getattr(half.convolution, "transform", None)
-    if law is None or not isinstance(transform, (Compiled, SlabReal)):
+    if law is None or not isinstance(transform, (Compiled, SlabReal, SlabEvenReal)):
         return None
     return (SharedForm if half.grid.shared else CompiledForm)(form, half, law, scale)
 
@@ -78,12 +77,13 @@ def _response(convolution, count, transform):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        product = None if all(i == j for i, j in symbols) else _copied(transform)
+        product = (None if window.grid.shared or all(i == j for i, j in symbols)
+                   else _copied(transform))
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
         product = _copied(transform, window.grid.shared)
     if product is not None:
         own.product = address(product)
-    if isinstance(window, Nodes):
+    if window.picked:
         places = transform.places(window.on_circle)
         own.picked, own.on_circle = window.size, address(places)
         own.in_box = address(window.places)
@@ -238,8 +238,9 @@ class SharedForm(CompiledForm):
 
     def _respond(self, single, transposed=False):
         """What stands in the transform times the operator."""
-        response, (transform, *_) = self._quick if single else (self._response, self._kept[0])
-        transform.respond(response, transposed)
+        response, (transform, symbols, _) = (self._quick if single
+                                             else (self._response, self._kept[0]))
+        transform.respond(response, transposed, symbols)
 
     def residual(self, unknown, out):
         """F."""

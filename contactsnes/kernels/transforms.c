@@ -14,6 +14,22 @@ struct Libraries libraries;
         else name##_in_double(__VA_ARGS__); \
     } while (0)
 
+/* Rows of an even field, or an odd one, one after another, from the axis outwards, in place; or back. */
+void along_rows(const Line *l, void *x, long count, int back, int odd, int single)
+{
+    if (single) rows_in_single(l, x, count, back, odd);
+    else rows_in_double(l, x, count, back, odd);
+}
+
+/* b (columns x rows) = transpose of a (rows x columns), or a that of b */
+void turn(void *a, long rows, long columns, void *b, int back, int single)
+{
+    if (single && back) transpose_back_in_single(b, rows, columns, a, rows);
+    else if (single) transpose_in_single(a, rows, columns, b, rows);
+    else if (back) transpose_back_in_double(b, rows, columns, a, rows);
+    else transpose_in_double(a, rows, columns, b, rows);
+}
+
 /* Two transforms in single precision count as one where there is a limit. */
 static int counted(const Transform *t)
 {

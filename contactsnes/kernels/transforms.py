@@ -171,8 +171,8 @@ class Cosines(Compiled):
             memory = real, pyfftw.zeros_aligned((count, *shape[::-1])) if plane else real
         self._hold(*memory)
         own.even, own.waves = 1, self.real[0].size
-        self.waves = [_order(m, closed) for m, closed in zip(shape, self.closed)]
-        self._lines = [_Line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
+        self.waves = [order_of(m, closed) for m, closed in zip(shape, self.closed)]
+        self._lines = [Line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
         for place, line in enumerate(self._lines, start=2 - len(shape)):
             own.line[place] = line.structure
             for field, signs in enumerate(parities or ()):
@@ -250,14 +250,14 @@ class _PairedLine:
             own.turn = address(self._turn)
 
 
-def _order(points, closed):
-    """Numbers of the waves in their order: as they are, or even ones upwards, then odd ones
-    downwards."""
+def order_of(points, closed):
+    """Numbers of a direction's waves in their order: as they are, or even ones upwards, then odd
+    ones downwards."""
     numbers = np.arange(points)
     return numbers if closed else np.concatenate([numbers[::2], numbers[1::2][::-1]])
 
 
-class _Line:
+class Line:
     """Work, factors and plans of a direction's rows."""
 
     def __init__(self, points, closed, single=False):

@@ -77,16 +77,17 @@ class EvenWaves:
 
     def __init__(self, form):
         window = form.half
-        self.transform = form.contact.kernels.even(form.grid, window.shape, form.components)
+        self.transform = window.placed(form.contact.kernels.even(form.grid, window.extents,
+                                                                 form.components))
         self.grid, self.initial_gap = window.grid, window.fold(form.initial_gap)
         self.fold, self.unfold = window.fold, window.unfold
-        own, inside = self.transform, tuple(slice(0, n) for n in window.shape)
+        own, inside = self.transform, tuple(slice(0, n) for n in window.extents)
         self.stiffness, self.compliance = (
             {(i, i): factor * own.ordered(convolution.blocks[i, i].real[inside])
              for i in range(form.components)}
             for factor, convolution in ((form.grid.size, form.convolution), (1.0, form.compliance)))
         # waves stand for as many of the cell as nodes do
-        self.weights = own.ordered(window.grid.weights.reshape(window.shape))
+        self.weights = own.ordered(window.wave_weights())
 
     def respond(self, spectrum):
         """Multiply a spectrum by C / N, in place."""
@@ -95,4 +96,4 @@ class EvenWaves:
 
     def inner(self, first, second):
         """Inner product of spectra (components, *waves): a sum over the waves of the cell."""
-        return float(np.vdot(first, second * self.weights))
+        return float(self.grid.together(np.vdot(first, second * self.weights)))

@@ -481,7 +481,7 @@ def count_compiled(monkeypatch, count):
     """Have every plan that the compiled kernels execute counted, a row's as its points."""
     shapes, pointers = {}, library.pointers(library.shared())
     kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
-    real, line = transforms.Real.__init__, transforms._Line.__init__
+    real, line = transforms.Real.__init__, transforms.Line.__init__
 
     def made_real(self, grid, shape, number, memory=None):
         real(self, grid, shape, number, memory)
@@ -503,7 +503,7 @@ def count_compiled(monkeypatch, count):
                        for name, number in (("execute", np.float64(0.0)),
                                             ("execute_single", np.float32(0.0)))}
     monkeypatch.setattr(transforms.Real, "__init__", made_real)
-    monkeypatch.setattr(transforms._Line, "__init__", made_line)
+    monkeypatch.setattr(transforms.Line, "__init__", made_line)
     for name, callback in count.callbacks.items():  # kept as long as the count
         monkeypatch.setattr(pointers, name, ctypes.cast(callback, ctypes.c_void_p).value)
 

@@ -39,7 +39,7 @@ def _nyquist_index(axis, directions, points, last_even):
     """Index of the Nyquist wave number along an axis of a half spectrum, or None."""
     if axis == directions - 1:
         return points - 1 if last_even and points > 1 else None
-    return points // 2 if points % 2 == 0 else None
+    return points // 2 if points and points % 2 == 0 else None
 
 
 def _create_waves(wavevectors, last_even):

@@ -1,0 +1,99 @@
+"""Even and odd fields of a cell that is shared out among processes (`slabs`): a quarter of the
+nodes of a box, of whose rows every process has as many as others, wherever those of the cell
+are."""
+
+import numpy as np
+
+from .even import EvenWindow, line_weights, negate, unlike
+from .rows import Rows
+from .slab import Slab
+from .slab_transform import share
+
+
+class SlabEven(EvenWindow):
+    """This process's rows of the nodes of a centred window from the apex outwards, as
+    `even.EvenWindow`.
+
+    Parameters
+    ----------
+    full : Slab
+    parities : as of `even.EvenWindow`
+
+    Attributes
+    ----------
+    extents : nodes in each direction, of which ``shape`` are here
+    rows : Rows of the quarter
+    """
+
+    def __init__(self, full, parities=None):
+        cell = full.grid
+        self.full, self.parities, self.limits = full, unlike(parities), tuple(
+            n // 2 + 1 for n in cell.shape)
+        self.extents, self.closed = tuple(n // 2 + 1 for n in full.extents), full.closed
+        mine = share(self.extents[0], cell.comm.rank, cell.comm.size)
+        self.rows = Rows(cell.comm, mine.start, mine.stop - mine.start, self.extents[0], "mirror")
+        self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (mine.start, 0)))
+        self.shape = self.rows.count, self.extents[1]
+        self.size = self.shape[0] * self.shape[1]
+        self._lines = [line_weights(*line) for line in zip(self.extents, self.closed)]
+        weights = np.multiply.outer(self._lines[0][mine], self._lines[1])
+        self.grid = cell.weighted(weights.reshape(-1), self.rows)
+
+    occupied, own, total = Slab.occupied, Slab.own, Slab.total
+    indices = None  # those of the cell are in other processes
+
+    def _outwards(self, rows, values, extents):
+        """Values (..., nodes) at these nodes, of a box (..., rows, columns) about the apex.
+
+        Parameters
+        ----------
+        rows : Rows of the box
+        values : array (..., rows, columns)
+        extents : rows and columns of the box
+        """
+        wanted, half = (extents[0] // 2 + self.rows.numbers) % extents[0], extents[1] // 2
+        found = rows.at(values[..., half:half + self.extents[1]], wanted)
+        if found.shape[-1] < self.extents[1]:
+            # where the cell closes, the last column stands before the first one of the window
+            found = np.concatenate([found, rows.at(values[..., :1], wanted)], axis=-1)
+        return found.reshape(*found.shape[:-2], self.size)
+
+    def take(self, field):
+        """Values (..., nodes) of a field (..., rows, columns) over the cell at these nodes."""
+        return self._outwards(self.full.grid.rows, field, self.full.grid.shape)
+
+    def fold(self, values):
+        """Values (..., nodes) of the full window at these nodes."""
+        return self._outwards(self.full.rows, self.full.box(values), self.full.extents)
+
+    def unfold(self, values):
+        """Values (..., nodes) of the full window from those at these nodes; what is odd is so for
+        arrays (components, nodes) alone."""
+        numbers = self.full.rows.numbers, np.arange(self.full.extents[1])
+        first, second = (np.abs(places - count // 2)
+                         for places, count in zip(numbers, self.full.extents))
+        found = self.rows.at(self.box(values), first)[..., second]
+        for field, signs in zip(found, self.parities or () if found.ndim > 2 else ()):
+            for axis, odd in enumerate(signs):
+                if odd < 0:
+                    negate(field, axis, numbers[axis], self.full.extents[axis], self.closed[axis])
+        return found.reshape(*values.shape[:-1], self.full.size)
+
+    def wave_weights(self):
+        """How many waves of the cell each cosine of this process stands for."""
+        comm = self.full.grid.comm
+        return np.multiply.outer(self._lines[0], self._lines[1][share(self.extents[1], comm.rank,
+                                                                      comm.size)])
+
+    def placed(self, transform):
+        """A transform of these nodes' circle, of which this process has its rows."""
+        return transform.placed(self.rows.first, self.rows.count)
+
+    def rim(self):
+        """Mask of the nodes on the border of the full window."""
+        mask = np.zeros(self.shape, dtype=bool)
+        if not self.closed[1]:
+            mask[:, -1] = True
+        if not self.closed[0]:
+            mask[self.rows.numbers == self.extents[0] - 1] = True
+        return mask.reshape(-1)

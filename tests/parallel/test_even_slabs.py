@@ -1,0 +1,279 @@
+"""Even and odd fields of several processes against those of one: a quarter of the nodes, transforms
+of cosines and sines, forms, and branches, which take the same iterations and transforms."""
+
+import json
+
+import pytest
+from ranks import SIZES, program, together
+from test_cases import differs, events
+
+FIELDS = """
+import itertools
+import numpy as np
+from mpi4py import MPI
+from contactsnes.grid.cell import Grid
+from contactsnes.grid.cosines import Cosines, EvenConvolution
+from contactsnes.grid.even import asymmetry, centred, halved, lone
+from contactsnes.grid.nearest import nearest
+from contactsnes.grid.numbers import numbers_of, restored
+from contactsnes.grid.outlines import outline
+from contactsnes.grid.operator import Operator
+from contactsnes.grid.parity import parity
+from contactsnes.grid.precision import in_single
+from contactsnes.grid.slabs import Slabs
+from contactsnes.grid.transfer import smooth
+from contactsnes.grid.windows import enclosing
+from contactsnes.kernels.choice import chosen
+
+shape, periods = (46, 32), (5.0, 4.0)
+shared, alone = Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
+random = np.random.default_rng(1)
+cell = random.normal(size=(2, *shape))
+x, y = alone.coordinates()
+
+
+def symbols(waves, components, last_even):
+    # the last one is odd along x and even along y, as that of a coupled body
+    first, second = waves
+    square = 1.0 + first ** 2 + 2.0 * second ** 2
+    first = np.where(np.abs(first) < np.abs(first).max(), first, 0.0)
+    return {(0, 0): 1.0 / square, (1, 1): 1.0 / (1.0 + square), (0, 1): 1j * first / square ** 2,
+            (1, 0): -1j * first / square ** 2}
+
+
+def diagonal(waves, components, last_even):
+    return {key: block for key, block in symbols(waves, components, last_even).items()
+            if key[0] == key[1]}
+
+
+operators = {make: [Operator(grid, grid.symbols(make, 2)) for grid in (shared, alone)]
+             for make in (symbols, diagonal)}
+for one, other in operators.values():
+    assert all(parity(one, key) == parity(other, key) for key in one.blocks)
+
+for extents in (shape, (23, 32), (46, 15), (21, 11), (3, 5)):
+    start = [0 if n == total else total // 2 - n // 2 for n, total in zip(extents, shape)]
+    here, whole = (grid.box(start, extents) for grid in (shared, alone))
+    assert here.total == whole.size and centred(here) == here != shared.box((1, 1), (2, 2))
+    values = cell.reshape(2, -1)[:, whole.node_numbers()]
+    mine = here.take(shared.part_of(cell))
+
+    def part(field):
+        # this process's rows of what all nodes of the window have
+        box = np.full((len(field), *shape), np.nan)
+        whole.put(field, box)
+        return here.take(shared.part_of(box))
+
+    assert np.array_equal(mine, part(values))
+    assert np.array_equal(here.rim(), part(whole.rim()[None] + 0.0)[0] > 0.0)
+    for axis in range(2):
+        assert np.array_equal(here.occupied(here.box(mine[0]) > 1.5, axis),
+                              whole.occupied(whole.box(values[0]) > 1.5, axis))
+    inside = np.where(whole.rim(), 1.0, values[0])
+    ours = part(inside[None])[0]
+    assert np.isclose(here.area_below(ours, 0.3), whole.area_below(inside, 0.3))
+    assert np.isclose(outline(here, ours, 0.3).length(), outline(whole, inside, 0.3).length())
+    assert np.isclose(shared.maximum(here.at_level(ours, 0.3, mine), initial=-9.0),
+                      alone.maximum(whole.at_level(inside, 0.3, values), initial=-9.0))
+    for box in ((17, 6), (11, 11), (13, 32)):
+        begin = [0 if n == total else total // 2 - n // 2 for n, total in zip(box, shape)]
+        there, all_there = (grid.box(begin, box) for grid in (shared, alone))
+        found = np.full((2, *shape), np.nan)
+        all_there.put(nearest(values, whole, all_there), found)
+        assert np.array_equal(nearest(mine, here, there), there.take(shared.part_of(found)))
+    again, back = restored(shared, numbers_of(here), shared.to_first(mine))
+    assert again == here and np.array_equal(back, mine)
+
+    for parities in (None, ((1, 1), (-1, 1)), ((-1, -1), (1, -1))):
+        quarter, all_quarter = halved(here, parities), halved(whole, parities)
+        rows = quarter.rows
+
+        def own(field):
+            field = field.reshape(-1, *all_quarter.shape)
+            return field[:, rows.first:rows.first + rows.count].reshape(len(field), -1)
+
+        folded = all_quarter.fold(values)
+        even = all_quarter.unfold(folded)
+        folded = all_quarter.fold(even)
+        assert np.array_equal(quarter.fold(part(even)), own(folded))
+        assert np.array_equal(quarter.unfold(own(folded)), part(even))
+        assert np.array_equal(quarter.take(shared.part_of(cell)), own(all_quarter.take(cell)))
+        assert np.array_equal(quarter.rim(), own(all_quarter.rim()[None])[0])
+        assert np.allclose(quarter.sum(own(folded)), all_quarter.sum(folded))
+        assert quarter.grid.count(own(folded)[0] > 0.5) == all_quarter.grid.count(folded[0] > 0.5)
+        for axis in range(2):
+            assert np.array_equal(quarter.occupied(quarter.box(own(folded)[0]) > 1.5, axis),
+                                  all_quarter.occupied(all_quarter.box(folded[0]) > 1.5, axis))
+        assert asymmetry(here, part(even), parities) == 0.0
+        moved = even.copy()
+        moved[:, 1] += 0.25
+        assert np.isclose(asymmetry(here, part(moved), parities), asymmetry(whole, moved, parities))
+        blurred = smooth(all_quarter, folded[0] > 0.8, 0.3)
+        assert np.allclose(smooth(quarter, own(folded)[0] > 0.8, 0.3), own(blurred[None])[0],
+                           rtol=0.0, atol=1e-12)
+        fits = parities == ((1, 1), (-1, 1))
+        for make, kernels, single in itertools.product(
+                (symbols, diagonal) if fits else (diagonal,), (chosen(True), chosen(False)),
+                (False, True)):
+            one, other = operators[make]
+            product = EvenConvolution(quarter, one, 2, kernels.even)
+            expected = EvenConvolution(all_quarter, other, 2, Cosines)
+            product = in_single(product) if single else product
+            for transposed in (False, True):
+                found = product.apply(own(folded), np.empty_like(own(folded)), transposed)
+                wanted = expected.apply(folded, np.empty_like(folded), transposed)
+                assert np.allclose(found, own(wanted), rtol=0.0, atol=1e-6 if single else 1e-13), (
+                    extents, parities, kernels, single, transposed)
+
+# the smallest box of some nodes
+mask = np.zeros(shape, dtype=bool)
+mask[15:32, 12:21] = True
+assert (enclosing(shared, shared.part_of(mask), 0.1).extents
+        == enclosing(alone, mask, 0.1).extents)
+# one whose nodes have no mirror images in it, and one that would wrap around the border
+odd = shared.box((20, 10), (6, 5))
+kept = np.zeros(shape)
+alone.box((20, 10), (6, 5)).put(lone(alone.box((20, 10), (6, 5)))[None], kept[None])
+assert np.array_equal(lone(odd), odd.take(shared.part_of(kept)) > 0.0)
+assert shared.box((-3, 4), (10, 6)).extents == (46, 6)
+print("alike")
+"""
+
+FORMS = """
+import itertools
+import numpy as np
+from mpi4py import MPI
+from contactsnes.contact.even_form import EvenForm
+from contactsnes.contact.problem import Contact
+from contactsnes.grid.slabs import Slabs
+from contactsnes.kernels.choice import chosen
+from contactsnes.scene.settings import Scene
+
+comm, random, shape = MPI.COMM_WORLD, np.random.default_rng(3), (62, 46)
+last = comm.rank == comm.size - 1
+scene = Scene(points=shape, period=(12.0, 9.0), dimension=2, geometry="sphere", poisson=0.2,
+              normal_maugis=2.0, tangential_maugis=2.0, residual_friction=0.5)
+shared = Contact(scene, kernels=chosen(True), grid=Slabs(shape, scene.periods, comm))
+alone = Contact(scene, kernels=chosen(False))
+
+
+def results(contact, start, extents, controls, single):
+    window = contact.grid.box(start, extents)
+    form = EvenForm(contact, window, controls)
+    form.set_load([1.5, 0.3, -0.2][:len(controls)])
+    numbers = np.random.default_rng(5)
+    fields = numbers.normal(size=(2, form.components, *shape))
+    fields[0] = 0.02 * fields[0] - 1.2 * np.exp(-alone.initial_gap / 3.0)
+    scalars = numbers.normal(size=(2, len(form.half.forced)))
+    unknown, vector = (form.pack(window.take(contact.grid.part_of(field)), tail)
+                       for field, tail in zip(fields, scalars))
+    found = [form.residual(unknown, np.empty(form.size))]
+    form.linearise(unknown)
+    found += [product(vector, np.empty(form.size), single)
+              for product in (form.apply_jacobian, form.apply_transpose)]
+    assert form.evaluations == 1 and form.products == 2
+    return form, [(form.displacement(vector), form.scalars(vector)) for vector in found]
+
+
+for (start, extents), controls, single in itertools.product(
+        (((0, 0), shape), ((20, 0), (23, 46)), ((22, 14), (19, 19))),
+        (["displacement"], ["force"], ["displacement", "force", "displacement"]), (False, True)):
+    form, here = results(shared, start, extents, controls, single)
+    other, whole = results(alone, start, extents, controls, single)
+    assert form.kernel is not None and other.kernel is None
+    for which, ((field, scalars), (wanted, tail)) in enumerate(zip(here, whole)):
+        cell = np.zeros((len(wanted), *shape))
+        other.window.put(wanted, cell)
+        close = 3e-6 if single and which else 1e-12
+        assert np.max(np.abs(field - form.window.take(shared.grid.part_of(cell))), initial=0.0) \\
+            < close * np.max(np.abs(wanted)), (extents, controls, single, which)
+        assert np.allclose(scalars, tail, rtol=close, atol=close)
+print("alike")
+"""
+
+BRANCHES = """
+import json, sys
+import petsc4py
+petsc4py.init(["cases", "-snes_atol", "1e-11"])
+from petsc4py import PETSc
+from contactsnes import Branch, Form, Load, Scene, Steps
+from contactsnes.contact import observables
+from contactsnes.grid import slabs
+
+SPHERE = dict(dimension=2, points=(48, 64), period=(9.0, 12.0), normal_maugis=1.0,
+              tangential_maugis=1.0, geometry="sphere", height=float("inf"))
+CASES = {
+    "pressed": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.3"), {}),
+    "force": (SPHERE, Load("normal_displacement=0", "normal_force=1"), {}),
+    "slid": (SPHERE, Load("normal_displacement=0.5", "tangential_displacement_x=1"),
+             dict(initial_step=0.5, largest_step=0.5)),
+    "sheared": (SPHERE, Load("normal_displacement=0.5", "tangential_force_y=0.3"), {}),
+    "sinusoid": (dict(SPHERE, geometry="sinusoid"),
+                 Load("normal_displacement=-1", "normal_displacement=0.5"), {}),
+    "pull-off": (dict(SPHERE, normal_maugis=4.0),
+                 Load("normal_displacement=0", "normal_displacement=-3"), {}),
+    "arc length": (dict(SPHERE, normal_maugis=4.0),
+                   Load("normal_displacement=-1", "normal_displacement=-3"),
+                   dict(at_fold="trace")),
+    "stability": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.2"),
+                  dict(stability="eigenvalue"))}
+
+found = {}
+for name, (scene, load, steps) in CASES.items():
+    # coarse grids in slabs, too, or, as they are so small, whole on every process
+    slabs.GATHERED = 0 if name in ("force", "pull-off") else 2 ** 14
+    branch = Branch(Scene(**scene), load, Steps(**steps), Form())
+    names = list(observables.table(branch.scene))
+    found[name] = []
+    for point in branch:
+        found[name].append({**branch.observe(point, names),
+                            "half": getattr(point.state.half, "total", 0)
+                            / branch.contact.grid.size})
+if PETSc.COMM_WORLD.rank == 0:
+    json.dump(found, sys.stdout, default=lambda value: value if isinstance(value, str)
+              else float(value))
+"""
+SAME = ("nonlinear_iterations", "linear_iterations", "transforms", "half")
+"""What is the same of every point, to the last: whoever has the nodes."""
+ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluations",
+           "leading_eigenvalue", "leading_eigenvalue_imaginary"}
+"""What differs by rounding, or is no result."""
+
+
+@together
+@pytest.mark.parametrize("text", (FIELDS, FORMS), ids=("fields", "forms"))
+@pytest.mark.parametrize("size", (1, *SIZES, 4))
+def test_even_fields_of_several_processes_are_those_of_one(size, text, tmp_path):
+    done = program(size, text, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("alike") == size
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Case -> observables of its points, of one process."""
+    return branches(1, tmp_path_factory.mktemp("one"))
+
+
+def branches(size, folder):
+    """Case -> observables of its points, of so many processes."""
+    done = program(size, BRANCHES, folder)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@together
+@pytest.mark.parametrize("size", SIZES)
+def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_path):
+    for case, points in branches(size, tmp_path).items():
+        assert events(points) == events(alone[case]), case
+        assert len(points) == len(alone[case]), case
+        exact = case != "stability"  # whose modes are sought at all nodes
+        for one, other in zip(alone[case], points):
+            assert not {name: (one[name], other[name]) for name in one
+                        if name not in ROUNDED and (exact or name not in SAME)
+                        and differs(name, one[name], other[name])}, case
+            assert not exact or all(one[name] == pytest.approx(other[name], rel=1e-12)
+                                    for name in SAME), case
+            assert 0.0 < other["half"] <= 0.3, case
+    assert "jump" in events(alone["pull-off"]) and "fold" in events(alone["arc length"])
