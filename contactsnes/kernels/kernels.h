@@ -161,7 +161,7 @@ struct Libraries {
 extern struct Libraries libraries;
 
 void along_rows(const Line *l, void *x, long count, int back, int odd, int single);
-void turn(void *a, long rows, long columns, void *b, int back, int single);
+void turn_field(void *a, long rows, long columns, void *b, int back, int single);
 int forward(Transform *t, long used);
 int backward(Transform *t, long used);
 void clear_beyond(const Transform *t, const long *shape);

@@ -128,7 +128,7 @@ class SlabEvenReal(SlabCosines):
         if back:
             self._along(self.spectrum, 0, back)
         for here, turned in zip(self._here, self.spectrum):
-            self.library.turn(address(here), *here.shape, address(turned), back,
+            self.library.turn_field(address(here), *here.shape, address(turned), back,
                               self.structure.single)
         if not back:
             self._along(self.spectrum, 0, back)

@@ -22,7 +22,7 @@ void along_rows(const Line *l, void *x, long count, int back, int odd, int singl
 }
 
 /* b (columns x rows) = transpose of a (rows x columns), or a that of b */
-void turn(void *a, long rows, long columns, void *b, int back, int single)
+void turn_field(void *a, long rows, long columns, void *b, int back, int single)
 {
     if (single && back) transpose_back_in_single(b, rows, columns, a, rows);
     else if (single) transpose_in_single(a, rows, columns, b, rows);
