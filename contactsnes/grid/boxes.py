@@ -52,11 +52,10 @@ class Spots:
     def __init__(self, grid, start, shape):
         self.grid = grid
         self.limits = grid.shape
-        self.shape = tuple(int(n) for n in shape)
+        self.shape = self.extents = tuple(int(n) for n in shape)
         self.parts = tuple(sorted((Window(grid, first, self.shape) for first in start),
                                   key=lambda part: part.start))
         self.start = self.origin = tuple(part.start for part in self.parts)
-        self.extents = self.shape
         self.size = self.total = len(self.parts) * self.parts[0].size
         self._which = self.start, self.shape, grid.shape, grid.periods
 

@@ -139,7 +139,7 @@ def along(field, axis, kind, odd):
     if odd:
         _sines(np.moveaxis(field, axis, 0), kind)
         return
-    done = scipy.fft.dct(field, kind, axis=axis, overwrite_x=True)
+    done = scipy.fft.dctn(field, kind, axes=[axis], overwrite_x=True)
     if done is not field:
         field[...] = done
 
