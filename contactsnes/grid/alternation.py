@@ -10,8 +10,14 @@ REACH = len(ALTERNATING) // 2
 
 
 def differences(boxes, axis, closed):
-    """Eighth differences along an axis of boxes (boxes, *box), beyond whose ends nothing is, or
-    which close on themselves: an array alike."""
+    """Eighth differences along an axis of boxes: an array alike.
+
+    Parameters
+    ----------
+    boxes : array (boxes, *box)
+    axis : int, from 1
+    closed : bool, whether boxes close on themselves; else nothing is beyond their ends
+    """
     return scipy.ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
 
 

@@ -258,7 +258,14 @@ def order_of(points, closed):
 
 
 class Line:
-    """Work, factors and plans of a direction's rows."""
+    """Work, factors and plans of a direction's rows.
+
+    Parameters
+    ----------
+    points : int, of a row from the axis outwards
+    closed : bool, whether the cell closes on itself there
+    single : bool, whether rows are in single precision
+    """
 
     def __init__(self, points, closed, single=False):
         real, wave = (SINGLE[np.dtype(kind)] if single else kind for kind in (float, complex))

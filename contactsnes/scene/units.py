@@ -155,7 +155,14 @@ class Units(Options):
         return f"{as_text(self.told(value, unit))} {self.scale(unit)[1]}"
 
     def short(self, value, unit, digits=4):
-        """A value of a unit in a few digits, in what the scene is told in, with a prefix in SI."""
+        """A value in a few digits, in what the scene is told in, with a prefix in SI.
+
+        Parameters
+        ----------
+        value : float, in the unit
+        unit : str, of `UNITS`
+        digits : int, significant ones
+        """
         size, name = self.scale(unit)
         return (f"{value:.{digits}g} {unit}" if self.units == "dimensionless"
                 else prefixed(value * size, name, digits))
