@@ -192,7 +192,7 @@ print("alike")
 """
 
 BRANCHES = """
-import json, sys
+import json
 import petsc4py
 petsc4py.init(["cases", "-snes_atol", "1e-11"])
 from petsc4py import PETSc
@@ -230,8 +230,10 @@ for name, (scene, load, steps) in CASES.items():
                             "half": getattr(point.state.half, "total", 0)
                             / branch.contact.grid.size})
 if PETSc.COMM_WORLD.rank == 0:
-    json.dump(found, sys.stdout, default=lambda value: value if isinstance(value, str)
-              else float(value))
+    # (a launcher may be slow to pass on as much as this)
+    with open("found.json", "w") as file:
+        json.dump(found, file, default=lambda value: value if isinstance(value, str)
+                  else float(value))
 """
 SAME = ("nonlinear_iterations", "linear_iterations", "transforms", "half")
 """What is the same of every point, to the last: whoever has the nodes."""
@@ -259,7 +261,7 @@ def branches(size, folder):
     """Case -> observables of its points, of so many processes."""
     done = program(size, BRANCHES, folder)
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return json.loads((folder / "found.json").read_text(encoding="utf-8"))
 
 
 @together
