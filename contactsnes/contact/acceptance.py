@@ -53,9 +53,8 @@ def strayed(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    grid, *fields, weights_of = _known(contact, guess, last, found)
-    told = (points.strays if contact.kernels.compiled else _by_numpy)(
-        *fields, weights_of, _limits(contact))
+    grid, *fields = _known(contact, guess, last, found)
+    told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
     held, opened, made, closed, through = grid.together(told[2:]).tolist()
     # A body that is rigid beside its law comes off as a whole: its tangent foretells where it is
     # then, whatever happens on the way.
@@ -127,8 +126,7 @@ def doubtful(contact, guess, last, found):
     """
     kernel = kernel_of(contact.law)
     if kernel is not None:
-        grid, *fields, weights_of = _known(contact, guess, last, found)
-        fields, limits = (*fields, weights_of), _limits(contact)
+        (grid, *fields), limits = _known(contact, guess, last, found), _limits(contact)
         moved = float(grid.largest(points.strays(*fields, limits)[1]))
         released, springs = grid.together(points.releases(
             kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), limits, moved))

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SOME = 256, FEW = 16 }; /* nodes at a time; places of a quadrature at most */
+enum { SOME = 256 }; /* nodes at a time */
 
 static double greater(double a, double b)
 {
@@ -114,7 +114,7 @@ CLONES void apart(long m, long nodes, const double *first, const double *second,
     numbers[2] = squares;
 }
 
-typedef struct { /* acceptance.LIMITS, and those of contact and friction */
+typedef struct { /* as contactsnes/contact/acceptance.py has them, in `_limits` */
     double strays, share, longest, reach, held, open, doubtful, trifle, contact, peak;
 } Limits;
 
