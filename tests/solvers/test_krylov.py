@@ -38,7 +38,8 @@ class Varying:
     def apply(self, pc, x, y):
         """y = x over a diagonal that varies."""
         self.count += 1
-        y.setArray(x.getArray() / (1.0 + 0.2 * np.sin(self.count + np.arange(len(x.getArray())))))
+        given = x.getArray(readonly=True)
+        y.setArray(given / (1.0 + 0.2 * np.sin(self.count + np.arange(len(given)))))
 
 
 def ksp_of(matrix, own, pc="jacobi", **tolerances):
