@@ -88,6 +88,8 @@ class Readable(Mapping):
     def _handy(self, name, values):
         """A field in units with prefixes."""
         factors = [self.factor(f"{name} {component}") for component in range(len(values))]
+        if factors == [1.0] * len(values):
+            return values
         return values * np.reshape(factors, (-1, *[1] * (values.ndim - 1)))
 
     @property

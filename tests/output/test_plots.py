@@ -1,7 +1,6 @@
 """Figures of archives: those that make sense are written, the others are named with the reason."""
 
 import re
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -493,11 +492,10 @@ def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatc
 def test_the_edge_of_contact_is_that_of_a_circle():
     """Lines at the right radius, and none where all or nothing is in contact."""
     x, y = np.linspace(-3, 3, 121), np.linspace(-2, 2, 81)
-    record = SimpleNamespace(coordinates=(x, y), contact_gap=0.5)
     gap = (x[:, None] - 0.4) ** 2 + y ** 2 - 0.94
-    (line,) = maps.edge(record, gap)
+    (line,) = maps.edge((x, y), gap, 0.5)
     np.testing.assert_allclose(np.hypot(line[:, 0] - 0.4, line[:, 1]), 1.2, atol=1e-3)
     assert len(line) > 100 and np.array_equal(line[0], line[-1])
-    assert len(maps.edge(record, gap - 100)) == len(maps.edge(record, gap + 100)) == 0
-    (half,) = maps.edge(record, gap + 0 * x[:, None] - 2.5)  # as far as the border of the map
+    assert [*maps.edge((x, y), gap - 100, 0.5), *maps.edge((x, y), gap + 100, 0.5)] == []
+    (half,) = maps.edge((x, y), gap - 2.5, 0.5)  # as far as the border of the map
     assert np.abs(half[:, 1]).max() <= 2.0

@@ -16,7 +16,7 @@ from matplotlib import animation
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import MovieOptions, ReportOptions
-from contactsnes.output.figures import movie
+from contactsnes.output.figures import encoding, movie
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
 from contactsnes.output.prefixes import read
@@ -223,10 +223,30 @@ def test_a_picture_shows_the_fields_of_its_point(tmp_path, dimension):
         scenes = movie._scenes(record, asked)
         assert scenes.points == [0, 3, 7, 11]
         scenes.draw(2)
-    axes = scenes.figure.axes[1]
-    shown = axes.lines[0].get_ydata() if dimension == 1 else axes.images[0].get_array().T
-    assert np.array_equal(shown, -record.field("traction", 7)[0])
+    axes, pressure = scenes.figure.axes[1], -record.field("traction", 7)[0].astype("f4")
+    if dimension == 1:
+        assert np.array_equal(axes.lines[0].get_ydata(), pressure)
+    else:  # the nodes that are to be seen, each at its place
+        image, (x, y) = axes.images[0], record.coordinates
+        left, right, low, high = image.get_extent()
+        near = np.ix_((left < x) & (x < right), (low < y) & (y < high))
+        assert np.array_equal(image.get_array().T, pressure[near])
+        assert axes.get_xlim()[0] >= left and axes.get_ylim()[1] <= high
     assert "point 7" in scenes.figure._suptitle.get_text()
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_gif_has_the_colours_of_its_pictures(tmp_path, dimension):
+    """Though these share 256 of them: maps and curves within a hundredth in the mean."""
+    PIL = pytest.importorskip("PIL.Image")
+    path, asked = archive(tmp_path / "run.h5", dimension), MovieOptions(frames=3, format="gif")
+    with matplotlib.rc_context({**movie.settings(""), "axes.formatter.use_mathtext": False}):
+        pictures = list(movie._scenes(read(path), asked).pictures(range(3)))
+    with PIL.open(movie.write_movie(path, asked)) as film:
+        for number, picture in enumerate(pictures):
+            film.seek(number)
+            off = np.abs(np.asarray(film.convert("RGB"), float) - picture[..., :3])
+            assert off.mean() < 2.5 and np.quantile(off, 0.99) < 32
 
 
 @pytest.mark.skipif(not animation.FFMpegWriter.isAvailable(), reason="there is no ffmpeg")
@@ -237,9 +257,9 @@ def test_a_film_is_an_mp4_where_ffmpeg_is(tmp_path):
 
 def test_a_film_without_ffmpeg_is_a_gif(tmp_path, monkeypatch):
     monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    assert movie._ending(MovieOptions()) == "gif"
+    assert encoding.ending(MovieOptions()) == "gif"
     with pytest.raises(InputError, match="needs ffmpeg"):
-        movie._ending(MovieOptions(format="mp4"))
+        encoding.ending(MovieOptions(format="mp4"))
 
 
 @pytest.mark.parametrize("output, word", [("run.avi", r"ends in \.mp4 or \.gif"),
@@ -247,7 +267,7 @@ def test_a_film_without_ffmpeg_is_a_gif(tmp_path, monkeypatch):
 def test_a_film_refuses_names_that_do_not_fit(monkeypatch, output, word):
     monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: True))
     with pytest.raises(InputError, match=word):
-        movie._ending(replace(MovieOptions(output=output), format="mp4"))
+        encoding.ending(replace(MovieOptions(output=output), format="mp4"))
 
 
 def test_a_film_needs_fields(tmp_path):

@@ -76,13 +76,14 @@ def describe(stored):
             else "none (-archive_fields all keeps them)")
 
 
-def fields(record, chosen):
-    """Gap and traction at the chosen points."""
+def fields(record, chosen, kind="f8"):
+    """Gap and traction at the chosen points, arrays of a kind of numbers."""
     if not chosen:
         raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
     if record.initial_gap is None:
         raise NothingToShow("the initial gap is not stored")
-    return [(record.initial_gap + displacement[0], traction)
+    return [((record.initial_gap + displacement[0]).astype(kind, copy=False),
+             traction.astype(kind, copy=False))
             for displacement, traction in record.each(chosen)]
 
 
@@ -95,11 +96,28 @@ def contact_region(coordinates, gaps, tractions):
     coordinates : tuple of one or two arrays (nodes,)
     gaps, tractions : lists of arrays over the nodes, one a point: gap and normal traction
     """
-    peak = np.max(np.abs(tractions))
-    acts = np.abs(tractions) > 1e-2 * peak if peak > 0 else np.ones(np.shape(gaps), bool)
+    peak = max(max(-np.min(traction), np.max(traction)) for traction in tractions)
+    acts, ceiling = np.zeros(gaps[0].shape, bool), -np.inf
+    for gap, traction in zip(gaps, tractions):
+        here = np.abs(traction) > 1e-2 * peak if peak > 0 else np.ones(gap.shape, bool)
+        acts |= here
+        ceiling = np.max(gap, where=here, initial=ceiling)
     limits = []
-    for axis, x in enumerate(coordinates, start=1):
+    for axis, x in enumerate(coordinates):
         inside = x[np.any(acts, axis=tuple(other for other in range(acts.ndim) if other != axis))]
         margin = 0.2 * (inside[-1] - inside[0]) + 2 * (x[1] - x[0])
         limits.append((max(inside[0] - margin, x[0]), min(inside[-1] + margin, x[-1])))
-    return limits, 1.5 * np.max(np.array(gaps)[acts])
+    return limits, 1.5 * ceiling
+
+
+def inside(coordinates, limits):
+    """The nodes within limits, and one beyond them: a tuple of slices.
+
+    Parameters
+    ----------
+    coordinates : tuple of arrays (nodes,), one a direction
+    limits : list of (low, high), of `contact_region`
+    """
+    bounds = [(np.searchsorted(x, low), np.searchsorted(x, high, "right"))
+              for x, (low, high) in zip(coordinates, limits)]
+    return tuple(slice(max(first - 1, 0), last + 1) for first, last in bounds)

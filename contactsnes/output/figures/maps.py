@@ -100,8 +100,8 @@ def draw_row(figure, line, record, row, gaps):
     gaps : list of (x, y) arrays, one a point, units of the record
     """
     for axes, value, gap in zip(line, row.values, gaps):
-        image = draw_map(axes, record, value, row.colormap, row.norm)
-        draw_edge(axes, edge(record, gap))
+        image = draw_map(axes, record.coordinates, value, row.colormap, row.norm)
+        draw_edge(axes, edge(record.coordinates, gap, record.contact_gap))
     bar = figure.colorbar(image, ax=list(line), label=label(row.text, row.symbol, row.unit, "\n"),
                           aspect=14, extend="max" if row.text == "gap" else "neither")
     if isinstance(row.norm, TwoSlopeNorm):
@@ -111,40 +111,41 @@ def draw_row(figure, line, record, row, gaps):
         bar.set_ticks(ticks, labels=[number(tick, digits) for tick in ticks])
 
 
-def draw_map(axes, record, values, colormap, norm):
+def draw_map(axes, coordinates, values, colormap, norm):
     """Image of values on the nodes of a two-dimensional grid.
 
     Parameters
     ----------
     axes : matplotlib's
-    record : Readable
+    coordinates : two arrays (nodes,)
     values : array (x, y)
     colormap : str
     norm : matplotlib.colors.Normalize, in the unit of the values
     """
-    x, y = record.coordinates
+    x, y = coordinates
     half = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     extent = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
     return axes.imshow(values.T, origin="lower", extent=extent, cmap=colormap, norm=norm)
 
 
-def edge(record, gap):
+def edge(coordinates, gap, level):
     """Lines where the contact ends, arrays (points, 2), if the scene says at which gap.
 
     Parameters
     ----------
-    record : Readable
-    gap : array (x, y), unit of the initial gap
+    coordinates : two arrays (nodes,)
+    gap : array (x, y)
+    level : float, unit of the gap; nan where the scene does not say it
     """
-    inside = gap < record.contact_gap
+    inside = gap < level
     if not inside.any() or inside.all():
         return []
     near = []  # a node farther than the contact goes
     for axis in range(2):
         places = np.flatnonzero(inside.any(axis=1 - axis))
         near.append(slice(max(places[0] - 1, 0), places[-1] + 2))
-    x, y = (line[part] for line, part in zip(record.coordinates, near))
-    return contour_generator(x, y, gap[tuple(near)].T).lines(record.contact_gap)
+    x, y = (line[part] for line, part in zip(coordinates, near))
+    return contour_generator(x, y, gap[tuple(near)].T).lines(level)
 
 
 def draw_edge(axes, lines):

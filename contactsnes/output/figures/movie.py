@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
 import matplotlib.ticker
 import numpy as np
-from matplotlib import animation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
-from PIL import Image
 
 from ...options.fields import InputError
 from ..files import ArchiveError
 from ..prefixes import read
-from .data import NothingToShow, contact_region, fields, shear
+from .data import NothingToShow, contact_region, fields, inside, shear
+from .encoding import ending, write_gif, write_mp4
 from .maps import draw_edge, draw_map, edge, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
@@ -35,14 +33,16 @@ RATES = (2, 30)
 
 class Scenes(NamedTuple):
     """A figure, what sets it to one of its points (function of a place in the list of points: the
-    artists that move), and the points."""
+    artists that move), the points, and the names of its maps of colours."""
 
     figure: Figure
     draw: object
     points: list
+    colormaps: tuple = ()
 
-    def pictures(self):
-        """Iterate over the pictures, arrays (height, width, 4): what stands still is drawn once."""
+    def pictures(self, places):
+        """Iterate over pictures, arrays (height, width, 4), of places in the list of points: what
+        stands still is drawn once."""
         self.figure.set_size_inches(*(2 * np.ceil(self.figure.get_size_inches() * DOTS / 2) / DOTS))
         self.figure.set_dpi(DOTS)
         canvas = FigureCanvasAgg(self.figure)
@@ -52,7 +52,7 @@ class Scenes(NamedTuple):
             artist.set_animated(True)
         canvas.draw()
         still = canvas.copy_from_bbox(self.figure.bbox)
-        for place in range(len(self.points)):
+        for place in places:
             canvas.restore_region(still)
             for artist in self.draw(place):
                 artist.draw(canvas.get_renderer())
@@ -76,59 +76,16 @@ def write_movie(path, asked):
     record = read(path)
     if not record.field_points or record.initial_gap is None:
         raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all")
-    ending = _ending(asked)
-    target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{ending}")
+    kind = ending(asked)
+    target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{kind}")
     if not target.parent.is_dir():
         raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
                          "another")
     rate = _rate(record, asked)
     # Formulas take most of the time: numbers at axes are none.
     with matplotlib.rc_context({**settings(asked.style), "axes.formatter.use_mathtext": False}):
-        pictures = _scenes(record, asked).pictures()
-        (_write_mp4 if ending == "mp4" else _write_gif)(target, rate, pictures)
+        (write_mp4 if kind == "mp4" else write_gif)(target, rate, _scenes(record, asked))
     return target
-
-
-def _write_gif(path, rate, pictures):
-    """Write pictures, arrays, as a GIF."""
-    first, *others = [Image.fromarray(picture).convert("RGB").quantize(256, dither=0)
-                      for picture in pictures]
-    first.save(path, save_all=True, append_images=others, duration=1000.0 / rate, loop=0)
-
-
-def _write_mp4(path, rate, pictures):
-    """Write pictures, arrays, as an MP4 by ffmpeg; InputError where that fails."""
-    process = None
-    for picture in pictures:
-        if process is None:
-            size = f"{picture.shape[1]}x{picture.shape[0]}"
-            process = subprocess.Popen(
-                [matplotlib.rcParams["animation.ffmpeg_path"], "-v", "error", "-y", "-f",
-                 "rawvideo", "-pix_fmt", "rgba", "-s", size, "-r", str(rate), "-i", "-", "-c:v",
-                 "libx264", "-preset", "fast", "-pix_fmt", "yuv420p", str(path)],
-                stdin=subprocess.PIPE, stderr=subprocess.PIPE)
-        try:
-            process.stdin.write(picture.tobytes())
-        except BrokenPipeError:
-            break
-    _, told = process.communicate()
-    if process.returncode:
-        raise InputError(f"ffmpeg cannot write {path} ({told.decode(errors='replace').strip()}): "
-                         "take -format gif")
-
-
-def _ending(asked):
-    """mp4 where ffmpeg is and nothing else is asked for, else gif."""
-    there = animation.FFMpegWriter.isAvailable()
-    name = Path(asked.output).suffix.lower().lstrip(".")
-    if name and name not in ("mp4", "gif"):
-        raise InputError(f"-output is '{asked.output}': the name of a movie ends in .mp4 or .gif")
-    wanted = asked.format if asked.format != "auto" else name or ("mp4" if there else "gif")
-    if name and name != wanted:
-        raise InputError(f"-format is '{wanted}', but -output is '{asked.output}': leave one out")
-    if wanted == "mp4" and not there:
-        raise InputError("-format is 'mp4', which needs ffmpeg: install it, or take -format gif")
-    return wanted
 
 
 def _points(record, most):
@@ -187,7 +144,7 @@ def _unit(unit):
 
 def _line(record, points, width):
     """Profiles below each other beside the curve of loads."""
-    profiles = fields(record, points)
+    profiles = fields(record, points, "f4")
     gaps, tractions = ([pair[part] for pair in profiles] for part in (0, 1))
     shown = panels(record, gaps, tractions)
     figure = Figure((width, 0.62 * width), layout="constrained")
@@ -241,16 +198,19 @@ def _place(figure, record, point, mark, along):
 
 def _plane(record, points, width):
     """Maps beside each other above the curve of loads."""
-    maps = fields(record, points)
+    maps = fields(record, points, "f4")
     gaps, tractions = ([pair[part] for pair in maps] for part in (0, 1))
     window, ceiling = contact_region(record.coordinates, gaps, [each[0] for each in tractions])
+    near = inside(record.coordinates, window)
+    coordinates = [x[part] for x, part in zip(record.coordinates, near)]
+    gaps, tractions = [gap[near] for gap in gaps], [each[(..., *near)] for each in tractions]
     shown = rows(record, gaps, tractions, ceiling)
     figure = Figure((width, 0.72 * width), layout="constrained")
     grid = figure.add_gridspec(2, len(shown), height_ratios=(1.5, 1))
     stack = [figure.add_subplot(grid[0, column]) for column in range(len(shown))]
     images = []
     for axes, row in zip(stack, shown):
-        images.append(draw_map(axes, record, row.values[0], row.colormap, row.norm))
+        images.append(draw_map(axes, coordinates, row.values[0], row.colormap, row.norm))
         axes.set(xlim=window[0], ylim=window[1], xlabel=label("", "x", record.units["x"]))
         axes.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
         bar = figure.colorbar(images[-1], ax=axes, location="top", aspect=25,
@@ -265,7 +225,7 @@ def _plane(record, points, width):
     mark, along = _mark(figure.add_subplot(grid[1, :]), record)
 
     def draw(place):
-        lines = edge(record, gaps[place])
+        lines = edge(coordinates, gaps[place], record.contact_gap)
         for axes, image, row in zip(stack, images, shown):
             image.set_data(row.values[place].T)
             for former in [*axes.collections]:
@@ -276,4 +236,4 @@ def _plane(record, points, width):
         return [*parts, *_place(figure, record, points[place], mark, along)]
 
     draw(0)
-    return Scenes(figure, draw, points)
+    return Scenes(figure, draw, points, tuple(row.colormap for row in shown))

@@ -57,7 +57,7 @@ def _ranked(labels):
 def _draw_numbered(axes, record, ranks):
     """Draw a map of spots, each in a colour, the largest with their numbers."""
     shades = ListedColormap(matplotlib.colormaps["tab20"].colors)
-    draw_map(axes, record, np.ma.masked_equal(ranks, 0) % 20, shades,
+    draw_map(axes, record.coordinates, np.ma.masked_equal(ranks, 0) % 20, shades,
              matplotlib.colors.Normalize(0, 19))
     for spot in range(1, min(ranks.max(), NUMBERED) + 1):
         place = [axis[node] for axis, node in zip(record.coordinates, _middle(ranks == spot))]
