@@ -1,27 +1,17 @@
 """What is known of a scene before it is solved: contact and pull-off by theory, cohesive lengths,
 what its grid costs, what its layer takes of the shear, and what to change where it is out of reach.
-
-In scaled units: E* = R = phi_n = 1, tractions in E* u_n,r/beta and E* u_t,r/beta.
 """
 
 import math
-from typing import NamedTuple
 
 from ..contact.problem import DISPLACEMENT
-from ..interface import bodies, laws
-from ..reference import (
-    bonded_circle_stiffness,
-    ligament_stiffness,
-    maugis_line,
-    maugis_line_pull_off,
-    maugis_sphere,
-    maugis_sphere_pull_off,
-)
+from ..interface import laws
 from ..scene.isolation import largest_force
 from ..scene.settings import tangential_legs
 from .costs import cost, in_bytes, in_time
 from .grid_choice import cell_of
 from .reach import remedies
+from .theory import cohesive_lengths, layer_share, sliding_displacement, sliding_force, theory
 
 FAR = 6.0
 """Times the displacement that slides, from which on a path's steps are told to be long."""
@@ -31,17 +21,7 @@ NEAR = 0.35
 """Part of the cell's width up to which a contact's radius is hardly aware of its neighbours."""
 
 
-class Theory(NamedTuple):
-    """Contact by Maugis and Dugdale, alone on a half-space: at a normal force its radius (half
-    width), that of the ring of attraction around it, and the least force."""
-
-    force: float
-    radius: float
-    outer: float
-    pull_off: float
-
-
-def advice(scene, load, output, size, steps=None):
+def advice(scene, load, output, size, steps=None, form=None):
     """Lines of advice on a scene and its load path.
 
     Parameters
@@ -51,6 +31,7 @@ def advice(scene, load, output, size, steps=None):
     output : Output, which says what is kept
     size : function (value, unit, digits) that puts a value in words
     steps : Steps, optional
+    form : Form, optional
 
     Returns
     -------
@@ -59,25 +40,9 @@ def advice(scene, load, output, size, steps=None):
     sheared = any(tangential_legs(scene, load))
     found = theory(scene, largest_force(scene, load))
     return [*_contact(scene, found, size), *_lengths(scene, found, sheared, size),
-            *_cost(scene, load, output, steps), *_layer(scene, found, sheared, size),
+            *_cost(scene, load, output, steps, form), *_layer(scene, found, sheared, size),
             *_path(scene, load, found, sheared, size),
             *remedies(scene, load, lambda other: _phrase(other, found, size))]
-
-
-def theory(scene, force):
-    """The `Theory` of a scene at a normal force, or None where its shape or law has none."""
-    stress = laws.of(scene).normal_peak * scene.normal_maugis
-    try:
-        if (scene.geometry, scene.dimension) == ("sphere", 2):
-            return Theory(force, *map(float, maugis_sphere(force, stress)[:2]),
-                          float(maugis_sphere_pull_off(stress)[0]))
-        if (scene.geometry, scene.dimension) == ("cylinder", 1):
-            # of the exponential law, whose peak is lambda/e
-            return Theory(force, *map(float, maugis_line(force, math.e * stress)[:2]),
-                          float(maugis_line_pull_off(math.e * stress)[0]))
-    except (ValueError, ArithmeticError):
-        pass
-    return None
 
 
 def _phrase(scene, found, size):
@@ -126,14 +91,6 @@ def _too_large(scene, found, what, size):
                    "as the model has them; are all numbers in SI?")
 
 
-def cohesive_lengths(scene):
-    """Lengths of the cohesive zones that open and that slip, E* phi/strength^2, beta."""
-    law = laws.of(scene)
-    return tuple(1.0 / (peak * maugis) ** 2 if peak > 0.0 else math.inf
-                 for peak, maugis in ((law.normal_peak, scene.normal_maugis),
-                                      (law.tangential_peak, scene.tangential_maugis)))
-
-
 def _lengths(scene, found, sheared, size):
     """Cohesive lengths, and how they compare with the contact."""
     normal, tangential = cohesive_lengths(scene)
@@ -148,42 +105,12 @@ def _lengths(scene, found, sheared, size):
     return lines
 
 
-def _cost(scene, load, output, steps):
+def _cost(scene, load, output, steps, form):
     """Memory, disk and time of the grid that a scene has."""
-    found = cost(scene, load, cell_of(scene, load).shape, output, steps)
+    found = cost(scene, load, cell_of(scene, load).shape, output, steps, form)
     disk = f", {in_bytes(found.disk)} of disk" if found.disk else ", nothing on disk"
     return [f"cost, about: {found.points} points, {in_bytes(found.memory)} of memory{disk}, "
             f"{in_time(found.seconds)} of one core"]
-
-
-# What the layer takes
-
-
-def sliding_force(scene, found):
-    """Force at which all of a contact by theory slips, strength times area: tangential force
-    unit."""
-    width = 2.0 * found.radius if scene.dimension == 1 else math.pi * found.radius ** 2
-    return laws.of(scene).tangential_peak * scene.tangential_maugis * width
-
-
-def contact_displacement(scene, found):
-    """Displacement at which all of a contact by theory slips, without what a layer takes: that of
-    the bonded contact under its `sliding_force`, and the slip of the law's peak, u_t,r."""
-    poisson = getattr(bodies.of(scene), "poisson", 0.5)
-    stiffness = (bonded_circle_stiffness(found.radius, poisson) if scene.dimension == 2
-                 else ligament_stiffness(found.radius, scene.periods[0]))
-    return (float(sliding_force(scene, found) / stiffness)
-            + laws.of(scene).slip_peak / scene.tangential_maugis)
-
-
-def layer_share(scene, found):
-    """Displacements of the layer, T H/(G A), and of the contact in it, at the `sliding_force` of a
-    contact by theory, u_t,r; None where no layer is there."""
-    compliance = bodies.of(scene).rigid_compliance[1]
-    if scene.isolated or compliance == 0.0 or not found.radius > 0.0:
-        return None
-    return (sliding_force(scene, found) * compliance / math.prod(scene.periods),
-            contact_displacement(scene, found))
 
 
 def _layer(scene, found, sheared, size):
@@ -208,15 +135,14 @@ def _layer(scene, found, sheared, size):
 def _path(scene, load, found, sheared, size):
     """Where the contact slides on the path, and what to change where that is a small part of a
     leg."""
-    if not sheared or found is None or scene.isolated or not found.radius > 0.0:
+    end = sliding_displacement(scene, found) if sheared else None
+    if end is None:
         return []
-    both = layer_share(scene, found)
-    end = sum(both or (contact_displacement(scene, found),))
     ways = [abs(control.value) for leg in scene.legs(load) for place, control
             in leg.controls.items() if place and control.value and control.control == DISPLACEMENT]
-    lines = [] if both else [f"all of it slips at a tangential displacement of about "
-                             f"{size(end, 'u_t,r', 3)}, or earlier where slip takes the adhesion "
-                             "away"]
+    lines = [] if layer_share(scene, found) else [
+        f"all of it slips at a tangential displacement of about {size(end, 'u_t,r', 3)}, or "
+        "earlier where slip takes the adhesion away"]
     if ways and max(ways) > FAR * end:
         lines.append(f"the path goes {max(ways) / end:.2g} times as far, and steps are parts of "
                      f"its leg: end it near {scene.told(2.0 * end, 'u_t,r'):.2g}, or take smaller "

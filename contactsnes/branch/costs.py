@@ -1,24 +1,44 @@
-"""What a grid costs before it is solved: points of the path, memory, disk and time, about."""
+"""What a grid costs before it is solved: points of the path, memory, disk and time, about.
+
+Constants are measured; docs/experiments.md has what they tell beside what runs took.
+"""
 
 import math
 from typing import NamedTuple
 
-from ..interface import shapes
-from ..scene.settings import tangential_legs
+from ..contact.problem import FORCE
+from ..interface import laws, shapes
+from ..scene.isolation import largest_force
+from ..scene.settings import Form, Output, Steps, loaded_legs, tangential_legs
 from .grid_choice import active_part, cell_of, window_part
 from .memory import memory_of_solve
+from .theory import sliding_displacement, theory
 
-TRANSFORMS = {(1, False): 20.0, (1, True): 60.0, (2, False): 120.0, (2, True): 200.0}
-"""Transforms of the cell that a point takes where its window is the whole cell, by dimension and
-whether it is sheared; measured."""
-SECONDS, EACH = 1.5e-9, 0.015
-"""Processor time of a transform of N nodes with all that goes with it over N log2 N, and of a point
-besides; measured on one core."""
-STEPS = 25
-"""Points of a leg with default steps, about."""
-PACKED = {1: 0.45, 2: 0.3, 4: 0.13}
+START, EACH, NODE = 0.45, {1: 0.006, 2: 0.015}, 6e-8
+"""Processor time of a run besides its points, of a point by dimension, and of its observables for
+each node, s."""
+SECONDS = 1.2e-9
+"""Processor time of a transform of N nodes with all that goes with it over N log2 N, s."""
+TRANSFORMS = {(1, False): 35.0, (1, True): 150.0, (2, False): 30.0, (2, True): 100.0}
+"""Transforms that a point takes of the circle its window is solved on, by dimension and whether it
+is sheared; those in single precision count half."""
+ROUGH, COUPLED, ESTIMATED = {False: 70.0, True: 90.0}, 2.0, 4.0
+"""Such transforms of a gap that is known on nodes only; times as many where normal and tangential
+displacements are coupled; time with estimates of errors over that without."""
+STEPS, STOPPED, FOLDED, JUMPING = 22, 0.65, 4, 4
+"""Points of a leg with default steps, the part of a leg up to a pull-off that ends the path, points
+that a fold and the jump from it add, and times as many points where a rough plane is moved and its
+spots jump."""
+FALLING = {"points": 1.4, "transforms": 1.6}
+"""Times as many where friction falls with the slip, so that sliding begins with a jump."""
+RUNNING = 120e6
+"""Bytes of Python and its libraries."""
+ITERATIONS = 75
+"""Krylov iterations of the hardest solve on a rough plane."""
+PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.5, {1: 3e-9, 2: 7e-8}
 """Bytes of active fields in the file over those before they are compressed, by the number of mirror
-images that are alike; measured."""
+images that are alike; that of shapes that do not vary along a direction over it; processor time for
+each byte before, by dimension, s."""
 STATES = 4
 """States that an archive keeps for going on."""
 SINGLE = 0.57
@@ -37,7 +57,7 @@ class Cost(NamedTuple):
     seconds: float
 
 
-def cost(scene, load, shape, output=None, steps=None):
+def cost(scene, load, shape, output=None, steps=None, form=None):
     """The `Cost` of a scene on a grid.
 
     Parameters
@@ -46,30 +66,52 @@ def cost(scene, load, shape, output=None, steps=None):
     load : Load
     shape : tuple of int, points of the grid
     output : Output, optional: by default nothing is kept
-    steps : Steps, optional
+    steps, form : Steps and Form, optional
     """
-    sheared = tangential_legs(scene, load)
-    nodes, count = math.prod(shape), scene.components if any(sheared) else 1
-    part = _part(scene, load)
-    needed = memory_of_solve(part * count * nodes, count * nodes)
-    per_leg = _points(scene, load, steps)
-    work = SECONDS * nodes * math.log2(nodes) * min(1.0, 4.0 ** scene.dimension * part)
-    if _is_even(scene):
-        work *= 0.5
-    seconds = sum(points * (EACH + TRANSFORMS[scene.dimension, bool(slips)] * work)
-                  for points, slips in zip(per_leg, sheared))
-    points = sum(per_leg)
-    kept = {"none": 0, "last": 1, "all": points}[output.fields if output and output.file
-                                                 else "none"]
-    disk = 0.0
-    if output and output.file:
-        disk = (8.0 * NUMBERS * points + kept * _bytes_of_fields(scene, load, nodes, output)
-                + _bytes_besides(scene, load, nodes, kept and output.on_active(scene)))
-    return Cost(points, needed, disk, seconds)
+    output, form, nodes = output or Output(), form or Form(), math.prod(shape)
+    counts, loaded = _points(scene, load, steps or Steps()), loaded_legs(scene, load)
+    kept = _bytes_of_fields(scene, load, nodes, output, counts)
+    seconds = START + PACKING[scene.dimension] * sum(kept) + sum(
+        count * (EACH[scene.dimension] + NODE * nodes
+                 + _solve(scene, load, nodes, form, bool(sheared)))
+        for count, sheared in zip(counts, loaded))
+    factor = ESTIMATED if output.errors else 1.0
+    return Cost(sum(counts), _memory(scene, load, nodes, form),
+                _disk(scene, load, nodes, output, counts, sum(kept)), factor * seconds)
 
 
-def _bytes_of_fields(scene, load, nodes, output):
-    """Bytes of the fields of a point; of active nodes with their numbers, packed.
+def _solve(scene, load, nodes, form, sheared):
+    """Processor time of the solves of a point, s.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    nodes : int, of the grid
+    form : Form
+    sheared : bool, whether it is
+    """
+    circle = max(2.0, min(nodes, 2 ** scene.dimension * _part(scene, load, form) * nodes)
+                 / _images(scene, sheared, form))
+    count = ROUGH[sheared] if _is_given(scene) else TRANSFORMS[scene.dimension, sheared]
+    count *= COUPLED if scene.coupled else 1.0
+    count *= FALLING["transforms"] if sheared and _falls(scene) else 1.0
+    return count * SECONDS * circle * math.log2(circle)
+
+
+def _memory(scene, load, nodes, form):
+    """Bytes that a run holds."""
+    slips = any(tangential_legs(scene, load))
+    whole = nodes * (scene.components if slips else 1)
+    unknowns = whole * _part(scene, load, form) / _images(scene, any(loaded_legs(scene, load)), form)
+    hard = {"iterations": ITERATIONS} if _is_given(scene) and scene.dimension == 2 else {}
+    return (RUNNING + shapes.of(scene).memory(scene)
+            + memory_of_solve(unknowns, whole, **hard))
+
+
+def _bytes_of_fields(scene, load, nodes, output, counts):
+    """Bytes of the fields that are kept of each leg, before they are compressed; what is zero takes
+    nothing.
 
     Parameters
     ----------
@@ -77,41 +119,57 @@ def _bytes_of_fields(scene, load, nodes, output):
     load : Load
     nodes : int, of the grid
     output : Output
+    counts : list of int, points of the start and of each leg
     """
+    if not output.file or output.fields == "none":
+        return [0.0]
+    if output.fields == "last":
+        counts = [0] * (len(counts) - 1) + [1]
     single = output.precision == "single"
-    each = 2 * scene.components * (4 if single else 8)
+    each = 2 * (4 if single else 8) * nodes
     if not output.on_active(scene):
-        return nodes * each
-    packed = PACKED[_images(scene, load)] * (8 + each)
-    return nodes * packed * _part(scene, load, active_part, SINGLE if single else 1.0)
+        return [each * scene.components * count for count in counts]
+    each *= _active(scene, load, SINGLE if single else 1.0)
+    return [each * count * (scene.components if slips else 1)
+            for count, slips in zip(counts, tangential_legs(scene, load))]
 
 
-def _bytes_besides(scene, load, nodes, rebuilt):
-    """Bytes of the gap and of the states that a run goes on from; and of the compliance, packed,
-    where fields are rebuilt by it.
+def _disk(scene, load, nodes, output, counts, kept):
+    """Bytes of an archive: numbers of points, their fields, the gap, states that a run goes on
+    from, and the compliance where fields are rebuilt by it.
 
     Parameters
     ----------
     scene : Scene
     load : Load
     nodes : int, of the grid
-    rebuilt : bool
+    output : Output
+    counts : list of int, points of the start and of each leg
+    kept : float, bytes of the fields before they are compressed
     """
-    states = STATES * scene.components * _part(scene, load)
-    return 8.0 * nodes * (1.0 + states + (0.5 * PACKED[1] * scene.components ** 2
-                                          if rebuilt else 0.0))
+    if not output.file:
+        return 0.0
+    slips = any(tangential_legs(scene, load))
+    states = STATES * _active(scene, load) * (scene.components if slips else 1)
+    active = output.on_active(scene)
+    packed = PACKED[_images(scene, any(loaded_legs(scene, load)), Form())] if active else 1.0
+    packed *= UNIFORM if active and shapes.of(scene).uniform else 1.0
+    blocks = scene.components ** 2 if scene.coupled else 2 * scene.dimension
+    return (8.0 * NUMBERS * sum(counts) + packed * kept
+            + 8.0 * nodes * (1.0 + states + (0.5 * blocks if active and kept else 0.0)))
 
 
-def _is_even(scene):
-    """Whether states are mirror images of themselves about the apex, as far as shapes tell."""
-    return not _is_given(scene)
-
-
-def _images(scene, load):
-    """Mirror images of a contact that are alike, in most of its points."""
-    if _is_given(scene):
+def _images(scene, sheared, form):
+    """Mirror images that states are made of, as far as shapes tell; of sheared ones where normal
+    and tangential displacements are coupled half as many."""
+    if _is_given(scene) or form.symmetry == "off":
         return 1
-    return 2 ** scene.dimension // (2 if scene.coupled and any(tangential_legs(scene, load)) else 1)
+    return 2 ** scene.dimension // (2 if sheared and scene.coupled else 1)
+
+
+def _falls(scene):
+    """Whether friction falls with the slip."""
+    return laws.of(scene).slip_softening > 0.0
 
 
 def _is_given(scene):
@@ -119,9 +177,21 @@ def _is_given(scene):
     return shapes.of(scene).gridded or bool(shapes.of(scene).memory(scene))
 
 
-def _part(scene, load, part=window_part, *more):
-    """The part of the cell that the window, or another ``part``, takes, 1 where that is not
-    known."""
+def _part(scene, load, form):
+    """The part of the cell that the window takes."""
+    if form.window == "off" or form.form == "force":
+        return 1.0
+    return _share(scene, load, window_part)
+
+
+def _active(scene, load, reach=1.0):
+    """The part of the cell that the law acts on, within a part of its range."""
+    return _share(scene, load, active_part, reach)
+
+
+def _share(scene, load, part, *more):
+    """A part of the cell, 1 where that is not known; of a rough body that of the smooth one."""
+    scene = shapes.of(scene).smooth(scene)
     if _is_given(scene):
         return 1.0
     try:
@@ -130,22 +200,59 @@ def _part(scene, load, part=window_part, *more):
         return 1.0
 
 
+# Points of a path
+
+
 def _points(scene, load, steps):
     """Points of the start and of each leg, about; loads and steps as they are typed."""
     legs = load.legs(scene.dimension) if load.path else ()
     found, values = [1], dict(load.initial(scene.dimension, scene.isolated))
     for number, leg in enumerate(legs, start=1):
         component, control = next(iter(leg.controls.items()))
-        before = values.get(component)
-        length = (abs(control.value - before.value) if control.value is not None
-                  and before is not None and before.control == control.control
-                  and before.value is not None else None)
+        way = _way(values.get(component), control)
         points = STEPS if control.value is not None else 1
-        if length and steps is not None:
-            points = 5 + math.ceil(length / (steps.sizes(number, length)[1]))
-        found.append(points)
+        if way and (steps.initial_step or steps.largest_step):
+            points = FOLDED + math.ceil(way / steps.sizes(number, way)[1])
+        found.append(math.ceil(points * _walked(scene, load, component, control, way)
+                               * _crowded(scene, component, control)))
         values |= leg.controls
     return found
+
+
+def _way(before, control):
+    """How far a leg moves what it names first, as typed; None where that is not known."""
+    if (control.value is None or before is None or before.value is None
+            or before.control != control.control):
+        return None
+    return abs(control.value - before.value)
+
+
+def _walked(scene, load, component, control, way):
+    """The part of a leg that is walked before an event ends the path.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    component : int, that moves
+    control : Control
+    way : float, its length as typed, or None
+    """
+    if component == 0:
+        return STOPPED if "pull_off" in load.stops and (control.value or 0.0) < 0.0 else 1.0
+    if "gross_sliding" not in load.stops or not way or control.control == FORCE:
+        return 1.0
+    end = sliding_displacement(scene, theory(scene, largest_force(scene, load)))
+    return 1.0 if end is None else min(1.0, scene.told(end, "u_t,r") / way + FOLDED / STEPS)
+
+
+def _crowded(scene, component, control):
+    """Times as many points where what is moved by its displacement jumps on the way."""
+    if control.control == FORCE or control.value is None:
+        return 1
+    if component:
+        return FALLING["points"] if _falls(scene) else 1
+    return JUMPING if scene.dimension == 2 and _is_given(scene) else 1
 
 
 def in_bytes(count):

@@ -17,7 +17,7 @@ HELD = {"own": 1, "fgmres": 2, "gmres": 1}
 (ours, the default of many unknowns: two in single); other methods hold a few in all."""
 
 
-def memory_of_solve(unknowns, whole, kind=None):
+def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
     """Bytes of a solve: Krylov vectors and 30 arrays of the unknowns, 10 arrays over the cell.
 
     Measured on rough planes without a window, in arrays of the nodes: 43 of one component on 1024 x
@@ -28,11 +28,12 @@ def memory_of_solve(unknowns, whole, kind=None):
     unknowns : int
     whole : int, nodes of the cell times components
     kind : str, the method of linear solves; None: -ksp_type
+    iterations : int, of a linear solve
     """
     from petsc4py import PETSc  # its start takes options, which nobody has read when this is loaded
 
     kind = kind or PETSc.Options().getString("ksp_type", "own")
-    return 8 * ((HELD.get(kind, 0) * ITERATIONS + 30) * unknowns + 10 * whole)
+    return 8 * ((HELD.get(kind, 0) * iterations + 30) * unknowns + 10 * whole)
 
 
 def memory():

@@ -9,7 +9,7 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes.branch import advice, costs, reach  # noqa: E402
+from contactsnes.branch import advice, reach, theory  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.grid_choice import on  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -27,14 +27,14 @@ def told(value, unit, digits):
 
 def test_theory_of_a_sharp_law_is_that_of_jkr():
     """a^3 = (3/4) (W + 3 pi + sqrt(6 pi W + 9 pi^2)), pull-off at -3 pi/2."""
-    found = advice.theory(SPHERE, 5.0)
+    found = theory.theory(SPHERE, 5.0)
     radius = (0.75 * (5 + 3 * math.pi + math.sqrt(30 * math.pi + 9 * math.pi ** 2))) ** (1 / 3)
     assert found.radius == pytest.approx(radius, rel=2e-3)
     assert found.pull_off == pytest.approx(-1.5 * math.pi, rel=1e-3)
-    line = advice.theory(Scene(normal_maugis=40.0), 0.0)
+    line = theory.theory(Scene(normal_maugis=40.0), 0.0)
     assert line.radius == pytest.approx((32 / math.pi) ** (1 / 3), rel=2e-3)
     assert line.pull_off == pytest.approx(-1.743671, rel=1e-3)
-    assert advice.theory(Scene(geometry="sinusoid"), 0.0) is None
+    assert theory.theory(Scene(geometry="sinusoid"), 0.0) is None
 
 
 def test_cohesive_lengths_are_modulus_times_work_over_strength_squared():
@@ -42,7 +42,7 @@ def test_cohesive_lengths_are_modulus_times_work_over_strength_squared():
                         work_of_adhesion_tangential=0.05, adhesive_strength=4e4,
                         shear_strength=3e5)
     length = scene.scale("beta")[0]
-    normal, tangential = (length * value for value in advice.cohesive_lengths(scene))
+    normal, tangential = (length * value for value in theory.cohesive_lengths(scene))
     assert normal == pytest.approx(2e6 * 0.03 / 4e4 ** 2, rel=1e-12)
     assert tangential == pytest.approx(2e6 * 0.05 / 3e5 ** 2, rel=1e-12)
 
@@ -50,7 +50,7 @@ def test_cohesive_lengths_are_modulus_times_work_over_strength_squared():
 def test_the_share_of_the_layer_is_that_of_a_solved_branch():
     """U = mean slip + T H/(G A) with G = E*/4 at Poisson ratio 1/2: from theory, and solved."""
     scene = Scene(normal_maugis=3.0, tangential_maugis=0.5, points=1024, period=40.0, height=100.0)
-    layer, contact = advice.layer_share(scene, advice.theory(scene, 5.0))
+    layer, contact = theory.layer_share(scene, theory.theory(scene, 5.0))
     branch = Branch(scene, Load(path="normal_force=5; tangential_displacement=200",
                                 stop="gross_sliding"))
     last = branch.observe(list(branch)[-1])
@@ -77,7 +77,7 @@ def test_the_ring_of_attraction_is_what_counts_as_contact():
     scene = Scene(dimension=2, geometry="sphere", normal_maugis=3.0, tangential_maugis=1.5,
                   residual_friction=1.0, height=math.inf, points=256, period=16.0)
     load = Load(path="normal_force=4; tangential_displacement_x=40", stop="gross_sliding")
-    found = advice.theory(scene, 4.0)
+    found = theory.theory(scene, 4.0)
     branch = Branch(scene, load, Steps(largest_step=(3.0, 0.5), initial_step=(1.0, 0.25)))
     rows = [branch.observe(point) for point in branch]
     pressed = [row for row in rows if row["leg"] == 1][-1]
@@ -86,13 +86,13 @@ def test_the_ring_of_attraction_is_what_counts_as_contact():
     lines = advice.advice(scene, load, Output(), told)
     assert any(line.startswith("with the ring of attraction") for line in lines)
     # friction over all of it, and what is left of it once slip has taken the adhesion away
-    slides = advice.contact_displacement(scene, found)
+    slides = theory.contact_displacement(scene, found)
     assert 0.5 * slides < rows[-1]["tangential_displacement_x"] < 1.1 * slides
 
 
 def test_long_and_short_paths_are_told():
     scene = replace(SPHERE, normal_maugis=3.0, height=math.inf)
-    slides = advice.contact_displacement(scene, advice.theory(scene, 5.0))
+    slides = theory.contact_displacement(scene, theory.theory(scene, 5.0))
     for part, words in ((0.5, "the path ends at 0.5 of that"), (2.0, ""),
                         (20.0, "the path goes 20 times as far, and steps are parts of its leg")):
         load = Load(path=f"normal_force=5; tangential_displacement_x={part * slides}")
@@ -123,29 +123,3 @@ def test_softer_laws_are_resolved():
         normal, tangential = reach.softened(fits, True)
         softer = replace(fits, normal_maugis=normal, tangential_maugis=tangential)
         assert 0.9 < max(resolution(softer, True)) <= 1.0
-
-
-def test_costs_grow_with_the_grid_and_the_fields():
-    cell, active = (Output(file="x.h5", fields="all", fields_on=on) for on in ("cell", None))
-    small, large = (costs.cost(SPHERE, SHEARED, (n, n), cell) for n in (128, 256))
-    on_active = costs.cost(SPHERE, SHEARED, (256, 256), active)
-    assert 3.9 < large.disk / small.disk < 4.1
-    finest = costs.cost(SPHERE, SHEARED, (512, 512), cell)
-    assert 3.5 < finest.seconds / large.seconds < 5
-    assert large.disk == pytest.approx(8 * 6 * 256 ** 2 * large.points, rel=5e-2)
-    assert 0.02 * large.disk < on_active.disk < 0.5 * large.disk
-    assert costs.cost(SPHERE, SHEARED, (128, 128)).disk == 0.0
-    coupled = costs.cost(replace(SPHERE, poisson=0.3), SHEARED, (256, 256), active)
-    assert 1.5 * on_active.disk < coupled.disk < 4 * on_active.disk
-
-
-def test_points_follow_from_the_steps():
-    load = Load(path="normal_force=hold; normal_force=5; normal_force=15")
-    steps = Steps(largest_step=0.5)
-    assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 1 + 25 + 25
-    si = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3, young_modulus=1e6,
-                     work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
-                     adhesive_strength=2e4, shear_strength=3e4)
-    typed = Load(path="normal_force=1e-3; normal_force=2e-3; tangential_displacement_x=1e-5")
-    steps = Steps(largest_step=(1e-4, 5.1e-5, 5.1e-7))
-    assert costs.cost(si, typed, (64, 64), steps=steps).points == 1 + 25 + 25 + 25

@@ -29,7 +29,8 @@ ON_ARCHIVES = ("plot", "table", "export", "movie", "report")
 COMMANDS = ("run", "info", "compare", *ON_ARCHIVES)
 WRITERS = {
     "compare": "results", "stress": "results", "benchmark": "results", "hysteresis": "results",
-    "sliding": "results", "spots": "results", "campaigns/table.py": "certified",
+    "sliding": "results", "spots": "results", "costs": "experiments",
+    "campaigns/table.py": "certified",
     "paper/pages.py": "gallery", "spheres/page.py": "sphere",
     "surfaces/page.py": "rough"}
 """Script -> page between whose marks it writes."""

@@ -1,6 +1,7 @@
 """A cylinder, sphere or flat with self-affine roughness."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -105,6 +106,12 @@ class Rough(Shape):
         """That of the waves, on the fine grid on which the lowest place is looked for."""
         return BYTES * math.prod(FINE[scene.dimension] * period / self.rough_shortest
                                  for period in scene.periods)
+
+    def smooth(self, scene):
+        """That of the parabola."""
+        if self.rough_on == "flat":
+            return scene
+        return replace(scene, geometry={1: "cylinder", 2: "sphere"}[scene.dimension])
 
     def filled(self, scene):
         """The longest wave and the roll-off."""

@@ -113,6 +113,11 @@ class Shape(Declared):
         """Bytes that it takes to compute the gap, besides arrays of the grid."""
         return 0
 
+    def smooth(self, scene):
+        """The scene with the smooth shape that this one is rough on; itself where there is
+        none."""
+        return scene
+
     def filled(self, scene):
         """Name -> value of its options that have a default of the scene's making, in the scene's
         own units; tuples for directions."""

@@ -77,7 +77,14 @@ def describe(stored):
 
 
 def fields(record, chosen, kind="f8"):
-    """Gap and traction at the chosen points, arrays of a kind of numbers."""
+    """Gap and traction at the chosen points.
+
+    Parameters
+    ----------
+    record : Readable
+    chosen : list of int
+    kind : str, of numbers of the arrays
+    """
     if not chosen:
         raise NothingToShow("no fields are stored (-archive_fields last or all keeps them)")
     if record.initial_gap is None:

@@ -16,7 +16,14 @@ without its own."""
 
 
 def write_gif(path, rate, scenes):
-    """Write scenes as a GIF, whose pictures share their colours."""
+    """Write scenes as a GIF, whose pictures share their colours.
+
+    Parameters
+    ----------
+    path : path of the file
+    rate : float, pictures a second
+    scenes : Scenes
+    """
     count = len(scenes.points)
     pictures = scenes.pictures([count - 1, *range(count)])
     colours, palette = _colours(next(pictures), scenes.colormaps), Image.new("P", (1, 1))
@@ -43,7 +50,14 @@ def _colours(picture, colormaps):
 
 
 def write_mp4(path, rate, scenes):
-    """Write scenes as an MP4 by ffmpeg; InputError where that fails."""
+    """Write scenes as an MP4 by ffmpeg; InputError where that fails.
+
+    Parameters
+    ----------
+    path : path of the file
+    rate : float, pictures a second
+    scenes : Scenes
+    """
     process = None
     for picture in scenes.pictures(range(len(scenes.points))):
         if process is None:

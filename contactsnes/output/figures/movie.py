@@ -196,15 +196,20 @@ def _place(figure, record, point, mark, along):
     return [mark, figure.suptitle(_title(record, point), fontsize=STYLE["axes.titlesize"] + 1)]
 
 
-def _plane(record, points, width):
-    """Maps beside each other above the curve of loads."""
+def _seen(record, points):
+    """What of a plane is to be seen: its window, coordinates, gaps and rows of maps there."""
     maps = fields(record, points, "f4")
     gaps, tractions = ([pair[part] for pair in maps] for part in (0, 1))
     window, ceiling = contact_region(record.coordinates, gaps, [each[0] for each in tractions])
     near = inside(record.coordinates, window)
-    coordinates = [x[part] for x, part in zip(record.coordinates, near)]
     gaps, tractions = [gap[near] for gap in gaps], [each[(..., *near)] for each in tractions]
-    shown = rows(record, gaps, tractions, ceiling)
+    return (window, [x[part] for x, part in zip(record.coordinates, near)], gaps,
+            rows(record, gaps, tractions, ceiling))
+
+
+def _plane(record, points, width):
+    """Maps beside each other above the curve of loads."""
+    window, coordinates, gaps, shown = _seen(record, points)
     figure = Figure((width, 0.72 * width), layout="constrained")
     grid = figure.add_gridspec(2, len(shown), height_ratios=(1.5, 1))
     stack = [figure.add_subplot(grid[0, column]) for column in range(len(shown))]

@@ -1,0 +1,94 @@
+"""What a run costs, told beforehand: points, memory, disk and time, beside what runs take."""
+
+import re
+from dataclasses import replace
+
+import h5py
+import petsc4py
+import pytest
+from processes import call
+
+petsc4py.init([])
+
+from contactsnes.branch import costs  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Output, Scene, Steps  # noqa: E402
+
+SPHERE = Scene(dimension=2, geometry="sphere", normal_maugis=40.0, tangential_maugis=2.0,
+               period=12.0, points=512)
+SHEARED = Load(path="normal_force=5; tangential_displacement_x=20")
+
+
+def test_costs_grow_with_the_grid_and_the_fields():
+    cell, active = (Output(file="x.h5", fields="all", fields_on=on) for on in ("cell", None))
+    small, large = (costs.cost(SPHERE, SHEARED, (n, n), cell) for n in (128, 256))
+    on_active = costs.cost(SPHERE, SHEARED, (256, 256), active)
+    assert 3.9 < large.disk / small.disk < 4.1
+    finest = costs.cost(SPHERE, SHEARED, (512, 512), cell)
+    assert 3.5 < finest.seconds / large.seconds < 5
+    assert large.disk == pytest.approx(8 * 6 * 256 ** 2 * large.points, rel=5e-2)
+    assert 0.02 * large.disk < on_active.disk < 0.5 * large.disk
+    assert costs.cost(SPHERE, SHEARED, (128, 128)).disk == 0.0
+    coupled = costs.cost(replace(SPHERE, poisson=0.3), SHEARED, (256, 256), active)
+    assert 1.5 * on_active.disk < coupled.disk < 4 * on_active.disk
+
+
+def test_points_follow_from_the_steps():
+    load = Load(path="normal_force=hold; normal_force=5; normal_force=15")
+    steps = Steps(largest_step=0.5)
+    assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 1 + 22 + 24
+    si = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3, young_modulus=1e6,
+                     work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
+                     adhesive_strength=2e4, shear_strength=3e4)
+    typed = Load(path="normal_force=1e-3; normal_force=2e-3; tangential_displacement_x=1e-5")
+    steps = Steps(largest_step=(1e-4, 5.1e-5, 5.1e-7))
+    assert costs.cost(si, typed, (64, 64), steps=steps).points == 1 + 22 + 24 + 24
+
+
+LINE = "-scene_points 512 -scene_period 40 -scene_normal_maugis 2 -scene_height 30 "
+PLANE = "-scene_dimension 2 -scene_points 64 -scene_normal_maugis 1.5 -scene_height inf "
+MEASURED = {
+    "pressed": LINE + "-load_path normal_force=8",
+    "sheared": LINE + "-load_path normal_force=8;tangential_displacement=80 -load_stop "
+    "gross_sliding",
+    "pulled": LINE + "-load_path normal_displacement=3;normal_displacement=-5 -load_stop pull_off",
+    "sphere": PLANE + "-scene_geometry sphere -scene_period 12 -load_path normal_force=4",
+    "sheared sphere": PLANE + "-scene_geometry sphere -scene_period 12 -load_path "
+    "normal_force=4;tangential_displacement_x=12 -load_stop gross_sliding",
+    "rough": PLANE + "-scene_geometry rough -scene_period 12 -scene_rough_slope 0.3 "
+    "-scene_rough_shortest 1.5 -load_path normal_force=4",
+}
+TOLD = re.compile(r"cost, about: (\d+) points, (\S+) MB of memory, (\S+) (kB|MB) of disk")
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_points_and_disk_are_told_within_a_factor_of_two(tmp_path, name):
+    """Memory and time are of the machine: scripts/costs."""
+    words = [*MEASURED[name].split(), "-archive_file", "run.h5", "-archive_fields", "all"]
+    found = TOLD.search(call("info", *words, folder=tmp_path).stdout)
+    assert call("run", *words, folder=tmp_path).returncode == 0
+    with h5py.File(tmp_path / "run.h5") as file:
+        taken = file.attrs["points"]
+    assert 0.5 < int(found[1]) / taken < 2.0
+    size = float(found[3]) * {"kB": 1e3, "MB": 1e6}[found[4]]
+    assert 0.5 < size / (tmp_path / "run.h5").stat().st_size < 2.0
+
+
+def test_what_a_form_leaves_out_is_counted():
+    """Mirror images, a window, and certificates of errors: less is less."""
+    scene, load = replace(SPHERE, normal_maugis=3.0, period=40.0), Load(path="normal_force=5")
+    usual = costs.cost(scene, load, (512, 512))
+    whole = costs.cost(scene, load, (512, 512), form=Form(symmetry="off", window="off"))
+    assert whole.seconds > 3 * usual.seconds and whole.memory > 1.5 * usual.memory
+    errors = costs.cost(scene, load, (512, 512), Output(errors=True))
+    assert errors.seconds > 2 * usual.seconds
+
+
+def test_a_rough_sphere_costs_what_its_sphere_touches():
+    """Its fields are those of the smooth one's contact, not of the cell; no rough flat is."""
+    rough = Scene(dimension=2, geometry="rough", rough_slope=0.2, rough_shortest=1.0, period=40.0,
+                  points=256, normal_maugis=2.0)
+    kept, load = Output(file="x.h5", fields="all"), Load(path="normal_force=5")
+    on_sphere, on_flat = (costs.cost(replace(rough, rough_on=what), load, (256, 256), kept)
+                          for what in ("sphere", "flat"))
+    assert on_sphere.disk < 0.3 * on_flat.disk
