@@ -101,9 +101,9 @@ def _solve(scene, load, nodes, form, sheared):
 
 def _memory(scene, load, nodes, form):
     """Bytes that a run holds."""
-    slips = any(tangential_legs(scene, load))
+    slips, sheared = any(tangential_legs(scene, load)), any(loaded_legs(scene, load))
     whole = nodes * (scene.components if slips else 1)
-    unknowns = whole * _part(scene, load, form) / _images(scene, any(loaded_legs(scene, load)), form)
+    unknowns = whole * _part(scene, load, form) / _images(scene, sheared, form)
     hard = {"iterations": ITERATIONS} if _is_given(scene) and scene.dimension == 2 else {}
     return (RUNNING + shapes.of(scene).memory(scene)
             + memory_of_solve(unknowns, whole, **hard))
