@@ -12,6 +12,7 @@ from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
 from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
+from ..dynamics.control import rough
 from ..solvers.snes import COLD, collect
 from .coarser import coarser, finer_state, resolving
 from .departure import Departure
@@ -77,16 +78,24 @@ def corrected(system, state, controls, load):
 
 def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to (`jumps.settle`), on coarser grids first
-    where it begins beside an equilibrium of a rough plane.
+    where it begins beside an equilibrium of a rough plane; the log says what has moved there.
 
     Parameters
     ----------
     system : Corrector
     state, controls, load, where, origin : as of `jumps.settle`
     """
+    point = _settled(system, state, controls, load, where, origin)
+    if origin is not None and rough(system.contact, len(controls)):
+        system.log(f"a jump {where}: {places.moved(system.contact, origin, point.state)}")
+    return point
+
+
+def _settled(system, state, controls, load, where, origin):
+    """The same, in silence."""
     def motion(coarse, level):
-        point = settle(coarse, level.injected(state), controls, level.load(controls, load), where,
-                       level.origin)
+        point = _settled(coarse, level.injected(state), controls, level.load(controls, load), where,
+                         level.origin)
         return _with_works(corrected(system, level.prolonged(point.state), controls, load), point)
 
     return (_coarsely(system, controls, origin, motion)

@@ -5,13 +5,7 @@ from dataclasses import replace
 from . import branching
 from .natural import NaturalSteps, fold_kind
 from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
-from .predictors import after_failure
-
-HALVINGS = 6
-"""How often a bracket is halved whose far side belongs to a branch that does not reach back."""
-BRACKET = 0.25
-"""Part of a leg's first step, and of a fortieth of it, within which a refused step is taken for a
-fold."""
+from .turning import BRACKET, TurnSearch, starts
 
 
 class BracketingSteps(NaturalSteps):
@@ -21,8 +15,9 @@ class BracketingSteps(NaturalSteps):
     It ends in an equilibrium, which is followed back to the point's load. Where that leads to the
     point itself, there is no fold, and steps go on from what was found; where it leads elsewhere,
     the point is the fold, known to the length of the step, and what was found there the end of the
-    jump. Where no motion or no way back is found, the fold is located. Parameters as of
-    `LoadSteps`.
+    jump. Where no way back is found, or one to more energy, the branch is followed by arc length
+    to where its load turns (`turning.TurnSearch`): a small jump, or a steep branch without one.
+    Where no motion is found the fold is located. Parameters as of `LoadSteps`.
     """
 
     def _resumed(self):
@@ -31,6 +26,14 @@ class BracketingSteps(NaturalSteps):
         if last.event == "fold" and last.leg == self.leg.number and self.at_fold == "jump":
             yield from self._fold(NotConverged("no way is known out of the fold at "
                                                f"{self._place(last.position)}"), last.step)
+
+    def _tried(self, target, predictor):
+        """As of `NaturalSteps`; NotConverged where linear solves met an unstable mode: motion tells
+        what the branch does there, at less than the modes of everything cost."""
+        point = self._step(*self._foreseen(target, predictor))
+        if point.stable < 0 and point.softest < 0.0 and not self.history[-1][1].softest < 0.0:
+            raise NotConverged("a mode lost its stability in the step")
+        return self._examined(point)
 
     def _due(self, refused, failures):
         """Whether a refused step is to be taken for a fold."""
@@ -45,9 +48,14 @@ class BracketingSteps(NaturalSteps):
         refused : float, its length
         """
         place, last = self.history[-1]
-        spent = self.system.account()
+        spent, beyond = self.system.account(), min(place + refused, 1.0)
         try:
-            ahead, behind, beyond = self._bracketed(place, last, min(place + refused, 1.0))
+            ahead, behind = self._bracketed(last, beyond)
+        except NoWayBack as failure:
+            self.system.log(f"{failure}: following it by arc length from "
+                            f"{self._place(place)}")
+            yield from super()._fold(error, refused, TurnSearch, starts)
+            return
         except (NotConverged, NoEquilibrium) as failure:
             self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
                             f"not tell what lies behind it ({failure})")
@@ -99,30 +107,18 @@ class BracketingSteps(NaturalSteps):
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
                        fold_precision=float(width), step=step, origin=self.leg.start)
 
-    def _bracketed(self, place, last, beyond):
-        """(state beyond a bracket, point of its branch before it, end of the bracket); where the
-        bracket holds no fold, a point at its end, and None.
+    def _bracketed(self, last, beyond):
+        """(state beyond a bracket, point of its branch before it); where the bracket holds no fold,
+        a point at its end, and None.
 
         Parameters
         ----------
-        place, last : the point before the bracket, and its position
+        last : Point before the bracket
         beyond : position of its end
         """
-        leg = self.leg
-        for _ in range(HALVINGS):
-            try:
-                ahead, behind = self.system.crossed(last, leg.load(beyond),
-                                                    f"at {self._place(beyond)}")
-                if behind is not None:
-                    return ahead, behind, beyond
-                return self._followed(beyond, ahead), None, beyond
-            except NoWayBack as failure:
-                reason, nearer = str(failure), 0.5 * (place + beyond)
-                try:
-                    return self._step(nearer, after_failure(self.predictor)), None, nearer
-                except NotConverged:
-                    beyond = nearer
-        raise NoFold(f"no branch leads back from there: {reason}")
+        ahead, behind = self.system.crossed(last, self.leg.load(beyond),
+                                            f"at {self._place(beyond)}")
+        return (self._followed(beyond, ahead), None) if behind is None else (ahead, behind)
 
     def _followed(self, beyond, ahead):
         """The point at the end of a bracket without a fold, near a state; NoWayBack where a step

@@ -23,8 +23,7 @@ AHEAD = 0.01
 plateau."""
 
 WITHIN = 0.1
-"""Part of a refused step within which a neighbour is looked for where it is nowhere farther away.
-"""
+"""Part of a refused step within which a neighbour is looked for where none is farther away."""
 
 
 class FoldSearch:
@@ -49,7 +48,7 @@ class FoldSearch:
 
     def search(self, error, refused=np.inf):
         """(fold point, state beyond it, None), or (None, None, point) where the branch goes on past
-        the trouble; NoFold (``error`` again) where no solution can be followed any further."""
+        the trouble; NoFold (``error`` again) where it cannot be followed."""
         begin = self.history[-1][0]
         try:
             trail = self.trail(refused)
@@ -90,22 +89,19 @@ class FoldSearch:
 
     @staticmethod
     def _shorter(length, first, sentence):
-        """A quarter of a step; NoFold, with a sentence, where that is next to nothing of the first
-        one."""
+        """A quarter of a step; NoFold, with a sentence, where that is next to nothing."""
         if 0.25 * length < 1e-4 * first:
             raise NoFold(sentence) from None
         return 0.25 * length
 
     def _short_of(self, refused, trail):
-        """Length of the first arc step: of the last one, but no farther than to what steps could
-        not reach."""
+        """Length of the first arc step: that of the last one, but not beyond the refused step."""
         (before, first), (here, last) = trail[-2:]
         return self.system.chord_length(first.state, last.state) * min(1.0,
                                                                        refused / abs(here - before))
 
     def _slopes(self, trail):
-        """Places on the arc of three points, and d(position)/d(arc length) there by the parabola
-        through them."""
+        """Places on the arc of three points, and d(position)/d(arc length) of their parabola."""
         distance = self.system.chord_length
         arc = np.array([-distance(trail[0][1].state, trail[1][1].state), 0.0,
                         distance(trail[1][1].state, trail[2][1].state)])
@@ -154,8 +150,7 @@ class FoldSearch:
             places, points, weights = places[-2:], [first, last], lagrange_weights(
                 arc[-2:], arc[-1] + length)
             guess = system.extrapolate(points, weights)
-        point = system.solve_arc((last.state, guess), system.chord_length(last.state, guess), guess,
-                                 float(weights @ places), self.leg)
+        point = self._solved((last.state, guess), guess, float(weights @ places))
         if point.softest < 0.0 <= last.softest:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")
@@ -165,6 +160,11 @@ class FoldSearch:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "
                                "its prediction, perhaps on another branch")
         return point
+
+    def _solved(self, chord, guess, position):
+        """The point at the end of a chord of two states, near a guess and its position."""
+        return self.system.solve_arc(chord, self.system.chord_length(*chord), guess, position,
+                                     self.leg)
 
     def _natural(self, trail, target):
         """The point at a given place of the leg, between two of a trail that is refined until a
@@ -227,10 +227,7 @@ class FoldSearch:
             peak = LimitPoint(self.system, self.leg, trail[after - 1][1], trail[after][1])
             last = last or peak
             if peak.bracketed and peak.sign > 0.0:
-                fold = peak.locate()
-                return replace(fold, leg=self.leg.number,
-                               step=self.leg.initial), beyond.state, [*trail[:after],
-                                                                      (fold.position, fold)]
+                return self._at_peak(peak, beyond, trail[:after])
             # Next to the peak loads are as accurate as residuals: by its slope it may have been
             # passed before, or lie ahead.
             if peak.left.slope > 0.0 and after < len(trail) - 1:
@@ -248,6 +245,12 @@ class FoldSearch:
                        fold_precision=max(width, np.finfo(float).eps))
         return fold, beyond.state, trail
 
+    def _at_peak(self, peak, beyond, trail):
+        """The same at a `LimitPoint`, from a point beyond it and the trail before it."""
+        fold = peak.locate()
+        fold = replace(fold, leg=self.leg.number, step=self.leg.initial)
+        return fold, beyond.state, [*trail, (fold.position, fold)]
+
     def _hidden(self, trail):
         """The same from a trail whose load rises from point to point, though it turns back and on
         again where that hardly shows."""
@@ -258,10 +261,7 @@ class FoldSearch:
         for after in range(flattest, 0, -1):
             peak = LimitPoint(self.system, self.leg, points[after - 1], points[after])
             if peak.bracketed and peak.sign > 0.0:
-                fold = peak.locate()
-                return replace(fold, leg=self.leg.number,
-                               step=self.leg.initial), points[after].state, [*trail[:after],
-                                                                             (fold.position, fold)]
+                return self._at_peak(peak, points[after], trail[:after])
             if peak.left.slope > 0.0:
                 break
         if peak.turns_between(1.0):

@@ -59,9 +59,8 @@ class NaturalSteps(LoadSteps):
             position = self.history[-1][0]
             step, target = shared(step, position)
             try:
-                point, critical = self._examined(
-                    self._step(*self._foreseen(target, self._again() if failures
-                                               else self.predictor)))
+                point, critical = self._tried(target, self._again() if failures
+                                              else self.predictor)
             except NotConverged as error:
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
@@ -86,6 +85,10 @@ class NaturalSteps(LoadSteps):
             if self.stopped:
                 return
             step = self.history[-1][1].step
+
+    def _tried(self, target, predictor):
+        """The point of a step to a place, or nearer, and what bifurcates on the way."""
+        return self._examined(self._step(*self._foreseen(target, predictor)))
 
     def _again(self):
         """The predictor of a step that is tried again, nearer."""
@@ -172,15 +175,23 @@ class NaturalSteps(LoadSteps):
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 
-    def _fold(self, error, refused=np.inf):
+    def _fold(self, error, refused=np.inf, kind=FoldSearch, starts=departures.starts):
         """Find out what stops the steps before the end of a refused step; yield the fold and, by
-        default, the point after the jump."""
+        default, the point after the jump.
+
+        Parameters
+        ----------
+        error : NotConverged, why a step was refused
+        refused : its length
+        kind : class of the search for the fold
+        starts : function as `departures.starts`, of states from which the jump's motion begins
+        """
         place, last = self.history[-1]
         fold, passed = self.system.end_of_attraction(last, self.leg, place), None
         if fold is None:
-            search = FoldSearch(self.system, self.leg, self.history)
+            search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)
-            starts = [] if fold is None else departures.starts(self.system, fold, beyond)
+            starts = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
@@ -211,7 +222,7 @@ class NaturalSteps(LoadSteps):
         point = departures.jumped(self.system, self.leg, fold, starts, where,
                                   lambda: self._end(end))
         point = branching.settled(self.system, self.certify, point, where)
-        point = replace(point, leg=self.leg.number, position=fold.position, step=self.leg.initial,
+        point = replace(point, leg=self.leg.number, position=fold.position, step=fold.step,
                         event="jump")
         self.history = []
         yield self._accept(point)

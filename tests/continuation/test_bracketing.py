@@ -1,9 +1,12 @@
 """Folds that steps bracket, on problems whose folds are known in closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_continuation import (
     CUBIC_FOLD,
+    UNIT_LEG,
     System,
     assert_solutions,
     cubic,
@@ -16,6 +19,7 @@ from test_continuation import (
 
 from contactsnes.continuation.bracketing import BracketingSteps
 from contactsnes.continuation.points import NotConverged, NoWayBack
+from contactsnes.continuation.predictors import PREDICTORS
 from contactsnes.continuation.steppers import stepper
 from contactsnes.scene.steps import Steps
 
@@ -30,6 +34,56 @@ class Late(System):
 
     def crossed(self, last, beyond, where):
         raise NoWayBack("no branch leads back here")
+
+
+@pytest.mark.parametrize("size", [1 / 40, 1 / 200])
+def test_where_no_branch_leads_back_the_load_turns_along_the_arc(size):
+    """The fold is known to what is told, and costs less than one that is located."""
+    system, spent = Late(cubic()), []
+    points, error = bracketed(system, [-1.875, 2.0], [-1.5], sizes=(size, 2 * size, 1e-6))
+    assert error is None and events(points) == ["fold", "jump"]
+    assert_solutions(system, points)
+    fold, jump = (point for point in points if point.event)
+    width = fold.fold_precision * abs(fold.load[0])
+    assert 1e-8 < width < 0.02 and fold.load[0] <= CUBIC_FOLD + 1e-12
+    assert CUBIC_FOLD <= fold.load[0] + 1.5 * width
+    assert jump.load[0] == fold.load[0] and jump.state[0] > 1 / np.sqrt(3)
+    for found in (points, followed(path(System(cubic()), [-1.875, 2.0], [-1.5],
+                                        sizes=(size, 2 * size, 1e-6)))[0]):
+        spent.append(sum(point.spent["nonlinear_iterations"] for point in found if point.event))
+    assert spent[0] < 0.7 * spent[1]
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.001])
+def test_steep_branches_are_passed_where_no_branch_leads_back(depth):
+    system = Late(cusp(depth), most=3)
+    points, error = bracketed(system, [-1.0, 1.0], [-1.0])
+    assert error is None and events(points) == []
+    assert_solutions(system, points)
+    assert any("by arc length" in sentence for sentence in system.sentences)
+
+
+@pytest.mark.parametrize("step", [True, False])
+def test_a_step_onto_an_unstable_part_is_refused(step):
+    """Linear solves tell of it, and modes of everything are not asked for."""
+    class Watched(System):
+        examiner = staticmethod(lambda point: pytest.fail("all modes were looked for"))
+
+        def solve(self, guess, controls, load):
+            point = super().solve(guess, controls, load)
+            return replace(point, softest=3 * point.state[0] ** 2 - 1)
+
+    steps = BracketingSteps(Watched(cubic()), UNIT_LEG, [(0.0, replace(
+        System(cubic()).solve([-1.2], ("displacement",), [0.0]), softest=1.0, position=0.0))],
+        PREDICTORS["none"], "jump")
+    point = replace(steps.system.solve([0.1 if step else -1.2], ("displacement",), [0.05]),
+                    position=0.05)
+    steps._step = lambda *_: point
+    if step:
+        with pytest.raises(NotConverged, match="lost its stability"):
+            steps._tried(0.05, PREDICTORS["none"])
+    else:
+        assert steps._tried(0.05, PREDICTORS["none"])[0].position == 0.05
 
 
 @pytest.mark.parametrize("size", [1 / 40, 1 / 200])
