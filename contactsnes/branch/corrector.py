@@ -19,6 +19,7 @@ from ..grid.boxes import in_words
 from ..scene.load import units
 from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
+from ..solvers.krylov import LARGE
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
@@ -154,6 +155,8 @@ class Corrector:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
             self.form = self.snes = self.arc = kept = None
+            if len(controls) * guess.window.total >= LARGE:
+                self.contact.circle.cache_clear()
             collect()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
@@ -167,7 +170,7 @@ class Corrector:
         return self.form
 
     def run(self, form, unknown, most_iterations, snes=None):
-        """Run the SNES from an unknown, which is overwritten; the solution and its iterations, or
+        """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or
         NotConverged with PETSc's reasons by name.
 
         Parameters
@@ -204,7 +207,7 @@ class Corrector:
                                f"iterations, residual {snes.getFunctionNorm():.2e}, inner "
                                f"KSP {inner}")
         # Iterations of other methods say nothing about the length of a step.
-        return solution.getArray().copy(), iterations if newton else 0
+        return unknown, iterations if newton else 0
 
     def balanced(self, form, unknown, state, system=None, snes=None):
         """(unknown, state, Imbalance) of what a SNES found, by the full form's residual; no

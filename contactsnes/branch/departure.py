@@ -6,6 +6,7 @@ import numpy as np
 
 from ..contact.problem import FORCE, Contact
 from ..contact.states import State
+from ..contact.survey import tractions
 from ..grid.cell import Convolution
 from ..grid.transfer import resampled
 
@@ -45,7 +46,7 @@ class Departure:
     @cached_property
     def _loads(self):
         """(D, W) of the equilibrium on the coarser grid less those on the finer one."""
-        (coarse, here), (fine, there) = ((contact, contact.evaluated(state)[1]) for contact, state
+        (coarse, here), (fine, there) = ((contact, tractions(contact, state)) for contact, state
                                          in ((self.contact, self.origin),
                                              (self._fine, self._begin)))
         force = coarse.load_factor(1) * coarse.grid.sum(here) - fine.load_factor(1) * fine.grid.sum(

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 
 from ..contact import states
+from ..contact.survey import tractions
 from ..continuation.points import NotConverged
 from ..grid.alternation import REACH, differences
 from ..scene.resolution import PINNING, resolution, resolution_warning
@@ -129,8 +130,8 @@ def short_waves(contact, point):
     component, in any direction."""
     window, half, grid = point.state.window, point.state.half, contact.grid
     halved = half is not None and not grid.shared and min(half.shape) > REACH + 1
-    found, tractions = 0.0, (contact.survey if halved else contact.evaluated)(point.state)[1]
-    for i, component in enumerate(tractions):
+    found = 0.0
+    for i, component in enumerate(tractions(contact, point.state, once=halved)):
         boxes = (half.box(component)[None] if halved
                  else window.box(component).reshape(-1, *window.parts[0].shape))
         largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)

@@ -12,6 +12,7 @@ from ..contact.even_form import EvenForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.state import spread
+from ..contact.survey import gaps
 from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
 from ..solvers import callbacks
@@ -211,7 +212,7 @@ class Tracer(Corrector, Neighbours, Ends):
                                   moved, EXACT)
         except NotConverged:
             return np.nan
-        tangent = contact.law.tangent(contact.evaluated(state)[0])
+        tangent = contact.law.tangent(gaps(contact, state))
         response = np.einsum("jn,jn->n", tangent[0], form.displacement(change))
         if not contact.isolated:
             return float(form.factor[0] * contact.grid.sum(response))

@@ -85,6 +85,26 @@ class FullForm(DisplacementForm):
         super().__init__(contact, window, controls)
 
 
+def asked(form, state, reach):
+    """Norm of a form's F at a state, the largest imbalance at a node where the law acts, ranges of
+    the law (0 if it acts nowhere), and whether it does anywhere.
+
+    Parameters
+    ----------
+    form : DisplacementForm or EvenForm
+    state : State on its window
+    reach : normal gap within which the law acts, ranges
+    """
+    grid = form.grid
+    if form.kernel and not grid.shared:
+        return form.kernel.imbalance(form.nodal(state), state.means[form.forced], reach)
+    unknown = form.packed(state)
+    residual = form.residual(unknown, np.empty(form.size))
+    acts = form.gap(unknown)[0] < reach
+    aside = np.abs(form.once(residual))
+    return grid.norm(residual), float(grid.maximum(aside, where=acts, initial=0.0)), grid.any(acts)
+
+
 class Balance:
     """Imbalances of states of a contact, from their displacements and means alone: tractions and
     residuals of all nodes.
@@ -106,20 +126,16 @@ class Balance:
         """The Imbalance of a state under controlled values, ranges of the law, that a form of the
         ``solver`` led to."""
         if self._halved(state, solver):
-            return self._of_half(state, load, solver)
+            solver.set_load(load)
+            return Imbalance(*asked(solver, state, self.contact.law.range)[:2])
         form = self._form_on(state.window, tuple(controls), solver)
         form.set_load(load)
-        unknown = form.pack(state.displacement, state.means[form.forced])
-        residual = form.residual(unknown, np.empty(form.size))
+        norm, largest, acts = asked(form, state, self.contact.law.range)
         closest = (form.closest_beyond(state.means[0])
                    if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
-        acts = form.gap(unknown)[0] < self.contact.law.range
-        if isinstance(solver, EvenForm) and form.grid.any(acts):
+        if isinstance(solver, EvenForm) and acts:
             self._proved = state.window, len(controls)
-        norm, field = form.grid.norm(residual), residual[:form.count].reshape(form.shape)
-        np.abs(field, out=field)
-        return Imbalance(norm, float(form.grid.maximum(field, where=acts, initial=0.0) * form.root),
-                         closest)
+        return Imbalance(norm, largest, closest)
 
     def _halved(self, state, solver):
         """Whether the half of a state tells of all of its nodes: it is made of that alone, as the
@@ -131,18 +147,6 @@ class Balance:
             gap = self.contact.gap_on(state.window)
             self._mirrored = state.window, asymmetry(state.window, gap[None]) <= ROUNDING
         return self._mirrored[1]
-
-    def _of_half(self, state, load, solver):
-        """The Imbalance of a state whose half tells of all of its nodes."""
-        solver.set_load(load)
-        unknown = solver.packed(state)
-        if solver.kernel and not solver.grid.shared:
-            return Imbalance(*solver.kernel.imbalance(unknown, self.contact.law.range))
-        residual = solver.residual(unknown, np.empty(solver.size))
-        acts = solver.gap(unknown)[0] < self.contact.law.range
-        field = np.abs(solver.half.displacement(solver.plain(residual)))
-        return Imbalance(solver.grid.norm(residual),
-                         float(solver.grid.maximum(field, where=acts, initial=0.0)))
 
     def _form_on(self, window, controls, solver):
         """The displacement form at all nodes of a window: the solver's, if it has that, or one that

@@ -82,25 +82,28 @@ def stored(contact, point):
     rigid compliance included. The second is zero where the surfaces are apart, nan where the law
     has no potential (`laws.Law.potential`).
     """
-    survey, half = contact.survey(point.state), point.state.half
-    grid, gap = contact.grid if half is None else half.grid, survey.gap
-    elastic = 0.5 * weights(contact, len(gap)) @ (point.forces * far_displacements(contact, point)
-                                                  - grid.node_area * survey.work)
-    if len(gap) > 1:
-        acting = (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
-        gap = np.concatenate([gap[:1], np.where(acting, gap[1:], 0.0)])
-    potential = _potential(contact, gap)
+    survey, state = contact.survey(point.state), point.state
+    grid = contact.grid if state.half is None else state.half.grid
+    elastic = 0.5 * weights(contact, state.components) @ (
+        point.forces * far_displacements(contact, point) - grid.node_area * survey.work)
+    potential = _potential(contact, state)
     # whether there is one hangs on the gaps of all nodes
     return float(elastic), np.nan if grid.any(potential is None) else float(
         grid.node_area * grid.sum(potential))
 
 
-def _potential(contact, gap):
-    """Energy of the interface at each of some nodes, phi_n, from their gaps (components, nodes):
-    part by part, which stay in the processor's cache. None where there is none."""
-    parts = [contact.law.potential(part, contact.scene.work_ratio)
-             for part in np.array_split(gap, 1 + gap.shape[1] // PART, axis=1)]
-    return None if any(part is None for part in parts) else np.concatenate(parts)
+def _potential(contact, state):
+    """Energy of the interface at each of a state's nodes, phi_n: part by part, which stay in the
+    processor's cache. None where there is none."""
+    found = []
+    for displacement, initial_gap in zip(*(
+            np.array_split(field, 1 + field.shape[-1] // PART, axis=-1)
+            for field in (state.once, contact.gap_on(state.nodes)))):
+        gap = displacement.copy()
+        gap[0] += initial_gap
+        gap[1:] *= (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
+        found.append(contact.law.potential(gap, contact.scene.work_ratio))
+    return None if any(part is None for part in found) else np.concatenate(found)
 
 
 def straight(contact, first, last, panels=1):

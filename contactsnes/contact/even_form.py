@@ -128,11 +128,14 @@ class EvenForm:
         force-controlled components."""
         return self.scaled(self.half.pack(self.half.window.fold(displacement), scalars))
 
+    def nodal(self, state):
+        """Displacements (components, nodes of the half) of a State on the form's window."""
+        return (state.once if state.half == self.half.window
+                else self.half.window.fold(state.displacement))
+
     def packed(self, state):
         """The unknown of a State on the form's window."""
-        if state.half != self.half.window:
-            return self.pack(state.displacement, state.means[self.forced])
-        return self.scaled(self.half.pack(state.once, state.means[self.forced]))
+        return self.scaled(self.half.pack(self.nodal(state), state.means[self.forced]))
 
     def displacement(self, unknown):
         """Displacements (components, nodes of the full window), ranges of the law."""

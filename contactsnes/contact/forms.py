@@ -125,6 +125,10 @@ class DisplacementForm:
         components."""
         return np.concatenate([displacement.reshape(-1) / self.root, self.grid.held(scalars)])
 
+    def nodal(self, state):
+        """Displacements (components, nodes) of a State on the form's window."""
+        return state.displacement
+
     def packed(self, state):
         """The unknown of a State on the form's window."""
         return self.pack(state.displacement, state.means[self.forced])
@@ -132,6 +136,8 @@ class DisplacementForm:
     def displacement(self, unknown):
         """Displacements (components, nodes), ranges of the law."""
         return unknown[:self.count].reshape(self.shape) * self.root
+
+    once = displacement
 
     def scalars(self, unknown):
         """Mean displacements of the force-controlled components, ranges of the law."""

@@ -8,14 +8,14 @@ from ..grid.cell import Convolution
 from ..grid.outlines import outline
 from ..grid.spots import labelled, runs, sizes
 from . import states
+from .survey import gaps, tractions
 
 NOTHING = 1e-15
 """Part of a point's largest traction up to which there is none."""
 
 
 class Measurement:
-    """A point in its contact, with gap and traction on its window evaluated once (ranges of the
-    law).
+    """A point in its contact, with gap and traction on its window (ranges of the law).
 
     Parameters
     ----------
@@ -24,8 +24,6 @@ class Measurement:
 
     Attributes
     ----------
-    gap : array (components, nodes): normal a, tangential b
-    traction : array (components, nodes)
     survey : Survey
     """
 
@@ -36,7 +34,16 @@ class Measurement:
         self.state, self.window = point.state, point.state.window
         self.components = len(point.controls)
         self.survey = contact.survey(point.state)
-        self.gap, self.traction = contact.evaluated(point.state)
+
+    @cached_property
+    def gap(self):
+        """Gap (components, nodes): normal a, tangential b, ranges of the law."""
+        return gaps(self.contact, self.state)
+
+    @property
+    def traction(self):
+        """Traction (components, nodes), evaluated when it is asked for, phi_i / delta_i."""
+        return tractions(self.contact, self.state)
 
     @cached_property
     def in_contact(self):
@@ -146,7 +153,8 @@ class Measurement:
         ``traction`` (components of the scene, nodes) and ``mean`` displacement, in their units;
         ``mode`` where there is one, over the widest window."""
         scene, widest = self.contact.scene, self.contact.widest
-        size = np.max(np.abs(self.traction), axis=0)
+        found = self.traction
+        size = np.max(np.abs(found), axis=0)
         acting = size > NOTHING * self.grid.maximum(size, initial=0.0)
         numbers = self.window.node_numbers()[acting]
         if not widest.is_whole:
@@ -156,7 +164,7 @@ class Measurement:
         displacement, traction = np.zeros((2, scene.components, len(numbers)))
         lengths = _sizes(scene, "u") / self.contact.ranges
         displacement[:self.components] = self.state.displacement[:, acting]
-        traction[:self.components] = self.traction[:, acting]
+        traction[:self.components] = found[:, acting]
         mean = np.zeros(scene.components)
         mean[:self.components] = self.state.means
         found = {"nodes": numbers, "displacement": displacement * lengths[:, None],

@@ -22,7 +22,7 @@ from ..interface.own_shapes import check_own
 from ..kernels.choice import chosen
 from ..options.fields import InputError
 from ..scene.parts import with_parts
-from .survey import on_window, surveyed
+from .survey import surveyed, tractions
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -85,7 +85,6 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
-        self.evaluated = lru_cache(maxsize=1)(partial(on_window, self))
         self.gap_on = lru_cache(maxsize=3)(self._gap_on)
         for array in (self.ranges, self.initial_gap):
             array.flags.writeable = False
@@ -240,7 +239,7 @@ class Contact:
         if window.is_whole:
             return state.displacement.reshape(components, *self.grid.local_shape).copy()
         cell = np.zeros((components, *self.grid.local_shape))
-        window.put(self.evaluated(state)[1], cell)
+        window.put(tractions(self, state), cell)
         flat = cell.reshape(components, -1)
         Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
@@ -255,7 +254,7 @@ class Contact:
         there, back = (self.grid.transform(self.grid, self.grid.shape, count)
                        for count in (len(sources), 1))
         there.real[...] = 0.0
-        window.put(self.evaluated(state)[1][sources], there.real)
+        window.put(tractions(self, state)[sources], there.real)
         there.forward()
         back.spectrum[0] = sum(blocks[0, i] * spectrum
                                for i, spectrum in zip(sources, there.spectrum))

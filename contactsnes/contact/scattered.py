@@ -39,4 +39,4 @@ def on_nodes(contact, state, afresh=False):
             return state
     cell = contact.extended(state)
     fresh = window(contact, cell[0] + contact.initial_gap)
-    return state if fresh == window else State(fresh, fresh.take(cell), state.means)
+    return state if fresh == state.window else State(fresh, fresh.take(cell), state.means)

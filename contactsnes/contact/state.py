@@ -39,6 +39,10 @@ class State:
         """Displacements (components, nodes) at these."""
         return self.displacement if self.half is None else self.half.fold(self.displacement)
 
+    def unfolded(self, field):
+        """A field (components, nodes), known once at each of these, at all nodes of the window."""
+        return field if self.half is None else self.half.unfold(field)
+
 
 class Mirrored(State):
     """A State that may be known by its half: the whole is made when it is asked for."""

@@ -1,5 +1,5 @@
-"""A state in its contact, surveyed: gap and traction at its nodes, and the numbers that are asked
-of every point."""
+"""A state in its contact, surveyed: the numbers that are asked of every point; gap and traction at
+its nodes."""
 
 from typing import NamedTuple
 
@@ -19,8 +19,6 @@ class Survey(NamedTuple):
 
     Attributes
     ----------
-    gap, traction : arrays (components, nodes), not to be changed, at its nodes, each once where
-        others are mirror images
     closest : smallest normal gap
     slip : largest slip in contact, 0 where nothing touches
     pressure, shear : largest pressure and largest size of the shear traction, phi_i / delta_i
@@ -30,8 +28,6 @@ class Survey(NamedTuple):
     total, work : sums of tractions, and of tractions times displacements, by component
     """
 
-    gap: np.ndarray
-    traction: np.ndarray
     closest: float
     slip: float
     pressure: float
@@ -56,8 +52,8 @@ def surveyed(contact, state):
     limits = np.array([scene.contact_threshold, contact.law.slip_peak, scene.normal_maugis,
                        sharpness(scene)])
     given = state.once, contact.gap_on(nodes), getattr(grid, "weights", None), limits
-    gap, traction, numbers = (by_numpy(contact.law, *given) if kernel is None
-                              else points.survey(kernel, *given))
+    numbers = (by_numpy(contact.law, *given) if kernel is None
+               else points.survey(kernel, *given))
     numbers[0] *= -1.0
     lowest, *largest = grid.largest(numbers[:5]).tolist()
     sums = grid.together(numbers[5:])
@@ -65,31 +61,46 @@ def surveyed(contact, state):
     for i, signs in enumerate(getattr(nodes, "parities", None) or ()):
         if -1 in signs:
             total[i] = 0.0
-    gap.flags.writeable = traction.flags.writeable = False
-    return Survey(gap, traction, -lowest, *largest, *sums[:2].astype(int).tolist(), total, work)
+    return Survey(-lowest, *largest, *sums[:2].astype(int).tolist(), total, work)
 
 
-def on_window(contact, state):
-    """(gap, traction) of a state on its window, arrays (components, nodes) that are not to be
-    changed, of its Survey.
+def _gaps_once(contact, state):
+    """Gaps (components, nodes) of a state at its nodes, each once where others are mirror
+    images."""
+    found = state.once.copy()
+    found[0] += contact.gap_on(state.nodes)
+    return found
+
+
+def gaps(contact, state):
+    """Gaps (components, nodes) of a state on its window, ranges of the law.
 
     Parameters
     ----------
     contact : Contact
     state : State
     """
-    found = contact.survey(state)[:2]
-    if state.half is None:
-        return found
-    gap, traction = (state.half.unfold(field) for field in found)
-    gap.flags.writeable = traction.flags.writeable = False
-    return gap, traction
+    return state.unfolded(_gaps_once(contact, state))
+
+
+def tractions(contact, state, once=False):
+    """Tractions (components, nodes) of a state on its window, phi_i / delta_i.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    once : bool, whether at its nodes, each once where others are mirror images
+    """
+    found = _gaps_once(contact, state)
+    contact.law.evaluate(found, found)
+    return found if once else state.unfolded(found)
 
 
 def by_numpy(law, displacement, initial_gap, weights, limits):
-    """Gap, traction (components, nodes) and an array of numbers: smallest normal gap, largest slip
-    in contact, pressure and shear, steepest softening; nodes in contact, those that stick; sums of
-    tractions and of their products with displacements by component.
+    """An array of numbers: smallest normal gap, largest slip in contact, pressure and shear,
+    steepest softening; nodes in contact, those that stick; sums of tractions and of their products
+    with displacements by component.
 
     Parameters
     ----------
@@ -111,7 +122,7 @@ def by_numpy(law, displacement, initial_gap, weights, limits):
              np.max(-traction[0], initial=0.0), np.max(shear, initial=0.0),
              max(np.max(_steepness(law, part, limits[2:]), initial=0.0) for part in parts),
              each @ touching, each @ (touching & ~(slip > limits[1]))]
-    return gap, traction, np.concatenate([found, traction @ each, (traction * displacement) @ each])
+    return np.concatenate([found, traction @ each, (traction * displacement) @ each])
 
 
 def _steepness(law, gap, maugis):

@@ -1,9 +1,11 @@
 """Which transforms and laws a contact computes with: those of the library, or NumPy's."""
 
+import math
 import os
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
+from weakref import WeakValueDictionary
 
 from ..grid.alternation import alternation
 from ..grid.contours import crossings
@@ -11,6 +13,9 @@ from ..grid.cosines import Cosines
 from ..grid.counter import Counter
 from ..grid.splines import sources, spline
 from . import library
+
+LARGE = 2 ** 16
+"""Numbers of a transform from which one is kept only while something holds it."""
 
 
 def default_cache():
@@ -79,7 +84,8 @@ class Cell(NamedTuple):
 
 
 class Compiled:
-    """The library's transforms, a few of which are kept for all that takes them in turn.
+    """The library's transforms, a few of which are kept for all that takes them in turn; large ones
+    as long as something holds them.
 
     Parameters
     ----------
@@ -98,9 +104,22 @@ class Compiled:
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
         self._slab_even = slabs.SlabEvenReal
         self._kept = lru_cache(maxsize=24)(self._make)
+        self._held = WeakValueDictionary()
 
-    def _make(self, even, cell, shape, count, *parities):
-        return self._kinds[even](cell, shape, count, *parities)
+    def _make(self, even, cell, shape, count, *parities, memory=None):
+        return self._kinds[even](cell, shape, count, *parities, memory=memory)
+
+    def _large(self, *key):
+        """A transform that is held, or a new one: of fewer fields than a held one of its shape on
+        the memory of that, which is not at work then."""
+        if key not in self._held:
+            even, _, shape, count, *_ = key
+            wider = next((made for (kind, _, extent, *_), made in [*self._held.items()]
+                          if (kind, extent) == (even, shape) and made.count > count), None)
+            memory = wider and (wider.real[:count], wider.spectrum[:count])
+            self._held[key] = made = self._make(*key, memory=memory)
+            return made
+        return self._held[key]
 
     def real(self, grid, shape, count):
         """A transform as `grid.cell.Transform`, whose memory others use between two calls.
@@ -136,7 +155,8 @@ class Compiled:
         return self._charged(True, grid, shape, count, parities)
 
     def _charged(self, even, grid, shape, count, *parities):
-        made = self._kept(even, Cell(grid.shape, grid.counter), tuple(shape), count, *parities)
+        find = self._kept if count * math.prod(shape) < LARGE else self._large
+        made = find(even, Cell(grid.shape, grid.counter), tuple(shape), count, *parities)
         made.charge()
         return made
 

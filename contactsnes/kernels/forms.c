@@ -154,7 +154,7 @@ static void put(const Form *f, const Response *r, const double *vector, Fill fil
 }
 
 /* out = (response - mean) factor scale + own, by component */
-static void assemble(const Form *f, const Response *r, const double *mean, double factor,
+void assemble(const Form *f, const Response *r, const double *mean, double factor,
                      const double *own, double *out)
 {
     const long n = f->nodes, c = r->shape[1];

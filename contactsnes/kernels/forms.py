@@ -145,18 +145,21 @@ class CompiledForm:
              address(out))
         return out
 
-    def imbalance(self, unknown, reach):
-        """Norm of F at an unknown, and the largest imbalance at a node where the law acts.
+    def imbalance(self, displacement, scalars, reach):
+        """Norm of F at displacements, the largest imbalance at a node where the law acts, and
+        whether it does anywhere, as of `contact.balance.asked`.
 
         Parameters
         ----------
-        unknown : array of the form's size
-        reach : normal gap within which it does, ranges
+        displacement : array (components, nodes), ranges of the law
+        scalars : means of the force-controlled components, ranges of the law
+        reach : normal gap within which the law acts, ranges
         """
-        numbers, out = np.empty(2), np.empty(self.size)
-        call(self.library.imbalance, self.grid.counter, self.reference, address(unknown), reach,
-             address(out), address(numbers))
-        return math.sqrt(numbers[0]), float(numbers[1])
+        numbers, scalars = np.empty(3), np.ascontiguousarray(scalars, dtype=float)
+        call(self.library.imbalance, self.grid.counter, self.reference,
+             address(np.ascontiguousarray(displacement)), address(scalars), reach,
+             address(numbers))
+        return math.sqrt(numbers[0]), float(numbers[1]), numbers[2] > 0.0
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""

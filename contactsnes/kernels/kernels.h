@@ -209,6 +209,8 @@ void along_columns(const Columns *c, int there, int back, const Response *r, int
 void begin_residual(Form *f, const double *unknown, double *sum);
 void begin_product(Form *f, const double *vector, double *sum);
 void begin_transposed(Form *f, const double *vector, double *sum);
+void assemble(const Form *f, const Response *r, const double *mean, double factor, const double *own,
+              double *out);
 void end_product(const Form *f, const double *mean, double factor, const double *own, double *out);
 void end_transposed(Form *f, const double *mean, const double *vector, double *out);
 int residual(Form *f, const double *unknown, double *out);

@@ -35,12 +35,22 @@ static double softening(long m, long n, const double *tangent, const double *sli
     return root >= 0.0 ? greater(sqrt(root) - 0.5 * (first + slipping), 0.0) : 0.0;
 }
 
-/* gap, traction (m, nodes) of displacements, and numbers: lowest normal gap, largest slip in contact,
+CLONES static double weighted_squares(const double *restrict x, const double *restrict weight, long n)
+{
+    double sum = 0.0;
+    if (weight)
+        for (long k = 0; k < n; k++) sum += weight[k] * x[k] * x[k];
+    else
+        for (long k = 0; k < n; k++) sum += x[k] * x[k];
+    return sum;
+}
+
+/* Numbers of displacements (m, nodes): lowest normal gap, largest slip in contact,
    largest pressure, largest shear traction, steepest softening; nodes in contact, those that stick;
    sums of tractions and of tractions times displacements by component. limits: gap of contact, slip at
    the peak of the friction, Maugis parameters. */
 void survey(const Law *law, long m, long nodes, const double *displacement, const double *initial_gap,
-            const double *weight, const double *limits, double *gap, double *traction, double *numbers)
+            const double *weight, const double *limits, double *numbers)
 {
     double at[MOST * SOME], t[MOST * SOME], tangent[MOST * MOST * SOME];
     double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0, count = 0.0;
@@ -50,7 +60,6 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
         for (long i = 0; i < m; i++) {
             const double *restrict u = displacement + i * nodes + from;
             for (long k = 0; k < n; k++) at[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
-            memcpy(gap + i * nodes + from, at + i * n, n * sizeof *at);
         }
         evaluate(law, m, n, at, t, tangent);
         double part[2 * MOST] = {0};
@@ -77,7 +86,6 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             }
         }
         for (long i = 0; i < 2 * m; i++) sums[i] += part[i];
-        for (long i = 0; i < m; i++) memcpy(traction + i * nodes + from, t + i * n, n * sizeof *t);
     }
     const double found[] = {lowest, slipped, pressure, sqrt(shear), steepest, count, sticking};
     memcpy(numbers, found, sizeof found);
@@ -229,22 +237,39 @@ void releases(const Law *law, long m, long nodes, const double *foretold, const 
     }
 }
 
-/* What a residual at an unknown says: its sum of squares, and the largest imbalance at a node where the law
-   acts, ranges. `out` is the residual. */
-int imbalance(Form *f, const double *unknown, double range, double *out, double *numbers)
+/* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
+   the largest imbalance at a node where the law acts, ranges, and at how many it does. */
+int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *numbers)
 {
     const long n = f->nodes, m = f->components;
-    int status = residual(f, unknown, out);
+    Form plain = *f; /* whose unknowns are the displacements */
+    double sum[MOST], mean[MOST], squares = 0.0, largest = 0.0, acting = 0.0;
+    plain.root = 1.0;
+    plain.scale = plain.unscale = 0;
+    begin_residual(&plain, displacement, sum);
+    f->evaluations = plain.evaluations;
+    if ((f->known = plain.known)) /* at the unknown that they are packed to */
+        for (long k = 0; k < m * n; k++)
+            f->last[k] = displacement[k] / f->root * (f->scale ? f->scale[k % n] : 1.0);
+    int status = convolve(f->response, 0);
     if (status) return status;
-    double squares = 0.0, largest = 0.0;
-    for (long k = 0; k < m * n + f->forced_count; k++) squares += out[k] * out[k];
+    for (long i = 0; i < m; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
+    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
+    assemble(&plain, f->response, mean, 1.0, displacement, f->work);
+    for (long i = 0; i < m; i++) squares += weighted_squares(f->work + i * n, f->weight, n);
     for (long k = 0; k < n; k++) {
-        const double root = f->unscale ? f->root * f->unscale[k] : f->root;
-        if (!(unknown[k] * root + f->initial_gap[k] < range)) continue;
-        for (long i = 0; i < m; i++) largest = greater(fabs(out[i * n + k]) * root, largest);
+        if (!(displacement[k] + f->initial_gap[k] < reach)) continue;
+        for (long i = 0; i < m; i++) largest = greater(fabs(f->work[i * n + k]), largest);
+        acting += 1.0;
+    }
+    squares /= f->root * f->root;
+    for (long row = 0; row < f->forced_count; row++) {
+        const double missing = f->row_scale[f->forced[row]] * sum[f->forced[row]] - f->target[f->forced[row]];
+        squares += missing * missing;
     }
     numbers[0] = squares;
     numbers[1] = largest;
+    numbers[2] = acting;
     return 0;
 }
 

@@ -15,7 +15,7 @@ def _flat(*arrays):
 
 
 def survey(kernel, displacement, initial_gap, weights, limits):
-    """Gap, traction and numbers of a state, as of `contact.survey.by_numpy`.
+    """Numbers of a state, as of `contact.survey.by_numpy`.
 
     Parameters
     ----------
@@ -23,12 +23,10 @@ def survey(kernel, displacement, initial_gap, weights, limits):
     displacement, initial_gap, weights, limits : as of that
     """
     displacement, initial_gap, weights, limits = _flat(displacement, initial_gap, weights, limits)
-    gap, traction = np.empty((2, *displacement.shape))
     numbers = np.empty(7 + 2 * len(displacement))
     shared().survey(kernel.reference, *displacement.shape, address(displacement),
-                    address(initial_gap), address(weights), address(limits), address(gap),
-                    address(traction), address(numbers))
-    return gap, traction, numbers
+                    address(initial_gap), address(weights), address(limits), address(numbers))
+    return numbers
 
 
 def apart(first, second, initial_gap, weights, reach):

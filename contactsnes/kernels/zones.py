@@ -170,7 +170,7 @@ class Circle:
 
     def __init__(self, found, boxes, raw, quick):
         self.transform, compliance = found
-        compliance = np.array(compliance, dtype=float, order="C")
+        compliance = np.ascontiguousarray(compliance, dtype=float)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
         # stands for the rest.
         if compliance.flat[0] == 0.0:
