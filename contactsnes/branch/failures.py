@@ -9,7 +9,7 @@ import scipy
 from ..contact import states
 from ..contact.survey import tractions
 from ..continuation.points import NotConverged
-from ..grid.alternation import REACH, differences
+from ..grid.alternation import REACH, across_rows
 from ..scene.resolution import PINNING, resolution, resolution_warning
 
 NARROW = 20
@@ -129,23 +129,16 @@ def short_waves(contact, point):
     """Part of its largest traction by which that of a point alternates from node to node: of any
     component, in any direction."""
     window, half, grid = point.state.window, point.state.half, contact.grid
-    halved = half is not None and not grid.shared and min(half.shape) > REACH + 1
-    found = 0.0
+    halved = half is not None and min(half.extents) > REACH + 1
+    found, nodes = 0.0, half if halved else window.parts[0]
     for i, component in enumerate(tractions(contact, point.state, once=halved)):
-        boxes = (half.box(component)[None] if halved
-                 else window.box(component).reshape(-1, *window.parts[0].shape))
+        boxes = (half if halved else window).box(component).reshape(-1, *nodes.shape)
         largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
-        for axis, (extent, total) in enumerate(zip(window.parts[0].extents, grid.shape), start=1):
-            if halved:
-                sign = half.parities[i][axis - 1] if half.parities else 1
-                aside = contact.kernels.alternation(boxes, axis, sign, half.closed[axis - 1])
-            elif grid.shared:
-                waves = differences(window.parts[0].with_rows(boxes, REACH), axis,
-                                    extent == total)
-                aside = grid.maximum(np.abs(grid.without_rows(waves, REACH)), initial=0.0)
-            else:
-                # beyond a window the law does not act
-                aside = contact.kernels.alternation(boxes, axis, 0, extent == total)
+        for axis, closed in enumerate(nodes.closed, start=1):
+            # beyond a window the law does not act
+            sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
+            aside = (across_rows(nodes, boxes, sign) if grid.shared and axis == 1 else
+                     grid.largest(contact.kernels.alternation(boxes, axis, sign, closed)))
             found = max(found, aside / largest)
     return found
 

@@ -21,6 +21,24 @@ def differences(boxes, axis, closed):
     return scipy.ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
 
 
+def across_rows(window, boxes, image=0):
+    """As `alternation` along the first axis of boxes (boxes, rows, columns), rows of which are in
+    other processes: the largest of all.
+
+    Parameters
+    ----------
+    window : Slab or SlabEven
+    boxes, image : as of `alternation`
+    """
+    wide, numbers = window.with_rows(boxes, REACH), window.rows.numbers
+    numbers = np.arange(-REACH, len(numbers) + REACH) + window.rows.first
+    if image or not window.closed[0]:
+        wide[:, numbers < 0] *= image
+        wide[:, numbers >= window.extents[0]] *= image * window.closed[0]
+    waves = differences(wide, 1, False)[:, REACH:-REACH]
+    return float(window.grid.maximum(np.abs(waves), initial=0.0))
+
+
 def alternation(boxes, axis, image=0, closed=False):
     """The largest eighth difference along an axis of boxes (boxes, *box), 0 or more.
 

@@ -13,12 +13,12 @@ import numpy as np
 import scipy
 
 from .active import NodesConvolution
-from .cell import Convolution, clear_padding
+from .cell import Convolution
+from .filtering import clear_padding
 from .windows import Window, enclosing
 
 MOST = 24
-"""Clusters of nodes, at most, of which boxes are thought of: finer ones are first joined to their
-neighbours."""
+"""Clusters of nodes, at most, of which boxes are thought of: finer ones are joined at first."""
 
 MULTIPLICATION = 5.0
 POINTWISE = 40.0

@@ -13,7 +13,7 @@ import pyfftw
 
 from .counter import Counter, transform_cost
 from .fields import Fields
-from .filtering import Filtering
+from .filtering import Filtering, clear_padding
 from .precision import first_half
 from .windows import Window
 
@@ -271,10 +271,3 @@ class Convolution:
         cache."""
         shape = self.transform.spectrum.shape[1:]
         return min(shape[0], max(1, 2 ** 14 * shape[0] // math.prod(shape)))
-
-
-def clear_padding(real, shape):
-    """Set to zero what a buffer (count, *circle) holds beyond a box of the given shape."""
-    for axis, extent in enumerate(shape, start=1):
-        if extent < real.shape[axis]:
-            real[(*[slice(None)] * axis, slice(extent, None))] = 0.0

@@ -51,7 +51,7 @@ def asymmetry(window, values, parities=None):
     signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
         else np.array(parities, dtype=float)
     signs = [sign.reshape(-1, *[1] * len(window.grid.shape)) for sign in signs.T]
-    if len(window.parts) > 1 or window.grid.shared:
+    if len(window.parts) > 1 or (window.grid.shared and window.parts[0] is not window):
         cell = np.full((len(values), *window.grid.local_shape), math.inf)
         window.put(values, cell)
         differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))
@@ -61,20 +61,19 @@ def asymmetry(window, values, parities=None):
                 np.max(difference, where=np.isfinite(difference), initial=0.0)
                 for difference in differences)))
     box, largest = window.box(values), 0.0
-    for axis, (first, extent, total) in enumerate(zip(window.start, window.shape,
+    for axis, (first, extent, total) in enumerate(zip(window.origin, window.extents,
                                                       window.grid.shape), start=1):
         middle = (total // 2 - first) % total
         reach = min(middle, extent - 1 - middle)
         if reach < 0:
             return math.inf
-        nodes = np.moveaxis(box, axis, 0)
         # (an odd field vanishes in the middle, and where the cell closes on itself)
         sign = np.moveaxis(signs[axis - 1], axis, 0)
-        after, before = nodes[middle:middle + 1 + reach], nodes[middle - reach:middle + 1][::-1]
+        after, before, first = window.images(box, axis, middle, reach)
         largest = np.maximum(largest, np.max(np.abs(after - sign * before), initial=0.0))
         if extent == total:
-            largest = np.maximum(largest, np.max(np.abs((1.0 - sign) * nodes[:1])))
-    return float(largest)
+            largest = np.maximum(largest, np.max(np.abs((1.0 - sign) * first), initial=0.0))
+    return float(window.grid.largest(largest))
 
 
 class EvenGrid(Grid):

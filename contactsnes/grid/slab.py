@@ -108,6 +108,16 @@ class Slab(Window):
         end = max(begin, end)
         return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
 
+    def images(self, box, axis, middle, reach):
+        """As `windows.Window.images`; of rows those that this process compares."""
+        if axis == 2:
+            return super().images(box, axis, middle, reach)
+        away = self.rows.numbers - middle
+        # one of the two, by turns, so that all processes have as much to do
+        mine = np.flatnonzero((np.abs(away) <= reach) & ((away % 2 == 0) == (away <= 0)))
+        found = box[:, mine], self.rows.at(box, middle - away[mine]), box[:, :self.rows.first == 0]
+        return tuple(np.moveaxis(part, 1, 0) for part in found)
+
     def cut(self, box, part):
         """A part of the box, slices, of values (..., rows, columns), whoever has them."""
         return self.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]

@@ -30,7 +30,9 @@ class SlabEven(EvenWindow):
         self.full, self.parities, self.limits = full, unlike(parities), tuple(
             n // 2 + 1 for n in cell.shape)
         self.extents, self.closed = tuple(n // 2 + 1 for n in full.extents), full.closed
-        mine = share(self.extents[0], cell.comm.rank, cell.comm.size)
+        # in pairs, which single precision takes for one row of complex numbers
+        pairs = share((self.extents[0] + 1) // 2, cell.comm.rank, cell.comm.size)
+        mine = slice(2 * pairs.start, min(2 * pairs.stop, self.extents[0]))
         self.rows = Rows(cell.comm, mine.start, mine.stop - mine.start, self.extents[0], "mirror")
         self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (mine.start, 0)))
         self.shape = self.rows.count, self.extents[1]
@@ -39,7 +41,7 @@ class SlabEven(EvenWindow):
         weights = np.multiply.outer(self._lines[0][mine], self._lines[1])
         self.grid = cell.weighted(weights.reshape(-1), self.rows)
 
-    occupied, own, total = Slab.occupied, Slab.own, Slab.total
+    occupied, own, total, with_rows = Slab.occupied, Slab.own, Slab.total, Slab.with_rows
     indices = None  # those of the cell are in other processes
 
     def _outwards(self, rows, values, extents):
@@ -70,9 +72,10 @@ class SlabEven(EvenWindow):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for
         arrays (components, nodes) alone."""
         numbers = self.full.rows.numbers, np.arange(self.full.extents[1])
-        first, second = (np.abs(places - count // 2)
-                         for places, count in zip(numbers, self.full.extents))
-        found = self.rows.at(self.box(values), first)[..., second]
+        half, columns = self.full.extents[0] // 2, self.full.extents[1]
+        rows = self.rows.at(self.box(values), np.abs(numbers[0] - half))
+        found = np.concatenate([rows[..., columns // 2:0:-1], rows[..., :columns - columns // 2]],
+                               axis=-1)
         for field, signs in zip(found, self.parities or () if found.ndim > 2 else ()):
             for axis, odd in enumerate(signs):
                 if odd < 0:

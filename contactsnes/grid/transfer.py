@@ -126,9 +126,7 @@ def smooth(window, values, width):
         return _smooth_rows(window, values, width)
     box = window.box(values)
     first = box.ndim - len(window.shape)
-    # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
-    reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
-               for points, spacing in zip(window.shape, window.grid.spacings)]
+    reaches = reach_of(window, width)
     # Zeros far from all other values stay zeros; a mirror beyond them shows zeros, too.
     part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach + 1)
                                           for axis, reach in enumerate(reaches, first))
@@ -144,11 +142,22 @@ def smooth(window, values, width):
     return out.reshape(-1)
 
 
+def reach_of(window, width):
+    """How many nodes on either side each of the three means of `smooth` takes, by direction.
+
+    Parameters
+    ----------
+    window, width : as of that
+    """
+    # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
+    return [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
+            for points, spacing in zip(window.extents, window.grid.spacings)]
+
+
 def _smooth_rows(window, values, width):
     """`smooth` of a box of the cell, or of a quarter of one, of which some rows are here."""
     grid, box = window.grid, window.box(values)
-    reaches = [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
-               for points, spacing in zip(window.extents, grid.spacings)]
+    reaches = reach_of(window, width)
     wide, first = window.rows.around(box, 3 * reaches[0], 3 * reaches[0]), box.ndim - 2
     # as in one process, of what is here and near by
     part = (slice(None),) * first + tuple(extent(wide != 0.0, axis, 3 * reach + 1)

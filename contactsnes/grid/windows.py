@@ -121,6 +121,19 @@ class Window:
         """A part of the box, slices, as far as it is here, and the same in what is here."""
         return part, part
 
+    def images(self, box, axis, middle, reach):
+        """Values of a box (arrays, *box) that are mirror images of each other along an axis, and
+        those of its first node: three arrays whose first axis that is.
+
+        Parameters
+        ----------
+        box : array
+        axis : int, from 1
+        middle, reach : int, node of the mirror, and how far from it there are nodes on both sides
+        """
+        nodes = np.moveaxis(box, axis, 0)
+        return nodes[middle:middle + 1 + reach], nodes[middle - reach:middle + 1][::-1], nodes[:1]
+
     def cut(self, box, part):
         """A part, slices, of a box (..., *box), as a copy."""
         return box[(..., *part)].copy()

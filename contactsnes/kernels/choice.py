@@ -12,6 +12,7 @@ from ..grid.contours import crossings
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
 from ..grid.splines import sources, spline
+from ..grid.transfer import smooth
 from . import library
 
 LARGE = 2 ** 16
@@ -35,7 +36,7 @@ class Interpreted:
 
     compiled = False
     law_reason = None
-    spline, sources = staticmethod(spline), staticmethod(sources)
+    spline, sources, smooth = staticmethod(spline), staticmethod(sources), staticmethod(smooth)
     crossings, alternation = staticmethod(crossings), staticmethod(alternation)
 
     def __init__(self, reason):
@@ -95,14 +96,14 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache):
-        from . import fftw, points, slabs, splines, transforms
+        from . import fftw, points, slab_even, slabs, splines, transforms
 
         self._cache, self.law_reason = cache, None
-        self.spline, self.sources = splines.spline, splines.sources
+        self.spline, self.sources, self.smooth = splines.spline, splines.sources, slabs.smooth
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
-        self._slab_even = slabs.SlabEvenReal
+        self._slab_even = slab_even.SlabEvenReal
         self._kept = lru_cache(maxsize=24)(self._make)
         self._held = WeakValueDictionary()
 

@@ -67,21 +67,14 @@ CLONES static void name(const Side *restrict from, Side *restrict to, long n, lo
 SUMS(sums_across, Across)
 SUMS(sums_along, Along)
 
-/* Nodes of a box in the plane that are stiff, rows and columns that have such. */
-CLONES static void find_stiff(const Zone *z, const double *tangent, double level, unsigned char *stiff,
-                              long *first, long *last)
+/* The first and last row and column in which a mask over a box holds; `seen` is room for columns. */
+CLONES static void find_ends(const long *shape, const unsigned char *mask, unsigned char *seen, long *first,
+                             long *last)
 {
-    const Response *r = z->form->response;
-    const long n = r->shape[0], c = r->shape[1];
-    unsigned char *seen = (unsigned char *)z->sums;
-    if (r->picked) {
-        memset(stiff, 0, n * c);
-        for (long k = 0; k < r->picked; k++) stiff[r->in_box[k]] = tangent[k] > level;
-    } else
-        for (long k = 0; k < n * c; k++) stiff[k] = tangent[k] > level;
+    const long n = shape[0], c = shape[1];
     memset(seen, 0, c);
     for (long j = 0; j < n; j++) {
-        const unsigned char *restrict row = stiff + j * c;
+        const unsigned char *restrict row = mask + j * c;
         unsigned char any = 0;
         for (long k = 0; k < c; k++) {
             seen[k] |= row[k];
@@ -96,12 +89,31 @@ CLONES static void find_stiff(const Zone *z, const double *tangent, double level
     }
 }
 
+/* Nodes of a box in the plane that are stiff, rows and columns that have such. */
+CLONES static void find_stiff(const Zone *z, const double *tangent, double level, unsigned char *stiff,
+                              long *first, long *last)
+{
+    const Response *r = z->form->response;
+    const long n = r->shape[0], c = r->shape[1];
+    if (r->picked) {
+        memset(stiff, 0, n * c);
+        for (long k = 0; k < r->picked; k++) stiff[r->in_box[k]] = tangent[k] > level;
+    } else
+        for (long k = 0; k < n * c; k++) stiff[k] = tangent[k] > level;
+    find_ends(r->shape, stiff, (unsigned char *)z->sums, first, last);
+}
+
+static double cube(double x)
+{
+    return x * x * x;
+}
+
 /* Sums across the rows of a box, for its columns from the first to the last; zero in the others. */
-CLONES static void blur_columns(const Zone *z, const unsigned char *stiff, long first, long last, int even,
+CLONES static void blur_columns(const Blur *b, const unsigned char *stiff, long first, long last, int mirrors,
                                 float *out)
 {
-    const long n = z->form->response->shape[0], c = z->form->response->shape[1], reach = z->reach[0];
-    float *from = (float *)z->sums, *to = from + n * ACROSS;
+    const long n = b->shape[0], c = b->shape[1], reach = b->reach[0];
+    float *from = (float *)b->sums, *to = from + n * ACROSS;
     for (long j = 0; j < n; j++) {
         memset(out + j * c, 0, first * sizeof *out);
         memset(out + j * c + last + 1, 0, (c - last - 1) * sizeof *out);
@@ -111,7 +123,7 @@ CLONES static void blur_columns(const Zone *z, const unsigned char *stiff, long 
         for (long j = 0; j < n; j++)
             for (long l = 0; l < ACROSS; l++) from[j * ACROSS + l] = l < wide ? stiff[j * c + k + l] : 0;
         for (int turn = 0; turn < 3 && reach; turn++) {
-            sums_across((Across *)from, (Across *)to, n, reach, (int)z->wraps[0], even);
+            sums_across((Across *)from, (Across *)to, n, reach, (int)b->wraps[0], mirrors);
             float *swap = from;
             from = to;
             to = swap;
@@ -121,25 +133,43 @@ CLONES static void blur_columns(const Zone *z, const unsigned char *stiff, long 
     }
 }
 
-/* Sums along some rows, which are then in columns side by side; where they are. */
-CLONES static const double *blur_rows(const Zone *z, const float *rows, long count, int even)
+/* Sums along at most ALONG rows, as weights 0 to 1, one row after another. */
+CLONES static void blur_rows(const Blur *b, const float *rows, long count, int mirrors, double *weights)
 {
-    const long c = z->form->response->shape[1], reach = z->reach[1];
-    double *from = z->sums, *to = from + c * ALONG;
+    const long c = b->shape[1], reach = b->reach[1];
+    const double gain = 1.0 / (cube(2 * b->reach[0] + 1) * cube(2 * reach + 1));
+    double *from = b->sums, *to = from + c * ALONG;
     for (long l = 0; l < ALONG; l++)
         for (long k = 0; k < c; k++) from[k * ALONG + l] = l < count ? rows[l * c + k] : 0.0f;
     for (int turn = 0; turn < 3 && reach; turn++) {
-        sums_along((Along *)from, (Along *)to, c, reach, (int)z->wraps[1], even);
+        sums_along((Along *)from, (Along *)to, c, reach, (int)b->wraps[1], mirrors);
         double *swap = from;
         from = to;
         to = swap;
     }
-    return from;
+    for (long l = 0; l < count; l++) {
+        double *restrict weight = weights + l * c;
+        for (long k = 0; k < c; k++) {
+            const double w = from[k * ALONG + l] * gain;
+            weight[k] = w < 1e-12 ? 0.0 : w < 1.0 ? w : 1.0;
+        }
+    }
 }
 
-static double cube(double x)
+/* Weights 0 to 1 of rows of a mask over a box, blurred: of those from the first on, so many. */
+void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long first_row, long count,
+                 float *sums, double *out)
 {
-    return x * x * x;
+    long first[2] = {LONG_MAX, LONG_MAX}, last[2] = {-1, -1};
+    find_ends(b->shape, mask, (unsigned char *)b->sums, first, last);
+    if (last[1] < 0) {
+        memset(out, 0, count * b->shape[1] * sizeof *out);
+        return;
+    }
+    blur_columns(b, mask, first[1], last[1], 0, sums);
+    for (long j = 0; j < count; j += ALONG)
+        blur_rows(b, sums + (first_row + j) * b->shape[1], count - j < ALONG ? count - j : ALONG, mirrors,
+                  out + j * b->shape[1]);
 }
 
 /* The extent of a core whose stiff nodes, somewhere in all boxes, lie between two places: as far as a
@@ -188,7 +218,7 @@ CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double l
     const Form *f = z->form;
     const Response *r = f->response;
     const long n = nodes_of_box(f), c = r->shape[1];
-    const double gain = 1.0 / (cube(2 * z->reach[0] + 1) * cube(2 * z->reach[1] + 1));
+    const Blur blur = {{r->shape[0], c}, {z->reach[0], z->reach[1]}, {z->wraps[0], z->wraps[1]}, z->sums};
     float *sums = (float *)z->blur;
     unsigned char *stiff = (unsigned char *)(sums + n);
     long first[2] = {LONG_MAX, LONG_MAX}, last[2] = {-1, -1}, at = 0;
@@ -203,19 +233,14 @@ CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double l
             find_stiff(z, d, level, stiff, first, last);
             if (last[1] < 0) first[1] = last[1] = 0;
         }
-        blur_columns(z, stiff, first[1], last[1], even, sums);
+        blur_columns(&blur, stiff, first[1], last[1], even, sums);
         for (long j = b->first[0]; j < b->first[0] + b->extent[0]; j += ALONG) {
             const long rest = b->first[0] + b->extent[0] - j, rows = rest < ALONG ? rest : ALONG;
-            const double *found = blur_rows(z, sums + j * c, rows, even);
-            for (long l = 0; l < rows; l++) {
-                double *restrict weight = z->mask + (r->picked ? (j + l) * c : 0);
-                for (long k = 0; k < c; k++) {
-                    const double w = found[k * ALONG + l] * gain;
-                    weight[k] = w < 1e-12 ? 0.0 : w < 1.0 ? w : 1.0;
-                }
+            double *weight = z->mask + (r->picked ? j * c : 0) + b->first[1];
+            blur_rows(&blur, sums + j * c, rows, even, weight - b->first[1]);
+            for (long l = 0; l < rows && !r->picked; l++, at += b->extent[1]) {
                 const long node = (j + l) * c + b->first[1];
-                if (!r->picked) keep_row(f, b, weight + b->first[1], d + node, node, at, &count, &sum);
-                at += b->extent[1];
+                keep_row(f, b, weight + l * c, d + node, node, at, &count, &sum);
             }
         }
         b->mean[box] = sum / (count > 0.0 ? count : 1.0);
@@ -373,6 +398,22 @@ static Transform *circle_of(const Zone *z, Block *b)
     return t;
 }
 
+/* weights times the first nodes of rows, `apart` from each other, to those of a transform's field */
+void put_box(const Transform *t, long field, const long *extent, const double *weight, const double *x,
+             long apart)
+{
+    for (long j = 0; j < extent[0]; j++)
+        put_row(t, field, j, 0, weight + j * extent[1], x + j * apart, extent[1]);
+}
+
+/* x = x + back (field - into x) for these nodes */
+void blend_box(const Transform *t, long field, const long *extent, const double *into, const double *back,
+               double *x, long apart)
+{
+    for (long j = 0; j < extent[0]; j++, into += extent[1], back += extent[1], x += apart)
+        blend_row(t, field, j, into, back, x, x, extent[1]);
+}
+
 /* The block times a field, to another one or in place. */
 static int apply_block(const Zone *z, Block *b, const double *field, double *out)
 {
@@ -386,9 +427,8 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
         clear_field(t, 0);
         put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
     }
-    for (long box = 0; box < boxes && !response->picked; box++)
-        for (long j = 0; j < e[0]; j++, at += e[1])
-            put_row(t, box, j, 0, b->into + at, field + box * n + (b->first[0] + j) * c + b->first[1], e[1]);
+    for (long box = 0; box < boxes && !response->picked; box++, at += e[0] * e[1])
+        put_box(t, box, e, b->into + at, field + box * n + b->first[0] * c + b->first[1], c);
     if ((status = filter(t, e, b->circle->symbol))) return status;
     at = 0;
     if (response->picked) {

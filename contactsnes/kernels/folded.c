@@ -213,13 +213,18 @@ static void multiply(const Transform *t, const Response *response, const float *
         }
 }
 
-/* As `packed_multiply`. */
-void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
-                     int transposed)
+/* The rows of all fields, of which some are used, transformed; or back. */
+void folded_rows(const Transform *t, long used, int back)
+{
+    for (long i = 0; i < t->count; i++)
+        lines(&t->line[1], field_of(t, i), t->shape[1], (used + 1) / 2, back, t->odd[i][1]);
+}
+
+/* The columns of rows that are transformed: there, times symbols, and back. */
+void folded_columns(const Transform *t, const Response *response, const float *symbol, long used,
+                    int transposed)
 {
     const long r = t->shape[0], c = t->shape[1], apart = r + r % 2, wide = PAIRS * 2 * apart;
-    for (long i = 0; i < t->count; i++)
-        lines(&t->line[1], field_of(t, i), c, (used + 1) / 2, 0, t->odd[i][1]);
     for (long first = 0; first < c; first += COLUMNS) {
         const long columns = c - first < COLUMNS ? c - first : COLUMNS, pairs = (columns + 1) / 2;
         for (long i = 0; i < t->count; i++) {
@@ -232,8 +237,15 @@ void folded_multiply(const Transform *t, const Response *response, const float *
             scatter(t, i, first, columns, used);
         }
     }
-    for (long i = 0; i < t->count; i++)
-        lines(&t->line[1], field_of(t, i), c, (used + 1) / 2, 1, t->odd[i][1]);
+}
+
+/* As `packed_multiply`. */
+void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+                     int transposed)
+{
+    folded_rows(t, used, 0);
+    folded_columns(t, response, symbol, used, transposed);
+    folded_rows(t, used, 1);
 }
 
 /* the symbol 1 / gain / (1 + C D), pair after pair, from compliances column after column */

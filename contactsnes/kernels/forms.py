@@ -9,7 +9,8 @@ import numpy as np
 
 from . import structures
 from .laws import kernel_of
-from .slabs import SlabEvenReal, SlabReal
+from .slab_even import SlabEvenReal
+from .slabs import SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
 
@@ -77,8 +78,9 @@ def _response(convolution, count, transform):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        product = (None if window.grid.shared or all(i == j for i, j in symbols)
-                   else _copied(transform))
+        # (in double precision on slabs Python multiplies)
+        by_python = window.grid.shared and not transform.structure.packed
+        product = (None if by_python or all(i == j for i, j in symbols) else _copied(transform))
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
         product = _copied(transform, window.grid.shared)
     if product is not None:

@@ -117,6 +117,11 @@ typedef struct { /* core block of a component */
     int *node, *at;
 } Block;
 
+typedef struct { /* a blur of masks over boxes: three running means of 2 reach + 1 nodes along each axis */
+    long shape[2], reach[2], wraps[2];
+    double *sums; /* room for 2 x 8 lines of doubles, the longest of the box */
+} Blur;
+
 typedef struct Zone Zone;
 struct Zone { /* CoreZone, of a form or of a form under arc length */
     Form *form;
@@ -176,6 +181,10 @@ void take_nodes(const Transform *t, long field, const int *at, double mean, doub
                 const double *own, double *out, long n);
 void blend_row(const Transform *t, long field, long row, const double *into, const double *back,
                const double *x, double *out, long n);
+void put_box(const Transform *t, long field, const long *extent, const double *weight, const double *x,
+             long apart);
+void blend_box(const Transform *t, long field, const long *extent, const double *into, const double *back,
+               double *x, long apart);
 void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *into,
                  const double *back, double *x, long n);
 int filter(Transform *t, const long *shape, const void *symbol);
@@ -198,6 +207,9 @@ void packed_multiply(const Transform *t, const Response *response, const float *
                      int transposed);
 void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed);
+void folded_rows(const Transform *t, long used, int back);
+void folded_columns(const Transform *t, const Response *response, const float *symbol, long used,
+                    int transposed);
 void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    float *symbol);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
@@ -221,6 +233,8 @@ int arc_residual(Form *f, const Arc *arc, const double *unknown, double *out);
 void arc_linearise(Form *f, const Arc *arc, const double *unknown);
 int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
 int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);
+void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long first_row, long count,
+                 float *sums, double *out);
 int set_up(Zone *z);
 int precondition(Zone *z, const double *vector, double *out);
 void gaps_of_regularised(const Law *law, long nodes, const double *target, double stiffness, double *out);

@@ -9,5 +9,5 @@
 const char *kernels_checksum = KERNELS_CHECKSUM;
 const long kernels_sizes[] = {
     sizeof(Law), sizeof(Line), sizeof(Transform), sizeof(Response), sizeof(Columns),
-    sizeof(Form), sizeof(Motion), sizeof(Arc), sizeof(Circle), sizeof(Block), sizeof(Zone),
-    sizeof(System), sizeof(struct Libraries)};
+    sizeof(Form), sizeof(Motion), sizeof(Arc), sizeof(Circle), sizeof(Block), sizeof(Blur),
+    sizeof(Zone), sizeof(System), sizeof(struct Libraries)};

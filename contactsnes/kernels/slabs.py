@@ -6,18 +6,101 @@ import ctypes
 import numpy as np
 import pyfftw
 
-from ..grid.cell import clear_padding
-from ..grid.cosines import closes, cosine_waves
-from ..grid.slab_cosines import SlabCosines
+from ..grid import transfer
+from ..grid.active import Nodes
 from ..grid.slab_transform import SlabTransform
 from . import structures
 from .fftw import Rows
 from .library import shared
 from .structures import address
-from .transforms import COLUMNS, Compiled, Line, order_of
+from .transforms import COLUMNS, Compiled
 
 
-class SlabReal(SlabTransform):
+class OfLibrary:
+    """What the library does with this process's rows of a transform's fields, which its
+    ``structure`` tells of."""
+
+    fitting = Compiled.fitting
+
+    @property
+    def spectral(self):
+        """The structure whose waves this process has."""
+        return self.structure
+
+    def inverted(self, compliance, stiffness):
+        """As `Filtering.inverted`.
+
+        Parameters
+        ----------
+        compliance, stiffness : as of that
+        """
+        own = self.spectral
+        symbol = np.empty((own.count, own.waves), dtype=np.float32 if own.single else float)
+        compliance = np.ascontiguousarray(compliance)
+        for row, each in zip(symbol, stiffness):
+            self.library.invert(ctypes.addressof(own), address(compliance), each, self.gain,
+                                address(row))
+        return symbol if own.packed else symbol.reshape(own.count, *compliance.shape)
+
+    def enter(self, weight, values):
+        """As `Filtering.enter`.
+
+        Parameters
+        ----------
+        weight, values : as of that
+        """
+        weight, extent = np.ascontiguousarray(weight), (ctypes.c_long * 2)(*values.shape[1:])
+        reference = ctypes.addressof(self.structure)
+        for field, (own, box) in enumerate(zip(weight, values)):
+            self.library.put_box(reference, field, extent, address(own), *_rows(box))
+        self.library.clear_beyond(reference, extent)
+
+    def leave(self, into, back, values):
+        """As `Filtering.leave`.
+
+        Parameters
+        ----------
+        into, back, values : as of that
+        """
+        into, back = np.ascontiguousarray(into), np.ascontiguousarray(back)
+        extent = (ctypes.c_long * 2)(*values.shape[1:])
+        for field, (there, again, box) in enumerate(zip(into, back, values)):
+            self.library.blend_box(ctypes.addressof(self.structure), field, extent, address(there),
+                                   address(again), *_rows(box))
+
+
+def smooth(window, mask, width):
+    """A mask (nodes), blurred as by `grid.transfer.smooth`.
+
+    Parameters
+    ----------
+    window, mask, width : as of that
+    """
+    if isinstance(window, Nodes):
+        return smooth(window.hull, window.spread(mask), width)[window.places]
+    if not window.grid.shared:
+        return transfer.smooth(window, mask, width)
+    reaches = transfer.reach_of(window, width)
+    wide, out = window.with_rows(window.box(mask), 3 * reaches[0]), np.empty(window.shape)
+    room, sums = np.empty((16, max(wide.shape))), np.empty(wide.shape, dtype=np.float32)
+    # rows beyond those that are here stand in the box
+    blur = structures.Blur(shape=wide.shape, reach=tuple(reaches), sums=address(room),
+                           wraps=(0, window.extents[1] == window.grid.shape[1]))
+    shared().smooth_mask(ctypes.addressof(blur), wide.ctypes.data, window.even, 3 * reaches[0],
+                         len(out), address(sums), address(out))
+    return out.reshape(-1)
+
+
+def _rows(box):
+    """Where the rows of a part of an array of doubles begin, and how far they are from each
+    other."""
+    apart, one = box.strides
+    if box.dtype != float or (box.size and one != box.itemsize) or apart % box.itemsize:
+        raise ValueError("kernels take rows of doubles")
+    return box.ctypes.data, apart // box.itemsize
+
+
+class SlabReal(OfLibrary, SlabTransform):
     """`grid.slab_transform.SlabTransform`, of whose columns of waves the library has charge.
 
     Parameters
@@ -30,8 +113,6 @@ class SlabReal(SlabTransform):
     block : a few columns of each field, and of a symbol
     """
 
-    fitting = Compiled.fitting
-
     def _plan_columns(self, planned):
         """Plan columns, some of which are transformed at a time.
 
@@ -42,6 +123,7 @@ class SlabReal(SlabTransform):
         self.library, single = shared(), self.real.itemsize < 8
         self.structure = own = structures.Transform(count=self._count, single=single)
         own.shape[:], own.real = self.real.shape[1:], address(self.real)
+        own.waves = self.spectrum[0].size
         self.block = pyfftw.zeros_aligned((self._count + 1, COLUMNS, self.shape[0]),
                                           dtype=self.spectrum.dtype)
         self._plans = Rows(self.shape[0], self._count * COLUMNS, address(self.block), single)
@@ -79,94 +161,3 @@ class SlabReal(SlabTransform):
         for i, own in enumerate(symbol):
             response.symbol[i][i] = address(own)
         self.respond(response, False)
-
-
-class SlabEvenReal(SlabCosines):
-    """`grid.slab_cosines.SlabCosines` made from real transforms by the library, which writes into
-    its rows what nodes have. Waves are transposed, in the order of `transforms.Cosines`.
-
-    Parameters
-    ----------
-    grid, shape, count, rows, parities, single : as of that
-
-    Attributes
-    ----------
-    structure : of the library, with this process's rows of ``real`` as a field's
-    """
-
-    fitting = Compiled.fitting
-
-    def _lay_out(self, comm, rows, kind):
-        """Take memory for numbers of a type, and find what goes where.
-
-        Parameters
-        ----------
-        comm, rows, kind : as of `SlabCosines`
-        """
-        super()._lay_out(comm, rows, kind)
-        self.library, self._here = shared(), self.spectrum
-        count, waves, columns = self._here.shape
-        self.spectrum = self._packed[:self._here.size].reshape(count, columns, waves)
-        self.structure = own = structures.Transform(count=count, single=kind.itemsize < 8)
-        own.shape[:], own.real = self.real.shape[1:], address(self.real)
-        self._lines = [Line(points, closed, bool(own.single))
-                       for points, closed in zip(self.shape, closes(self._grid, self.shape))]
-
-    def _along(self, fields, axis, back):
-        """Transform the rows of fields, which are lines along an axis of the plane, in place."""
-        line = ctypes.addressof(self._lines[axis].structure)
-        for field, odd in zip(fields, self._odd[:, axis]):
-            self.library.along_rows(line, address(field), len(field), back, odd,
-                                    self.structure.single)
-
-    def _along_rows(self, back):
-        """Transform the rows of ``real``, in place."""
-        self._along(self.real, 1, back)
-
-    def _along_columns(self, back):
-        """Turn what has come into rows of ``spectrum`` and transform these, or back."""
-        if back:
-            self._along(self.spectrum, 0, back)
-        for here, turned in zip(self._here, self.spectrum):
-            self.library.turn_field(address(here), *here.shape, address(turned), back,
-                              self.structure.single)
-        if not back:
-            self._along(self.spectrum, 0, back)
-
-    @staticmethod
-    def wavevectors(shape, closed, spacings, mine):
-        """Wave numbers of some columns of waves, 1/beta, to broadcast over a spectrum.
-
-        Parameters
-        ----------
-        shape, closed, spacings, mine : as of `SlabCosines.wavevectors`
-        """
-        first, second = (axis.ravel()[order_of(points, one)] for axis, points, one in zip(
-            cosine_waves(shape, closed, spacings), shape, closed))
-        return first[None, :], second[mine, None]
-
-    def ordered(self, symbol):
-        """A symbol on this process's waves of `SlabCosines` in the order of these, of the cell."""
-        return np.ascontiguousarray(symbol.T)
-
-    def respond(self, response, transposed, symbols):
-        """What stands in ``real`` times an operator, or its transpose, in place.
-
-        Parameters
-        ----------
-        response : structure of the library, with the shape of what stands there
-        transposed : bool
-        symbols : {(i, j): array on this process's waves}
-        """
-        clear_padding(self.real, tuple(response.shape))
-        self.forward()
-        if all(i == j for i, j in symbols):
-            for (i, _), symbol in symbols.items():
-                self.spectrum[i] *= symbol
-        else:
-            given = self.spectrum.copy()
-            self.spectrum[...] = 0.0
-            for (i, j), symbol in symbols.items():
-                to, source = (j, i) if transposed else (i, j)
-                self.spectrum[to] += symbol * given[source]
-        self.backward()

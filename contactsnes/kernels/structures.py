@@ -126,6 +126,13 @@ class Block(ctypes.Structure):
                 ("picked", c_long), ("node", c_void_p), ("at", c_void_p)]
 
 
+class Blur(ctypes.Structure):
+    """A blur of masks over boxes."""
+
+    _fields_ = [("shape", c_long * 2), ("reach", c_long * 2), ("wraps", c_long * 2),
+                ("sums", c_void_p)]
+
+
 Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long)
 
 
@@ -164,5 +171,6 @@ class Libraries(ctypes.Structure):
 
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Columns, Form,
-                                            Motion, Arc, Circle, Block, Zone, System, Libraries)}
+                                            Motion, Arc, Circle, Block, Blur, Zone, System,
+                                            Libraries)}
 """By the name that kernels.h gives them."""

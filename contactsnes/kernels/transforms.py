@@ -218,7 +218,7 @@ class Folded(Compiled):
         own.even = own.single = own.packed = 1
         own.real, own.block = address(double.real), address(self.block)
         own.waves = rows * (columns + columns % 2)
-        self._lines = [_PairedLine(m, closed) for m, closed in zip(self.shape, double.closed)]
+        self._lines = [PairedLine(m, closed) for m, closed in zip(self.shape, double.closed)]
         for place, line in enumerate(self._lines):
             own.line[place] = line.structure
             for field in range(self.count):
@@ -232,7 +232,7 @@ class Folded(Compiled):
         return np.ascontiguousarray(np.swapaxes(pairs.reshape(-1, 2, rows), 1, 2))
 
 
-class _PairedLine:
+class PairedLine:
     """Work, factors and plans of complex lines of a direction, a few at a time."""
 
     def __init__(self, points, closed):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.lengths import fast_length
+from ..grid.transfer import reach_of
 from . import structures
 from .forms import call
 from .structures import address
@@ -56,12 +57,10 @@ class CompiledZone:
     def _lay_out(self, window, options):
         """Widths of the blur in nodes, and the directions that close on themselves."""
         own, first = self.structure, 2 - len(window.shape)
-        width = options.width / self.form.contact.ranges[0]
-        for axis, (points, spacing, total) in enumerate(zip(window.shape, window.grid.spacings,
-                                                            window.grid.shape), start=first):
-            own.reach[axis] = min(round(np.sqrt(0.25 + (width / spacing) ** 2) - 0.5),
-                                  (points - 1) // 2)
-            own.wraps[axis] = points == total
+        reaches = reach_of(window, options.width / self.form.contact.ranges[0])
+        for axis, (points, reach, total) in enumerate(zip(window.shape, reaches,
+                                                          window.grid.shape), start=first):
+            own.reach[axis], own.wraps[axis] = reach, points == total
         nodes = self.form.nodes
         if len(window.shape) == 2:
             own.sums = self._array(2, max(window.shape), SIDE_BY_SIDE)

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from ..grid.cell import clear_padding
 from ..grid.lengths import fast_length
 from ..grid.transfer import extent
 
@@ -22,12 +21,14 @@ class CoreBlock:
     weight : array (nodes), a^2, 0 to 1
     mean_tangent : array (boxes), D, dimensionless
     pad : float >= 1, extent of the circle over that of the core
+    scale : array (nodes), fields that M^-1 is applied to over those that r is; None: they are the
+        same
     """
 
-    def __init__(self, form, component, weight, mean_tangent, pad):
+    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
         window = form.window
         self.boxes = (len(window.parts), *window.shape)
-        extents = self._find(window, weight)
+        extents = self._find(window, weight, scale)
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, fast_length(_rounded(pad * extent)))
                        for extent, total in zip(extents, window.limits))
@@ -40,22 +41,17 @@ class CoreBlock:
         if window.grid.any(window.grid.zero_wave(compliance) == 0.0):
             compliance = compliance.copy()
             window.grid.zero_wave(compliance)[...] = 2.0 * window.grid.maximum(compliance)
-        self.compliance = compliance
-        self.symbol = compliance * np.expand_dims(mean_tangent, tuple(range(1, len(self.boxes))))
-        self.symbol += 1.0
-        np.divide(1.0 / self.transform.gain, self.symbol, out=self.symbol)
-        self._quick = None
+        self.compliance, self._stiffness, self._symbols = compliance, mean_tangent, {}
         self._lay_out(window)
 
     def circle(self, single):
         """(transform, symbol) of the circle, perhaps in single precision."""
-        if not single:
-            return self.transform, self.symbol
-        if self._quick is None:
-            self._quick = self.symbol.astype(np.float32)
-        return self.transform.single, self._quick
+        plan = self.transform.single if single else self.transform
+        if single not in self._symbols:
+            self._symbols[single] = plan.inverted(self.compliance, self._stiffness)
+        return plan, self._symbols[single]
 
-    def _find(self, window, weight):
+    def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         box, hull = weight.reshape(self.boxes), window.parts[0]
         stiff = (box > 0.0).any(axis=0)
@@ -64,32 +60,29 @@ class CoreBlock:
         mine, here = hull.own(parts)
         self._rows = mine[0].start - parts[0].start, mine[0].stop - mine[0].start
         self.core = (slice(None), *here)
-        self.root, self.outside = np.sqrt(box[self.core]), 1.0 - box[self.core]
+        self._into = self._back = np.sqrt(box[self.core])
+        if scale is not None:
+            scale = scale.reshape(self.boxes)[self.core]
+            self._into, self._back = self._into / scale, self._into * scale
         return [part.stop - part.start for part in parts]
 
     def _lay_out(self, window):
         """Find the core's place on the circle."""
         self.transform = window.grid.placed(self.transform, *self._rows)
-        self.inside = (slice(None), *(slice(0, n) for n in self.root.shape[1:]))
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
         core, (plan, symbol) = field.reshape(self.boxes)[self.core], self.circle(single)
-        inner = plan.real[self.inside]
-        np.multiply(self.root, core, out=inner, casting="same_kind")
-        # Other blocks, with cores of other extents, use the same circle.
-        clear_padding(plan.real, inner.shape[1:])
+        plan.enter(self._into, core)
         plan.filter(symbol)
-        inner *= self.root
-        core *= self.outside
-        core += inner
+        plan.leave(self._into, self._back, core)
 
 
 class ScatteredBlock(CoreBlock):
     """A core block of some nodes of a box, `active.Nodes`: scattered on the circle and gathered
     again."""
 
-    def _find(self, window, weight):
+    def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         self.core = np.flatnonzero(weight)
         self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]

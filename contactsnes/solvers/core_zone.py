@@ -7,7 +7,6 @@ from typing import ClassVar
 import numpy as np
 
 from ..grid.active import Nodes
-from ..grid.transfer import smooth
 from ..options.fields import Options, option
 from .core_blocks import CoreBlock, CoupledBlock, ScatteredBlock, inverse
 
@@ -42,6 +41,7 @@ def core_weight(form, component, options):
     if largest <= 1e-6:
         return None
     core, width = tangent > options.threshold * min(1.0, largest), options.width
+    smooth = form.contact.kernels.smooth
     weight = np.minimum(smooth(form.window, core, width / form.contact.ranges[0]), 1.0)
     by_box = (len(form.window.parts), -1)
     count = form.grid.sum(weight.reshape(by_box))
@@ -64,10 +64,12 @@ class CoreZone:
     options : CoreOptions
     floor : float, dimensionless
     single : bool, whether it is set up in single precision
+    scale : array (nodes), unknowns that it is applied to over the form's (`even_form.EvenForm`);
+        None: they are the same
     """
 
-    def __init__(self, form, options=CoreOptions(), floor=0.0, single=False):
-        self.form, self.grid = form, form.grid
+    def __init__(self, form, options=CoreOptions(), floor=0.0, single=False, scale=None):
+        self.form, self.grid, self._scale = form, form.grid, scale
         self.blocks = [self._block(i, core_weight(form, i, options), options.pad, single)
                        for i in range(form.components)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
@@ -75,11 +77,12 @@ class CoreZone:
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
         # M^-1 of a component's unit is nonzero in that component only.
         self.columns = np.ones((len(self.means), form.nodes))
+        self.columns *= 1.0 if scale is None else scale
         self.matrix = np.zeros((len(self.means), len(self.means)))
         for place, (i, column) in enumerate(zip(self.means, self.columns)):
             if self.blocks[i] is not None:
                 self.blocks[i].apply(column, single)
-            self.matrix[:, place] = self.grid.sum(form.tangent[self.means, i] * column)
+            self.matrix[:, place] = self._sum(form.tangent[self.means, i] * column)
         for row, i in enumerate(self.means):
             if self.forced[i]:
                 self.matrix[row, row] += form.drag[i]
@@ -100,14 +103,20 @@ class CoreZone:
         if zone is None:
             return None
         kind = ScatteredBlock if isinstance(self.form.window, Nodes) else CoreBlock
-        block = kind(self.form, component, *zone, pad)
+        block = kind(self.form, component, *zone, pad, self._scale)
         return (block if len(self.form.window.parts) == 1
                 else CoupledBlock(self.form, component, block, single))
+
+    def _sum(self, fields):
+        """Sums over all nodes of fields (..., nodes) on the scale of unknowns."""
+        # (a node counts by the square of its scale)
+        return self.grid.sum(fields) if self._scale is None else self.grid.together(
+            fields @ self._scale)
 
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a
         scalar."""
-        return self.grid.sum(self.form.stiffen(field, self.form.work))[self.means]
+        return self._sum(self.form.stiffen(field, self.form.work))[self.means]
 
     def apply(self, vector, out, single=False):
         """out = M^-1 vector.

@@ -67,28 +67,17 @@ class ZonedStiffness:
         return out
 
 
-class EvenCoreZone:
+class EvenCoreZone(CoreZone):
     """Preconditioner of the displacement form for even states: the core zone of its half form.
 
     Parameters
     ----------
     form : EvenForm, linearised
-    options : CoreOptions
-    floor, single : float and bool, as of `CoreZone`
+    options, floor, single : as of `CoreZone`
     """
 
     def __init__(self, form, options=CoreOptions(), floor=0.0, single=False):
-        self.form, self.inner = form, CoreZone(form.half, options, floor, single)
-
-    def apply(self, vector, out, single=False):
-        """out = M^-1 vector.
-
-        Parameters
-        ----------
-        vector, out : arrays of the form's size; out is filled and returned
-        single : bool, whether transforms are in single precision
-        """
-        return self.form.scaled(self.inner.apply(self.form.plain(vector), out, single))
+        super().__init__(form.half, options, floor, single, form.node_scale)
 
 
 class ArcElimination:

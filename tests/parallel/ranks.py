@@ -1,5 +1,6 @@
 """Programs and the command in several processes of MPI, for tests."""
 
+import json
 import os
 import shutil
 import signal
@@ -104,6 +105,14 @@ class Started:
 def program(size, text, folder, **variables):
     """A finished program of Python in so many processes."""
     return Started(size, ["-c", text], folder, variables).ended()
+
+
+def found(size, text, folder):
+    """What a program of Python in so many processes leaves in ``found.json`` of a folder: a
+    launcher may be slow to pass on as much on standard output."""
+    done = program(size, text, folder)
+    assert done.returncode == 0, done.stderr
+    return json.loads((Path(folder) / "found.json").read_text(encoding="utf-8"))
 
 
 def command(size, *arguments, folder, **variables):

@@ -1,11 +1,10 @@
 """Branches of several processes against those of one: every observable of their last points, and
 their events."""
 
-import json
 import math
 
 import pytest
-from ranks import SIZES, program, together
+from ranks import SIZES, found, together
 
 CASES = """
 import json
@@ -53,7 +52,6 @@ for name, (scene, load, steps) in CASES.items():
         found[name].append({**branch.observe(point, names),
                             "nodes": point.state.window.total / branch.contact.grid.size})
 if PETSc.COMM_WORLD.rank == 0:
-    # (a launcher may be slow to pass on as much as this)
     with open("found.json", "w") as file:
         json.dump(found, file, default=lambda value: value if isinstance(value, str)
                   else float(value))
@@ -72,14 +70,7 @@ TOLERANCES = {"leading_eigenvalue": 1e-3}
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     """Case -> observables of its points, of one process."""
-    return branches(1, tmp_path_factory.mktemp("one"))
-
-
-def branches(size, folder):
-    """Case -> observables of its points, of so many processes."""
-    done = program(size, CASES, folder)
-    assert done.returncode == 0, done.stderr
-    return json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    return found(1, CASES, tmp_path_factory.mktemp("one"))
 
 
 def differs(name, one, other):
@@ -97,7 +88,7 @@ def events(points):
 @together
 @pytest.mark.parametrize("size", SIZES)
 def test_branches_are_those_of_one_process(size, alone, tmp_path):
-    for case, points in branches(size, tmp_path).items():
+    for case, points in found(size, CASES, tmp_path).items():
         one, other = alone[case][-1], points[-1]
         assert events(points) == events(alone[case]), case
         assert not {name: (one[name], other[name]) for name in one

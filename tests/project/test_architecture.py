@@ -57,7 +57,7 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
          "h5py": {"output.archive", "output.files", "output.layout", "output.store",
                   "output.tables", "output.vtk", "interface.height_files"},
          "pyfftw": {"grid.cell", "grid.cosines", "grid.slab_transform", "grid.slabs",
-                    "kernels.library", "kernels.slabs", "kernels.transforms"},}
+                    "kernels.library", "kernels.slab_even", "kernels.slabs", "kernels.transforms"},}
 """The only rooms or modules that may import a package, anywhere in them."""
 
 WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "kernels",

@@ -330,7 +330,7 @@ def test_forms_share_circles_without_harm():
     forms = [pressed(contact, controls, half=half)[0] for half in (2.6, 2.4)]
     zones = [CoreZone(form) for form in forms]
     assert len({id(zone.blocks[0].transform) for zone in zones}) == 1
-    assert len({str(zone.blocks[0].inside) for zone in zones}) > 1
+    assert len({str(zone.blocks[0].core) for zone in zones}) > 1
     vectors = [np.random.default_rng(k).normal(size=form.size) for k, form in enumerate(forms)]
     alone = [CoreZone(pressed(contact_of(512), controls, half=half)[0]).apply(vector,
                                                                               np.empty_like(vector))
