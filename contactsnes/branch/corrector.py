@@ -80,7 +80,7 @@ class Corrector:
         self.totals = dict.fromkeys(("nonlinear_iterations", "linear_iterations",
                                      "function_evaluations", "jacobian_products"), 0)
         self.symmetry = Symmetry(contact, settings, asked(), log)
-        self.balance = Balance(contact)
+        self.balance, self._units = Balance(contact), units(contact.scene)
         self._balanced = None, None  # the last state that was asked for its imbalance, and that
         self._accounted = self._spent_so_far()
 
@@ -292,4 +292,4 @@ class Corrector:
         sliding = components > 1 and in_contact and survey.sticking == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
                      sliding, imbalance.norm, largest_residual=imbalance.largest,
-                     spent={"last_iterations": iterations}, units=units(contact.scene))
+                     spent={"last_iterations": iterations}, units=self._units)

@@ -1,5 +1,6 @@
 """Which points the grid resolves, and what stops a branch, in words."""
 
+import math
 import re
 from functools import cache
 
@@ -10,6 +11,7 @@ from ..contact import states
 from ..contact.survey import tractions
 from ..continuation.points import NotConverged
 from ..grid.alternation import REACH, across_rows
+from ..grid.spots import runs
 from ..scene.resolution import PINNING, resolution, resolution_warning
 
 NARROW = 20
@@ -33,8 +35,6 @@ TRACTIONLESS = 1e-9
 USUAL = 1e9
 """Numbers of scene and load up to this size, or down to its inverse, are no reason why a
 computation should overflow."""
-INNER = {1: (slice(1, -1),), 2: (slice(1, -1),) * 2}
-"""An array without its outermost nodes, by its dimension."""
 NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
@@ -159,10 +159,13 @@ def narrow(contact, before, after):
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
     grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
                                                             *window.parts[0].shape)
+    if len(grid.shape) == 1:
+        widths = [runs(np.flatnonzero(box), math.inf) for box in boxes]
+        return grid.any(changed) and bool(np.concatenate(widths).max() < NARROW - 1)
     depth_in = scipy.ndimage.distance_transform_edt
     boxes = window.parts[0].with_rows(boxes, NARROW)
-    depths = [grid.maximum(grid.without_rows(
-        depth_in(np.pad(box, 1))[INNER[box.ndim]], NARROW)) for box in boxes]
+    depths = [grid.maximum(grid.without_rows(depth_in(np.pad(box, 1))[1:-1, 1:-1], NARROW))
+              for box in boxes]
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 

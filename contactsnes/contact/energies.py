@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..interface.laws.law import slip_of
 from .states import onto
 
 STICKING = 1e-6
@@ -95,13 +96,12 @@ def stored(contact, point):
 def _potential(contact, state):
     """Energy of the interface at each of a state's nodes, phi_n: part by part, which stay in the
     processor's cache. None where there is none."""
-    found = []
-    for displacement, initial_gap in zip(*(
-            np.array_split(field, 1 + field.shape[-1] // PART, axis=-1)
-            for field in (state.once, contact.gap_on(state.nodes)))):
-        gap = displacement.copy()
-        gap[0] += initial_gap
-        gap[1:] *= (gap[0] < contact.law.range) & (np.linalg.norm(gap[1:], axis=0) > STICKING)
+    found, initial_gap = [], contact.gap_on(state.nodes)
+    for first in range(0, max(len(initial_gap), 1), PART):
+        gap = state.once[:, first:first + PART].copy()
+        gap[0] += initial_gap[first:first + PART]
+        if len(gap) > 1:
+            gap[1:] *= (gap[0] < contact.law.range) & (slip_of(gap) > STICKING)
         found.append(contact.law.potential(gap, contact.scene.work_ratio))
     return None if any(part is None for part in found) else np.concatenate(found)
 
@@ -175,7 +175,9 @@ class PathEnergies:
     def __init__(self, contact, history=()):
         self.contact, self.trail = contact, []
         for point in history:
-            self._keep(self._entry(point))
+            entry = self._entry(point)
+            if not (self.trail and self._same(entry, self.trail[-1])):  # a further event there
+                self._keep(entry)
 
     def completed(self, point):
         """The point with its energies, and its works since the path began."""
@@ -202,14 +204,12 @@ class PathEnergies:
         return Entry(point, *loads)
 
     def _keep(self, entry):
-        """Keep an entry, unless it is a further event at the last one."""
-        if not (self.trail and self._same(entry, self.trail[-1])):
-            self.trail = [*self.trail[-3:], entry]
+        """Keep an entry among the last ones."""
+        self.trail = [*self.trail[-3:], entry]
 
     def _same(self, entry, last):
         """Whether nothing has moved from one entry to the next."""
-        return np.array_equal(entry.displacements,
-                              last.displacements) and np.array_equal(entry.forces, last.forces)
+        return all((one == other).all() for one, other in zip(entry[1:], last[1:]))
 
     def _after_jump(self, entry, last):
         """The point behind a jump from ``last``: loads held did work, and what is not stored is

@@ -22,6 +22,7 @@ from ..contact.forms import DisplacementForm
 from ..contact.problem import FORCE
 from ..contact.states import NEAR
 from ..grid.even import halved
+from ..interface.laws.law import slip_of
 from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
@@ -122,7 +123,7 @@ class Equations:
         mask = mask if grid.any(mask) else np.ones_like(mask)
         scale = np.maximum(gap, 1.0)
         if len(gap) > 1:
-            slip = np.abs(gap[1]) if len(gap) == 2 else np.linalg.norm(gap[1:], axis=0)
+            slip = slip_of(gap)
             np.maximum(slip, 1.0, out=scale[1:])
         return Near(mask.astype(float), grid.count(mask), scale)
 

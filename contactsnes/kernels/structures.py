@@ -15,6 +15,8 @@ TOO_MANY = 83
 NUMBERS = (np.float64, np.complex128, np.float32, np.complex64, np.intc)
 """Types that kernels know."""
 
+_memory_of = (ctypes.c_char * 0).from_buffer
+
 
 def address(array):
     """Where a contiguous array of floats or doubles, complex ones or C's ints begins; None of no
@@ -28,7 +30,9 @@ def address(array):
         return None
     if array.dtype not in NUMBERS or not array.flags.c_contiguous:
         raise ValueError("kernels take contiguous arrays of floats, doubles, or of ints")
-    return array.ctypes.data
+    # a quarter of the time of `ctypes.data`, but not for what is not to be changed
+    return (ctypes.addressof(_memory_of(array)) if array.flags.writeable
+            else array.ctypes.data)
 
 
 class Law(ctypes.Structure):

@@ -1,7 +1,6 @@
 """When a body under prescribed forces moves for ever: pulled off, or beyond its friction."""
 
-import numpy as np
-
+from ..interface.laws.law import slip_of
 from .waves import means
 
 LEVELLED = 6.0
@@ -49,6 +48,6 @@ def slides(law, grid, gap, force, pressed):
     within = gap[0] < law.range
     if not grid.any(within):
         return not pressed
-    slipped = np.linalg.norm(gap[1:], axis=0) > LEVELLED
-    friction = np.linalg.norm(law.traction(gap)[1:], axis=0) * within
+    slipped = slip_of(gap) > LEVELLED
+    friction = slip_of(law.traction(gap)) * within
     return not grid.any(~slipped[within]) and grid.sum(friction) < force

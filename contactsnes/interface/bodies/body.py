@@ -88,7 +88,9 @@ class Body(Declared):
     local_compliance = (0.0, 0.0)
 
     def with_work_ratio(self, ratio):
-        """The body in a scene with phi_t/phi_n."""
+        """The body in a scene with phi_t/phi_n; itself where that is its own."""
+        if ratio == self.work_ratio:
+            return self
         found = copy.copy(self)
         found.work_ratio = ratio
         return found

@@ -6,7 +6,7 @@ This is the base of the paper's laws, and no law itself.
 
 import numpy as np
 
-from .law import Law
+from .law import Law, slip_of
 
 SLIP = np.sqrt(0.5)
 """Tangential gap at the peak of the tangential traction, in ranges: |g_t| = delta_t / sqrt 2 (eq.
@@ -96,7 +96,7 @@ class Coupled(Law):
         """
         if len(gap) == 1:
             return self.energy(gap[0]) - 1.0
-        slip = np.linalg.norm(gap[1:], axis=0)
+        slip = slip_of(gap)
         coupled = gap[0] < self.range
         if self.decoupled_in_overlap:
             coupled &= gap[0] > 0.0

@@ -28,6 +28,11 @@ def softening(tangent):
                                                     - 0.5 * (normal + slipping), 0.0), 0.0)
 
 
+def slip_of(gap):
+    """Size of the slip (nodes) of gaps (components, nodes), two components at least."""
+    return np.abs(gap[1]) if len(gap) == 2 else np.linalg.norm(gap[1:], axis=0)
+
+
 class Law(Declared):
     """A traction-separation law without memory: tractions follow from the gaps at a node, whatever
     came before.
