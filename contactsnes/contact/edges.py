@@ -8,6 +8,7 @@ from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.transfer import extent
 from ..grid.windows import Window
+from ..kernels.splines import moved
 from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
 from .state import State, alike, onto, spread, weighted
 from .states import NEAR, combined, normal_gap, wider
@@ -211,8 +212,13 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     that is not known so far is ``widened`` to it.
     """
     kept, sources, parts = state.window, [], []
-    for here, there, wanted, begin in zip(places, target, part,
-                                          nodes_between(window, kept).tolist()):
+    begins = nodes_between(window, kept).tolist()
+    if contact.kernels.compiled and len(begins) == 1 and state.half is not None:
+        found = moved(state, contact.gap_on(state.half), kept.is_whole, part[0], places[0],
+                      target[0], begins[0])
+        if found is not None:
+            return found
+    for here, there, wanted, begin in zip(places, target, part, begins):
         source = contact.kernels.sources(wanted.start, wanted.stop, here, there, begin)
         sources.append(source)
         # (of slabs, others may have all of these rows)

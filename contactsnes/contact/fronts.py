@@ -32,12 +32,11 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
-    window = state.window.parts[0]
+    window, level, ends = state.window.parts[0], contact.scene.contact_threshold, []
+    if len(window.shape) == 1:
+        places, signs = _crossed(contact, state, _normal_gap(contact, state), level)
+        return places[None] if tuple(signs) == (-1, 1) else None
     box = state.window.box(normal_gap(contact, state))
-    level = contact.scene.contact_threshold
-    if box.ndim == 1:
-        return _between(contact, box, level, (-1, 1))
-    ends = []
     touching = box < level
     lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
     if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
@@ -52,11 +51,23 @@ def edges(contact, state):
     return np.array(ends)
 
 
-def _between(contact, line, level, signs):
-    """The two places where a line crosses a level, an array (1, 2), if it crosses so often, by
-    ``signs``; else None."""
-    places, found = contact.kernels.crossings(line, level)
-    return places[None] if tuple(found) == signs else None
+def _normal_gap(contact, state):
+    """Normal gap at a state's nodes, each once, delta_n."""
+    return state.once[0] + contact.gap_on(state.nodes)
+
+
+def _crossed(contact, state, values, level):
+    """Where values (nodes) of a line, at a state's nodes, each once and even about the apex, cross
+    a level: places in nodes of its window, and signs (`contours.crossings`)."""
+    if state.half is None:
+        return contact.kernels.crossings(values, level)
+    beside = values[2:0:-1]  # which interpolation between the first two asks for
+    places, signs = contact.kernels.crossings(np.concatenate([beside, values]), level)
+    (extent,), reach = state.window.extents, places - len(beside)
+    there = (reach > 0.0) & (reach <= extent - 1 - extent // 2)
+    reach, signs = reach[there], signs[there]
+    return (np.concatenate([extent // 2 - reach[::-1], extent // 2 + reach]),
+            np.concatenate([-signs[::-1], signs]))
 
 
 def slip_fronts(contact, state, ends):
@@ -69,10 +80,9 @@ def slip_fronts(contact, state, ends):
     state : State
     ends : array (directions, 2), `edges` of the state, in nodes
     """
-    if len(ends) > 1 or len(state.displacement) < 2:
+    if len(ends) > 1 or state.components < 2:
         return None
-    places, signs = contact.kernels.crossings(np.abs(state.window.box(state.displacement)[1]),
-                                              contact.law.slip_peak)
+    places, signs = _crossed(contact, state, np.abs(state.once[1]), contact.law.slip_peak)
     within = (places > ends[0, 0]) & (places < ends[0, 1])
     return places[None, within] if list(signs[within]) == [-1, 1] else None
 
@@ -133,7 +143,7 @@ def pressed_ends(contact, state, ends, fronts):
     ends : array (1, 2), `edges` of the state, in nodes
     fronts : array (1, 2), `slip_fronts` of the state, in nodes
     """
-    places, _ = contact.kernels.crossings(state.window.box(normal_gap(contact, state)), 0.0)
+    places, _ = _crossed(contact, state, _normal_gap(contact, state), 0.0)
     if len(places) != 2:
         return None
     order = [float(place) for line in (ends[0], places, fronts[0]) for place in line]

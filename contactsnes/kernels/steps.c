@@ -93,6 +93,39 @@ void sources(long start, long count, long places, const double *here, const doub
     }
 }
 
+enum { SUPPORT = 12 }; /* as of contact/edges.py */
+
+/* out (components, wanted) = fields of a line that are known from its middle outwards, at `half` nodes,
+   the initial gap added to the first, at nodes from `start` on whose `places` were moved (`sources`);
+   signs: whether fields are even (1) or odd (-1). What it returns is not 0 where more is asked for than
+   the line's `extent`, which may be `closed`. work: 4 (extent + wanted) numbers. */
+CLONES int moved(long components, long half, const double *restrict fields, const double *restrict gap,
+                 const int *signs, long extent, int closed, long start, long wanted, long places,
+                 const double *here, const double *there, long begin, double *work, double *out)
+{
+    double *at = work, *values = work + wanted;
+    if (!wanted) return 1;
+    sources(start, wanted, places, here, there, begin, at);
+    long low = (long)at[0] - SUPPORT, high = (long)at[wanted - 1] + SUPPORT + 2;
+    if (!closed && (low < 0 || high > extent)) return 1;
+    low = low < 0 ? 0 : low;
+    high = high > extent ? extent : high;
+    const long middle = extent / 2, count = high - low;
+    if (count < 2) return 1;
+    for (long i = 0; i < components; i++)
+        for (long k = 0; k < count; k++) {
+            const long away = low + k - middle, node = away < 0 ? -away : away;
+            const double value = fields[i * half + node];
+            /* what is odd vanishes in the middle, and where the cell closes on itself */
+            values[i * count + k] = signs[i] > 0 ? value
+                : away > 0 ? value : away == 0 || (closed && node == half - 1) ? 0.0 : -value;
+            if (i == 0) values[k] += gap[node];
+        }
+    for (long k = 0; k < wanted; k++) at[k] -= (double)low;
+    spline(components, count, 1, values, wanted, at, 0, out);
+    return 0;
+}
+
 enum { SOME = 256, FEW = 16 }; /* nodes at a time, places at most */
 
 /* works (2, nodes): what each node releases on the straight way from gap by change (components, nodes),
