@@ -11,6 +11,7 @@ import time
 import numpy as np
 
 from . import checksums, resuming, stored
+from .columns import put_attributes
 from .files import (
     FORMAT,
     ArchiveError,
@@ -22,7 +23,7 @@ from .files import (
 from .journal import Journal, beside
 from .layout import Layout
 from .reading import read
-from .store import Store, unwritten
+from .store import FIRST, Store, unwritten
 
 BATCH = 64
 """Points that wait in the journal, at most."""
@@ -119,7 +120,7 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        archive._store.commit(lambda file: None)
+        archive._store.commit(lambda file: None, slot=FIRST)
         archive._journal.remove()
         return archive
 
@@ -274,19 +275,20 @@ class Archive:
 
     def _write_frame(self, file, slot, chunk):
         """Everything but the points."""
-        file.attrs.update({"format": FORMAT, "points": 0, "complete": False,
-                           "options": self._options, "versions": self._versions,
-                           "warnings": self._warnings, "fields": self._layout.fields,
-                           "shape": self._layout.shape, "journal": self._journal.key,
-                           "precision": self._layout.precision})
-        file.create_group("scene").attrs.update(self._scene)
+        known = {"": {"format": FORMAT, "points": 0, "complete": False,
+                      "options": self._options, "versions": self._versions,
+                      "warnings": self._warnings, "fields": self._layout.fields,
+                      "shape": self._layout.shape, "journal": self._journal.key,
+                      "precision": self._layout.precision}, "scene/": self._scene}
+        for item, attributes in zip((file, file.create_group("scene")), known.values()):
+            put_attributes(item.id, attributes)
         runs = [*(run for run in self.runs if run.first < self._first),
                 resuming.Run(self._first, self._options, self._versions)]
         for name, values in zip(resuming.Run._fields, zip(*runs)):
             file[f"runs/{name}"] = values
-        self._layout.make(file, slot, chunk)
+        known |= self._layout.make(file, slot, chunk)
         # what it is made of, besides what stays: written anew, it is the same
         kept = self._first, runs, self._warnings, self._layout.arrays
         if self._frame is None or self._frame[0] != kept:
-            self._frame = kept, checksums.frame(checksums.parts(file))
+            self._frame = kept, checksums.frame(checksums.parts(file, known))
         file.attrs["frame"] = self._frame[1]

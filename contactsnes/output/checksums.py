@@ -2,6 +2,7 @@
 and of their fields."""
 
 import zlib
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -11,24 +12,32 @@ CHANGING = ("points", "complete", "frame")
 
 
 class Part(NamedTuple):
-    """A group or dataset of an open archive: its name from the root, itself, its attributes."""
+    """A group or dataset of an open archive: its name from the root, itself (None where its
+    attributes were known), its attributes."""
 
     name: str
     item: object
     attributes: dict
 
 
-def parts(file):
+def parts(file, known=MappingProxyType({})):
     """The groups of an open archive and what lies in them, each opened and read once: a list of
-    `Part`, the root first."""
-    found = [Part("", file, dict(file.attrs))]
-    for group in ("scene", "runs", "branch", "fields"):
-        if group in file:
-            within = file[group]
-            found += [Part(name, item, dict(item.attrs)) for name, item in
-                      [(f"{group}/", within),
-                       *((f"{group}/{name}", within[name]) for name in sorted(within))]]
-    return found
+    `Part`, the root first.
+
+    Parameters
+    ----------
+    file : h5py.File
+    known : mapping, names -> attributes that have just been written
+    """
+    names = ["", *(f"{group}/{name}" for group in ("scene", "runs", "branch", "fields")
+                   if group in file for name in ("", *sorted(file[group])))]
+    return [Part(name, None, known[name]) if name in known else _read(name, file[name or "/"])
+            for name in names]
+
+
+def _read(name, item):
+    """The Part of an open group or dataset."""
+    return Part(name, item, dict(item.attrs))
 
 
 def frame(parts):

@@ -11,6 +11,7 @@ import json
 import os
 import struct
 import zlib
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -78,14 +79,21 @@ def _heading(key):
 
 def encoded(point, arrays):
     """An entry as bytes; ArchiveError for an array of objects."""
-    arrays = {name: np.asarray(array) for name, array in arrays.items()}
-    for name, array in arrays.items():
+    values = list(map(np.asarray, arrays.values()))
+    for name, array in zip(arrays, values):
         if array.dtype.hasobject:
             raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
-    head = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()])
-    parts = [head.encode(), b"\n", *(array.tobytes() for array in arrays.values())]
-    data = b"".join(parts)
+    head = _head(tuple(arrays), tuple([array.dtype.str for array in values]),
+                 tuple([array.shape for array in values]))
+    data = b"".join([head, b"\n", *[array.tobytes() for array in values]])
     return ENTRY.pack(point, len(data), zlib.crc32(data)) + data
+
+
+@lru_cache(maxsize=4)
+def _head(names, kinds, shapes):
+    """The line that tells names, types and shapes of arrays: that of one point is mostly that of
+    the next."""
+    return json.dumps([*zip(names, kinds, shapes)]).encode()
 
 
 def decoded(data):

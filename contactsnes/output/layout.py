@@ -9,6 +9,7 @@ import numpy as np
 
 from . import active, checksums
 from .active import ActiveFields
+from .columns import make_columns, put_rows
 from .files import ArchiveError
 from .stored import SLOTS, field_points
 
@@ -134,15 +135,13 @@ class Layout:
         file : h5py.File
         slot : int, bytes that a state may have; 0: no states yet
         chunk : int, fields of so many points are allocated at once, rows of `CHUNKS` times as many
+
+        Returns
+        -------
+        dict : names of the columns from the root -> their attributes
         """
-        branch = file.create_group("branch")
-        for name, column in self.columns.items():
-            # One chunk for all rows there is room for: a new row allocates nothing.
-            made = branch.create_dataset(name, (0,), column.stored, chunks=(chunk * CHUNKS,),
-                                         maxshape=(None,))
-            made.attrs["unit"] = column.unit
-            if column.names:
-                made.attrs["names"] = list(column.names)
+        # One chunk for all rows there is room for: a new row allocates nothing.
+        columns = make_columns(file.create_group("branch").id, self.columns, chunk * CHUNKS)
         for number in range(SLOTS if slot else 0):
             file.create_dataset(f"states/{number}", data=np.zeros(slot, "u1"),
                                 **(PACKED | {"chunks": (slot,)} if self.packed else {}))
@@ -151,6 +150,7 @@ class Layout:
         sums = 1 + self._sums
         file.create_dataset("checksums", (0, sums), "u4", chunks=(chunk * CHUNKS, sums),
                             maxshape=(None, sums))
+        return columns
 
     @property
     def _sums(self):
@@ -262,7 +262,7 @@ class Layout:
                 for name, column in self.columns.items()}
         file["checksums"].resize(last, axis=0)
         file["checksums"][first - 1:] = self._checksums(rows, points)
-        _put_rows(file["branch"].id, first, rows)
+        put_rows(file["branch"].id, first, len(points), rows)
         for number, state in states.items():
             file[f"states/{number % SLOTS}"][: state.size] = state
         file.flush()
@@ -282,16 +282,3 @@ class Layout:
             own[1:] = [*([active.checksum(point.fields)] if self.active else []),
                        *map(checksums.of, whole)]
         return sums
-
-
-def _put_rows(branch, first, rows):
-    """Write rows from number ``first`` on by HDF5's own calls: there are many columns, and this
-    takes half the time."""
-    import h5py
-
-    for name, values in rows.items():
-        column = h5py.h5d.open(branch, name.encode())
-        column.set_extent((first - 1 + len(values),))
-        place = column.get_space()
-        place.select_hyperslab((first - 1,), (len(values),))
-        column.write(h5py.h5s.create_simple((len(values),)), place, values)

@@ -21,6 +21,10 @@ ROOMY = 1 << 16
 """Bytes of a state up to which there is room for one four times as large: those of a line grow with
 its contact, and a file written anew takes longer than all of a step."""
 
+FIRST = ROOMY // 4
+"""Bytes of a state that a file without points has room for four times: more than most lines
+take."""
+
 
 def unwritten(path, error):
     """The error to raise where a disk does not take what is written for an archive."""

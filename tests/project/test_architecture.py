@@ -54,7 +54,7 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
                       "branch"},
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
-         "h5py": {"output.archive", "output.files", "output.layout", "output.store",
+         "h5py": {"output.columns", "output.files", "output.store",
                   "output.tables", "output.vtk", "interface.height_files"},
          "pyfftw": {"grid.cell", "grid.cosines", "grid.slab_transform", "grid.slabs",
                     "kernels.library", "kernels.slab_even", "kernels.slabs", "kernels.transforms"},}
