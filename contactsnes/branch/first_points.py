@@ -32,7 +32,7 @@ LOOSE = 1e-2
 """Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge
 that sticks."""
 
-STRIDES = {1: (2, 1), 2: (1,)}
+STRIDES = {1: (3, 1), 2: (1,)}
 """By directions of the cell: of how many coarser grids one is solved on, and what is tried where
 that fails. Those of a line cost less than what is made for a solve."""
 
