@@ -70,7 +70,8 @@ class Measurement:
     @cached_property
     def outline(self):
         """`Outline` of the contact, beta."""
-        return outline(self.window, self.gap[0], self.contact.scene.contact_threshold)
+        return outline(self.window, self.gap[0], self.contact.scene.contact_threshold,
+                       self.contact.kernels.crossings)
 
     @cached_property
     def _sticking(self):
@@ -85,7 +86,7 @@ class Measurement:
     @cached_property
     def stuck(self):
         """`Outline` of the part of the contact where the slip is short of the law's peak, beta."""
-        return outline(self.window, self._sticking[0], 0.0)
+        return outline(self.window, self._sticking[0], 0.0, self.contact.kernels.crossings)
 
     @cached_property
     def stick_area(self):
@@ -93,7 +94,8 @@ class Measurement:
         slips, sticks = self._sticking[1:] if self.components > 1 else (False, True)
         if not (slips and sticks):
             return self.contact_area() if sticks else 0.0
-        return min(self.contact_area(), self.window.area_below(self._sticking[0], 0.0))
+        return min(self.contact_area(), self.stuck.inside() if len(self.grid.shape) == 1
+                   else self.window.area_below(self._sticking[0], 0.0))
 
     def component(self, values, index):
         """The value of a component, 0 where the leg has no such unknown."""
@@ -120,6 +122,8 @@ class Measurement:
     @cached_property
     def _area(self):
         """`contact_area`, once."""
+        if len(self.grid.shape) == 1:
+            return self.outline.inside()
         return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
 
     def minimum_gap(self):

@@ -82,7 +82,7 @@ def at_level(values, level, fields):
     """
     found = []
     for axis in range(values.ndim):
-        lines, along = np.moveaxis(values, axis, -1), np.moveaxis(fields, axis + 1, -1)
+        lines, along = values.swapaxes(axis, -1), fields.swapaxes(axis + 1, -1)
         above = lines[..., 1:-1] >= level
         *others, first = np.nonzero(above[..., 1:] != above[..., :-1])
         nodes = [(..., *others, first + shift) for shift in range(4)]

@@ -1,6 +1,7 @@
 """Outlines of where values on a window lie below a level: intervals of a line, oriented pieces of
 curves on a plane; and what follows from them."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,10 @@ class Outline(NamedTuple):
             return np.nan, np.nan
         return float(self.ends[..., axis].min()), float(self.ends[..., axis].max())
 
+    def inside(self):
+        """Length of the inside on a line, beta."""
+        return float((self.ends[:, 1] - self.ends[:, 0]).sum())
+
     def length(self):
         """Length of the edge on a plane, beta."""
         return float(np.sum(np.linalg.norm(self.ends[:, 1] - self.ends[:, 0], axis=-1)))
@@ -48,7 +53,7 @@ class Outline(NamedTuple):
         return float(middle + np.sum((x ** 2 + x * run + run ** 2 / 3.0) * rise) / (2.0 * area))
 
 
-def outline(window, values, level):
+def outline(window, values, level, crossed=crossings):
     """The `Outline` of values (nodes) on a window, of one box or several.
 
     Parameters
@@ -56,10 +61,11 @@ def outline(window, values, level):
     window : Window, Spots or Nodes
     values : array (nodes,)
     level : float, unit of the values
+    crossed : what finds crossings on a line, as `contours.crossings`
     """
     shape = len(window.parts), *window.parts[0].shape
     boxes = np.reshape(window.box(values, window.grid.maximum(values)), shape)
-    made = _intervals if boxes.ndim == 2 else _pieces
+    made = partial(_intervals, crossed) if boxes.ndim == 2 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
     around = tuple(closed and any(part.occupied(box < level, axis)[[0, -1]].any()
                                   for part, box in zip(window.parts, boxes))
@@ -73,10 +79,17 @@ def _places(part, places):
     return (places + first) * np.array(part.grid.spacings)
 
 
-def _intervals(part, box, level):
-    """Intervals of a line where a box (nodes) is below a level, cubic between nodes."""
+def _intervals(crossed, part, box, level):
+    """Intervals of a line where a box (nodes) is below a level, cubic between nodes.
+
+    Parameters
+    ----------
+    crossed, level : as of `outline`
+    part : Window
+    box : array (nodes,)
+    """
     box = np.append(box, box[0]) if part.is_whole else box
-    places, _ = crossings(box, level)
+    places, _ = crossed(box, level)
     ends = [*([0.0] if box[0] < level else []), *places,
             *([len(box) - 1.0] if box[-1] < level else [])]
     return _places(part, np.reshape(ends, (-1, 2, 1)))

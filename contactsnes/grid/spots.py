@@ -49,13 +49,14 @@ def runs(nodes, count):
     """Nodes of each spot on a closed line of ``count`` nodes, an array of int, from the numbers of
     those in it: as `sizes` of `labelled` has them."""
     nodes = np.sort(nodes)
-    ends = np.append(np.flatnonzero(np.diff(nodes) > 1), len(nodes) - 1)
-    found = np.diff(ends, prepend=-1)
+    ends = np.flatnonzero(nodes[1:] - nodes[:-1] > 1).tolist()
+    if len(nodes):
+        ends.append(len(nodes) - 1)
+    found = [last - before for before, last in zip([-1, *ends], ends)]
     if len(found) > 1 and nodes[0] == 0 and nodes[-1] == count - 1:
         # the first and the last are one
-        found[0] += found[-1]
-        found = found[:-1]
-    return found if len(nodes) else found[:0]
+        found[0] += found.pop()
+    return np.array(found, dtype=int)
 
 
 def sizes(labels, grid=ALONE):
