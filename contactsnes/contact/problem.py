@@ -168,7 +168,9 @@ class Contact:
             blocks = self.grid.symbols(getattr(self.body, kind), components)
             scaled = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
                       for (i, j), symbol in blocks.items()}
-            self._operators[key] = Operator(self.grid, scaled)
+            # (on planes, transforms that are kept take memory)
+            make = self.kernels.real if self.scene.dimension == 1 else None
+            self._operators[key] = Operator(self.grid, scaled, make)
         return self._operators[key]
 
     def _circle(self, component, components, shape, even=False, count=1, signs=None):

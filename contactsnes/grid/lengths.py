@@ -1,8 +1,10 @@
 """Lengths that suit a real transform."""
 
 import math
+from functools import lru_cache
 
 
+@lru_cache(maxsize=256)
 def fast_length(count):
     """The smallest number of points, ``count`` at least, without prime factors above 5: that of
     SciPy's ``next_fast_len``, whose module takes longer to import than a run asks of it."""

@@ -10,10 +10,16 @@ class Operator:
     their kernels on demand.
 
     The blocks carry the factor 1/size that unnormalised transforms need.
+
+    Parameters
+    ----------
+    grid : Grid
+    symbols : {(i, j): half spectrum} on the cell
+    make : what makes transforms, as `cell.Transform`; None: as the grid has it
     """
 
-    def __init__(self, grid, symbols):
-        self.grid = grid
+    def __init__(self, grid, symbols, make=None):
+        self.grid, self._make = grid, make or grid.transform
         self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
         self._kernels = {}
 
@@ -21,7 +27,7 @@ class Operator:
         """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
         0."""
         if key not in self._kernels:
-            plan = self.grid.transform(self.grid, self.grid.shape, 1)
+            plan = self._make(self.grid, self.grid.shape, 1)
             plan.spectrum[0] = self.blocks[key]
             plan.backward()
             self._kernels[key] = plan.real[0].copy()
@@ -61,7 +67,7 @@ class Operator:
         lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
                                  np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
                 for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
-        plan = self.grid.transform(self.grid, circle, 1)
+        plan = self._make(self.grid, circle, 1)
         plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
                                                  for lag, total in zip(lags, self.grid.shape)))]
         for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):

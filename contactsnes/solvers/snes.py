@@ -96,7 +96,6 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     single : bool, whether linear solves may be in single precision
     """
     database = PETSc.Options(prefix)
-    collect()
     snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx, form.bounded = form, database.hasName("snes_max_it")

@@ -182,3 +182,20 @@ def test_a_full_contact_and_a_body_off_the_flat_do_not_alternate():
 def test_only_numbers_that_were_given_are_called_too_large_or_too_small(options, status, words):
     found, sentence = uncomputable(OverflowError("e"), options)
     assert found == status and words in sentence and "snes_atol" not in sentence
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("width, expected", [(3, True), (18, True), (19, False), (40, False)])
+def test_width_of_what_jumps(dimension, width, expected):
+    """Runs of nodes that move, the widest of which counts."""
+    contact = Contact(Scene(dimension=dimension, points=128, period=20.0,
+                            geometry="cylinder" if dimension == 1 else "sphere"))
+    before = np.zeros(contact.grid.shape)
+    after = before.copy()
+    for first, last in ((20, 20 + width), (100, 102)):
+        after[(slice(first, last),) * dimension] = 1.0
+    gap = 1.0 - contact.initial_gap.reshape(1, -1)
+    pair = [states.State(contact.grid.whole, gap + field.reshape(1, -1), np.zeros(1))
+            for field in (before, after)]
+    assert narrow(contact, *pair) is expected
+    assert narrow(contact, pair[0], pair[0]) is False

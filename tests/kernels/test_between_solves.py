@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from contactsnes import Contact, Scene
 from contactsnes.branch import failures
-from contactsnes.contact import acceptance, energies, state, states, survey
+from contactsnes.contact import acceptance, edges, energies, fronts, state, states, survey
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point
@@ -19,7 +19,7 @@ from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.parity import parities
 from contactsnes.grid.splines import spline
 from contactsnes.grid.windows import Window
-from contactsnes.kernels import library, points, splines
+from contactsnes.kernels import library, points, splines, structures
 from contactsnes.kernels.choice import chosen
 from contactsnes.kernels.laws import kernel_of
 
@@ -274,3 +274,63 @@ def test_halves_tell_what_all_nodes_do(name, extent):
     np.testing.assert_allclose(ahead.displacement,
                                states.combined(contact, plain, [1.0, -3.0, 3.0]).displacement,
                                atol=1e-12)
+
+
+@compiled
+@pytest.mark.parametrize("extent", [81, 128])
+def test_halves_of_lines_whose_places_were_moved(extent):
+    """By the library as by NumPy and SciPy on the whole window: from the middle outwards, with odd
+    slip, and up to where the cell closes; more than a window has is asked of neither."""
+    scene = EVEN["sheared line"][0]
+    contact = Contact(scene)
+    interpreted = Contact(scene, kernels=chosen(False))
+    window = Window(contact.grid, (64 - extent // 2,), (extent,))
+    half, numbers = EvenWindow(window, ((1,), (-1,))), np.random.default_rng(11)
+    once = np.cumsum(numbers.normal(size=(2, half.size)), axis=1)
+    once[1, 0] = 0.0
+    once[1, -1] *= extent < 128
+    known = state.Mirrored.of(half, once, np.zeros(2))
+    here, there = [extent / 2 - 20.3, extent / 2 + 20.3], [extent / 2 - 19.0, extent / 2 + 19.0]
+    for part in (slice(extent // 2, extent - 14), slice(extent // 2, extent)):
+        found, expected = (edges._stretched(one, known, window, [here], [there], (part,))
+                           for one in (contact, interpreted))
+        np.testing.assert_allclose(found, expected, atol=1e-11)
+    beyond = splines.moved(known, contact.gap_on(half), extent == 128, slice(extent // 2, extent),
+                           here, there, 0)
+    assert (beyond is None) == (extent < 128)
+
+
+@pytest.mark.parametrize("extent", [81, 128])
+def test_places_of_halves_of_lines(extent):
+    """Edges, fronts of slip and ends of pressure of an even state are those of all of its nodes."""
+    contact = Contact(EVEN["sheared line"][0])
+    window = Window(contact.grid, (64 - extent // 2,), (extent,))
+    half = EvenWindow(window, ((1,), (-1,)))
+    reach = np.arange(half.size) / half.size
+    for rim, slip in ((0.5, 0.3), (0.7, 0.01), (1e-3, 0.0), (2.0, 0.5)):
+        once = np.array([4.0 * (reach / rim) ** 2 + contact.scene.contact_threshold - 4.0,
+                         contact.law.slip_peak * (reach / max(slip, 1e-9)) ** 3])
+        once[0] -= contact.gap_on(half)
+        once[1, -1] *= extent < 128
+        even = state.Mirrored.of(half, once, np.zeros(2))
+        whole = states.State(window, even.displacement, np.zeros(2))
+        ends = fronts.edges(contact, whole)
+        for found, expected in zip(fronts._kept_places(contact, even),
+                                   fronts._kept_places(contact, whole)):
+            assert (found is None) == (expected is None)
+            if found is not None:
+                np.testing.assert_allclose(found, expected, rtol=1e-13)
+        assert (ends is None) == (rim > 1.0)
+
+
+def test_memory_of_arrays():
+    """Addresses of what may be changed and what may not, of nothing, and of none."""
+    array = np.arange(12.0).reshape(3, 4)
+    for given in (array, array[1:], np.zeros(0), np.array(1.0), array.astype(np.complex64)):
+        assert structures.address(given) == given.ctypes.data
+        given.flags.writeable = False
+        assert structures.address(given) == given.ctypes.data
+    assert structures.address(None) is None
+    for given in (array[:, 1:], np.zeros(3, dtype=bool)):
+        with pytest.raises(ValueError, match="contiguous"):
+            structures.address(given)

@@ -229,8 +229,8 @@ class Body(Declared):
 
     def _compliance_blocks(self, waves, components):
         """Blocks of the compliance, arbitrary at q = 0."""
-        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components,
-                            self._nonzero(waves))
+        nonzero = self._nonzero(waves) if components > 1 else (False, False)
+        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components, nonzero)
 
     def _blocks(self, surface, sign, waves, components, nonzero):
         """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign
