@@ -129,8 +129,9 @@ def doubtful(contact, guess, last, found):
         (grid, *fields), limits = _known(contact, guess, last, found), _limits(contact)
         moved = float(grid.largest(points.strays(*fields, limits)[1]))
         released, springs = grid.together(points.releases(
-            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), limits, moved))
-        if not np.any(released > RELEASED * springs):
+            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), limits,
+            moved)).tolist()
+        if not any(out > RELEASED * work for out, work in zip(released, springs)):
             return False
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 

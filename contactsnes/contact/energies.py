@@ -148,17 +148,18 @@ def line_rule(places, first):
     """
     points, shares = gauss(len(places))
     half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
-    basis, slopes = np.empty((2, len(places), len(places)))
+    along, basis, slopes = (places[first] + half * (1.0 + points)).tolist(), [], []
     # (few numbers: floats are faster than arrays)
-    for k, point in enumerate((places[first] + half * (1.0 + points)).tolist()):
-        for j, own in enumerate(places):
+    for j, own in enumerate(places):
+        others = [(other, 1.0 / (own - other)) for i, other in enumerate(places) if i != j]
+        for point in along:
             value, slope = 1.0, 0.0
-            for i, other in enumerate(places):
-                if i != j:
-                    scale = 1.0 / (own - other)
-                    value, slope = (value * (point - other) * scale,
-                                    (slope * (point - other) + value) * scale)
-            basis[j, k], slopes[j, k] = value, slope
+            for other, scale in others:
+                apart = point - other
+                value, slope = value * apart * scale, (slope * apart + value) * scale
+            basis.append(value)
+            slopes.append(slope)
+    basis, slopes = np.array([basis, slopes]).reshape(2, len(places), -1)
     return basis, half * shares * slopes
 
 
@@ -229,8 +230,7 @@ class PathEnergies:
             if abs(left - interface - point.viscous_work) > point.viscous_work:
                 interface = left - point.viscous_work
         lost = left - interface
-        point = point.changed(jump_balance=balance)
-        return self._summed(point, before, external, interface, lost)
+        return self._summed(point, before, external, interface, lost, jump_balance=balance)
 
     def _after_release(self, entry, last):
         """The point out of the law's range at which a force vanishes: too far from ``last`` for a
@@ -256,11 +256,11 @@ class PathEnergies:
         forces = np.array([other.forces for other in entries]).T @ basis
         moved = np.array([other.displacements for other in entries]).T @ slopes
         external = np.vdot(weights(self.contact, len(forces))[:, None] * forces, moved)
-        point, before = entry.point.changed(smooth_steps=steps), entries[first].point
+        point, before = entry.point, entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)
-        return self._summed(point, before, external, interface, 0.0)
+        return self._summed(point, before, external, interface, 0.0, smooth_steps=steps)
 
     def _places(self, entries):
         """Chord length along entries; a force counts by what a body of compliance one and the
@@ -272,9 +272,10 @@ class PathEnergies:
                   for other in entries]
         return [0.0, *accumulate(map(math.dist, places, places[1:]))]
 
-    def _summed(self, point, before, external, interface, lost):
-        """The point with the works of an earlier one and those done since."""
+    def _summed(self, point, before, external, interface, lost, **changes):
+        """The point with the works of an earlier one and those done since, and with other
+        changes."""
         imbalance = external - (point.elastic_energy - before.elastic_energy) - interface - lost
-        return point.changed(**{name: float(getattr(before, name) + part)
-                                for name, part in zip(WORKS, (external, interface, lost,
-                                                              imbalance))})
+        changes |= {name: float(getattr(before, name) + part)
+                    for name, part in zip(WORKS, (external, interface, lost, imbalance))}
+        return point.changed(**changes)

@@ -35,7 +35,7 @@ def edges(contact, state):
     window, level, ends = state.window.parts[0], contact.scene.contact_threshold, []
     if len(window.shape) == 1:
         places, signs = _crossed(contact, state, _normal_gap(contact, state), level)
-        return places[None] if tuple(signs) == (-1, 1) else None
+        return places[None] if list(signs) == [-1, 1] else None
     box = state.window.box(normal_gap(contact, state))
     touching = box < level
     lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
@@ -62,12 +62,14 @@ def _crossed(contact, state, values, level):
     if state.half is None:
         return contact.kernels.crossings(values, level)
     beside = values[2:0:-1]  # which interpolation between the first two asks for
-    places, signs = contact.kernels.crossings(np.concatenate([beside, values]), level)
-    (extent,), reach = state.window.extents, places - len(beside)
-    there = (reach > 0.0) & (reach <= extent - 1 - extent // 2)
-    reach, signs = reach[there], signs[there]
-    return (np.concatenate([extent // 2 - reach[::-1], extent // 2 + reach]),
-            np.concatenate([-signs[::-1], signs]))
+    found = contact.kernels.crossings(np.concatenate([beside, values]), level)
+    (extent,), first = state.window.extents, len(beside)
+    middle, last = extent // 2, extent - 1 - extent // 2
+    right = [(place - first, sign) for place, sign in zip(*(each.tolist() for each in found))
+             if 0.0 < place - first <= last]
+    return (np.array([*(middle - reach for reach, _ in reversed(right)),
+                      *(middle + reach for reach, _ in right)]),
+            [*(-sign for _, sign in reversed(right)), *(sign for _, sign in right)])
 
 
 def slip_fronts(contact, state, ends):
@@ -83,8 +85,10 @@ def slip_fronts(contact, state, ends):
     if len(ends) > 1 or state.components < 2:
         return None
     places, signs = _crossed(contact, state, np.abs(state.once[1]), contact.law.slip_peak)
-    within = (places > ends[0, 0]) & (places < ends[0, 1])
-    return places[None, within] if list(signs[within]) == [-1, 1] else None
+    left, right = ends[0].tolist()
+    within = [(place, sign) for place, sign in zip(places.tolist(), signs) if left < place < right]
+    found, signs = zip(*within) if within else ((), ())
+    return np.array([found]) if signs == (-1, 1) else None
 
 
 def fronts_foretold(contact, guess, last, found):
@@ -171,6 +175,8 @@ def followed_places(contact, states):
     if any(end is None for end in ends):
         return None
     known = [places for places in inner if all(place is not None for place in places)]
+    if not known:
+        return ends
     return [np.sort(np.concatenate(together, axis=1)) for together in zip(ends, *known)]
 
 

@@ -75,6 +75,7 @@ class Contact:
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
+        self._signs = np.array([-1.0] + [1.0] * (len(self.ranges) - 1))
         self.kernels = chosen() if kernels is None else kernels
         self.law = self.kernels.law(laws.of(scene) if law is None else law)
         if gap is None:
@@ -86,7 +87,7 @@ class Contact:
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
         self.gap_on = lru_cache(maxsize=3)(self._gap_on)
-        for array in (self.ranges, self.initial_gap):
+        for array in (self.ranges, self._signs, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True
 
@@ -142,12 +143,17 @@ class Contact:
     def signs(self, components):
         """-1 for the normal, +1 for tangential components: load = sign x displacement of the
         body."""
-        return np.array([-1.0] + [1.0] * (components - 1))
+        return self._signs[:components]
 
     def rigid_compliance(self, components):
         """Compliance of the mean, c_0 = lambda^2 / k_0, for each component (dimensionless)."""
+        return self._compliance_of_mean[:components].copy()
+
+    @cached_property
+    def _compliance_of_mean(self):
+        """The same of all components."""
         normal, tangential = self.body.rigid_compliance
-        return np.array([normal] + [tangential] * (components - 1)) * self.ranges[:components] ** 2
+        return np.array([normal] + [tangential] * (len(self.ranges) - 1)) * self.ranges ** 2
 
     def mean_mass(self, components):
         """Mean traction over the speed of the mean displacement in overdamped motion, for each

@@ -201,7 +201,8 @@ def extent(mask, axis, margin=0):
     axis : int
     margin : int, nodes
     """
-    line = np.flatnonzero(mask.any(axis=tuple(i for i in range(mask.ndim) if i != axis)))
+    line, = (mask if mask.ndim == 1 else mask.any(
+        axis=tuple(i for i in range(mask.ndim) if i != axis))).nonzero()
     first, after = (line[0] - margin, line[-1] + 1 + margin) if line.size else (0, 0)
     return (slice(int(first), int(after)) if 0 <= first and after <= mask.shape[axis]
             else slice(0, mask.shape[axis]))

@@ -103,7 +103,8 @@ class Window:
 
     def occupied(self, mask, axis):
         """Where along an axis a mask (*box) holds anywhere."""
-        return mask.any(axis=tuple(other for other in range(mask.ndim) if other != axis))
+        others = tuple(other for other in range(mask.ndim) if other != axis)
+        return mask.any(axis=others) if others else mask
 
     def line(self, box, axis, through):
         """Values of a box along an axis, on the line through places of the other directions.
