@@ -63,8 +63,8 @@ def moved(state, gap, closed, wanted, here, there, begin):
     signs = np.array([sign for sign, in parities or ((1,),) * len(once)], dtype=np.intc)
     here, there = (np.array(places, dtype=float) for places in (here, there))
     count = max(wanted.stop - wanted.start, 0)
-    found, work = np.empty((len(once), count)), np.empty(4 * (extent + count))
+    found, work = np.empty((count, len(once))), np.empty(4 * (extent + count))
     beyond = shared().moved(*once.shape, address(once), address(gap), address(signs), extent,
                             closed, wanted.start, count, len(here), address(here), address(there),
                             begin, address(work), address(found))
-    return None if beyond else found
+    return None if beyond else found.T

@@ -6,8 +6,9 @@
 
 #define POLE (sqrt(3.0) - 2.0) /* of the cubic spline's filter */
 
-/* Coefficients of the splines through `count` rows of `wide` numbers, in place; mirrored at the ends. */
-CLONES static void coefficients(double *restrict c, long count, long wide)
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE void to_coefficients(double *restrict c, long count, long wide)
 {
     const double z = POLE, gain = (1.0 - z) * (1.0 - 1.0 / z);
     const long reach = 30 < count ? 30 : count; /* z^30 is below rounding */
@@ -33,6 +34,15 @@ CLONES static void coefficients(double *restrict c, long count, long wide)
             c[n * wide + i] = z * (c[(n + 1) * wide + i] - c[n * wide + i]);
 }
 
+/* Coefficients of the splines through `count` rows of `wide` numbers, in place; mirrored at the ends.
+   Few numbers are faster where the compiler knows how many. */
+CLONES static void coefficients(double *restrict c, long count, long wide)
+{
+    if (wide == 1) to_coefficients(c, count, 1);
+    else if (wide == 2) to_coefficients(c, count, 2);
+    else to_coefficients(c, count, wide);
+}
+
 enum { LINES = 8 }; /* whose recursions run side by side */
 
 /* The same of LINES lines of `count` numbers, one after the other in memory. */
@@ -51,15 +61,9 @@ static long mirrored(long k, long count)
     return k > count - 1 ? 2 * (count - 1) - k : k;
 }
 
-/* out (outer, wanted, wide) = cubic splines through values (outer, count, wide), count at least 2, at
-   places along the axis in the middle, in nodes (those beyond the ends are theirs); values become
-   coefficients. */
-CLONES void spline(long outer, long count, long wide, double *values, long wanted,
-                   const double *restrict places, double *restrict turned, double *out)
+INLINE void interpolate(long outer, long count, long wide, const double *values, long wanted,
+                        const double *restrict places, double *out)
 {
-    long o = 0;
-    for (; wide == 1 && o + LINES <= outer; o += LINES) filter_lines(values + o * count, count, turned);
-    for (; o < outer; o++) coefficients(values + o * count * wide, count, wide);
     for (long p = 0; p < wanted; p++) {
         const double end = (double)(count - 1), low = places[p] > 0.0 ? places[p] : 0.0;
         const double place = low < end ? low : end;
@@ -68,7 +72,7 @@ CLONES void spline(long outer, long count, long wide, double *values, long wante
         const double a = left * left * left / 6.0, b = (4.0 + square * (3.0 * t - 6.0)) / 6.0;
         const double c = (1.0 + 3.0 * t * (1.0 + t - square)) / 6.0, d = square * t / 6.0;
         const long before = mirrored(first - 1, count), after = mirrored(first + 2, count);
-        for (o = 0; o < outer; o++) {
+        for (long o = 0; o < outer; o++) {
             const double *restrict rows = values + o * count * wide;
             const double *restrict r = rows + before * wide, *restrict s = rows + first * wide;
             const double *restrict u = s + wide, *restrict v = rows + after * wide;
@@ -78,24 +82,41 @@ CLONES void spline(long outer, long count, long wide, double *values, long wante
     }
 }
 
+/* out (outer, wanted, wide) = cubic splines through values (outer, count, wide), count at least 2, at
+   places along the axis in the middle, in nodes (those beyond the ends are theirs); values become
+   coefficients. */
+CLONES void spline(long outer, long count, long wide, double *values, long wanted,
+                   const double *restrict places, double *restrict turned, double *out)
+{
+    long o = 0;
+    for (; wide == 1 && o + LINES <= outer; o += LINES) filter_lines(values + o * count, count, turned);
+    for (; o < outer; o++) coefficients(values + o * count * wide, count, wide);
+    if (wide == 1) interpolate(outer, count, 1, values, wanted, places, out);
+    else if (wide == 2) interpolate(outer, count, 2, values, wanted, places, out);
+    else interpolate(outer, count, wide, values, wanted, places, out);
+}
+
 /* out: where nodes from `start` on were before `places` were moved from here to there, less `begin`. */
 void sources(long start, long count, long places, const double *here, const double *there, long begin,
              double *out)
 {
     const double slope = (here[places - 1] - here[0]) / (there[places - 1] - there[0]);
+    double steep = (here[1] - here[0]) / (there[1] - there[0]);
     for (long k = 0, piece = 1; k < count; k++) {
         const double node = (double)(start + k);
-        while (piece < places - 1 && node > there[piece]) piece++;
+        while (piece < places - 1 && node > there[piece]) {
+            piece++;
+            steep = (here[piece] - here[piece - 1]) / (there[piece] - there[piece - 1]);
+        }
         const double from = node < there[0] ? there[0] : node;
         const double at = from > there[places - 1] ? there[places - 1] : from;
-        const double steep = (here[piece] - here[piece - 1]) / (there[piece] - there[piece - 1]);
         out[k] = here[piece - 1] + steep * (at - there[piece - 1]) - (double)begin + slope * (node - at);
     }
 }
 
 enum { SUPPORT = 12 }; /* as of contact/edges.py */
 
-/* out (components, wanted) = fields of a line that are known from its middle outwards, at `half` nodes,
+/* out (wanted, components) = fields of a line that are known from its middle outwards, at `half` nodes,
    the initial gap added to the first, at nodes from `start` on whose `places` were moved (`sources`);
    signs: whether fields are even (1) or odd (-1). What it returns is not 0 where more is asked for than
    the line's `extent`, which may be `closed`. work: 4 (extent + wanted) numbers. */
@@ -117,12 +138,12 @@ CLONES int moved(long components, long half, const double *restrict fields, cons
             const long away = low + k - middle, node = away < 0 ? -away : away;
             const double value = fields[i * half + node];
             /* what is odd vanishes in the middle, and where the cell closes on itself */
-            values[i * count + k] = signs[i] > 0 ? value
-                : away > 0 ? value : away == 0 || (closed && node == half - 1) ? 0.0 : -value;
-            if (i == 0) values[k] += gap[node];
+            const double whole = signs[i] > 0 || away > 0 ? value
+                : away == 0 || (closed && node == half - 1) ? 0.0 : -value;
+            values[k * components + i] = i ? whole : whole + gap[node];
         }
     for (long k = 0; k < wanted; k++) at[k] -= (double)low;
-    spline(components, count, 1, values, wanted, at, 0, out);
+    spline(1, count, components, values, wanted, at, 0, out);
     return 0;
 }
 
