@@ -202,12 +202,12 @@ def through_grids(system, found, controls, load, stride):
     system : Corrector
     found : `levels` of its contact
     controls, load : of the normal component
-    stride : int, of how many coarser grids one is solved on
+    stride : int, of how many coarser grids one is solved on, the coarsest first
     """
-    state, stride = None, max(1, min(stride, len(found) - 1))
-    for k in range((len(found) - 1) // stride * stride, 0, -1):
+    state, coarsest = None, len(found) - 1
+    for k in range(coarsest, 0, -1):
         level, finer = found[k], found[k - 1]
-        if k % stride == 0:
+        if (coarsest - k) % stride == 0:
             coarse = coarser(system, level, tolerance(level, finer))
             if coarse is None:
                 return None

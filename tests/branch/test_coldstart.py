@@ -119,7 +119,7 @@ def test_a_divergence_tolerance_that_is_given_holds(options):
 def test_all_that_is_spent_is_counted():
     system, _, cost = first(PAPER, DISPLACEMENT, 10.0)
     assert cost["transforms"] == pytest.approx(system.contact.grid.transforms)
-    assert (cost["nonlinear_iterations"] > 15
+    assert (cost["nonlinear_iterations"] > 12
             and cost["linear_iterations"] > cost["nonlinear_iterations"])
 
 

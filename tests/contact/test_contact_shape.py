@@ -105,7 +105,7 @@ def test_some_names_are_all_that_is_computed(line, monkeypatch):
     branch = Branch(Scene(points=64, period=20.0, normal_maugis=2.0),
                     Load(path="normal_displacement=1"))
     (point, *_) = branch
-    monkeypatch.setattr(Measurement, "outline", property(lambda self: 1 / 0))
+    monkeypatch.setattr(Measurement, "spot_areas", property(lambda self: 1 / 0))
     assert list(branch.observe(point, ["normal_force", "contact_area"])) == ["normal_force",
                                                                              "contact_area"]
     with pytest.raises(ZeroDivisionError):
