@@ -23,6 +23,7 @@ from ..contact.problem import FORCE
 from ..contact.states import NEAR
 from ..grid.even import halved
 from ..interface.laws.law import slip_of
+from ..kernels import points
 from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.leaving import LEVELLED, slides
@@ -225,13 +226,12 @@ class Equations:
         near : Near, the nodes that count
         relative : bool, whether in parts of gap and slip where these are larger than a range
         """
-        grid, field = self.form.grid, np.abs(self.displacement(change))
-        field *= near.mask
-        if relative:
-            field /= near.scale
-        largest = float(grid.maximum(field))
-        mean = float(grid.sum(np.square(field, out=field)).sum()) / (len(field) * near.count)
-        return max(math.sqrt(mean), largest / 3.0)
+        grid, scale = self.form.grid, near.scale if relative else None
+        weights = getattr(grid, "weights", None)
+        told = points.extremes if self.contact.kernels.compiled else _extremes
+        largest, squares = told(self.form.shape, change, self.form.root, near.mask, scale, weights)
+        mean = float(grid.together(squares)) / (self.form.components * near.count)
+        return max(math.sqrt(mean), float(grid.largest(largest)) / 3.0)
 
     def leaving(self, unknown, gap, velocity):
         """The component that is pulled and that no traction will balance as it is, or None.
@@ -256,3 +256,14 @@ class Equations:
                           pressed):
                     return component
         return None
+
+
+def _extremes(shape, change, root, counts, scale, weights):
+    """As `kernels.points.extremes`."""
+    field = np.abs(change[:math.prod(shape)].reshape(shape) * root)
+    field *= counts
+    if scale is not None:
+        field /= scale
+    largest = np.max(field, initial=0.0)
+    squares = np.square(field, out=field).sum(axis=0)
+    return largest, np.sum(squares) if weights is None else squares @ weights

@@ -122,6 +122,23 @@ CLONES void apart(long m, long nodes, const double *first, const double *second,
     numbers[2] = squares;
 }
 
+/* numbers: the largest size of a change (m, nodes), times `root`, over `scale` (m, nodes) where there is
+   one, at the nodes that count (1, else 0), and the sum of their squares. */
+CLONES void extremes(long m, long nodes, const double *change, double root, const double *counts,
+                     const double *scale, const double *weight, double *numbers)
+{
+    double largest = 0.0, squares = 0.0;
+    for (long i = 0; i < m; i++)
+        for (long k = 0; k < nodes; k++) {
+            const double moved = fabs(change[i * nodes + k] * root) * counts[k];
+            const double size = scale ? moved / scale[i * nodes + k] : moved;
+            largest = greater(size, largest);
+            squares += size * size * (weight ? weight[k] : 1.0);
+        }
+    numbers[0] = largest;
+    numbers[1] = squares;
+}
+
 typedef struct { /* as contactsnes/contact/acceptance.py has them, in `_limits` */
     double strays, share, longest, reach, held, open, doubtful, trifle, contact, peak;
 } Limits;

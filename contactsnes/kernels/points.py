@@ -46,6 +46,24 @@ def apart(first, second, initial_gap, weights, reach):
     return numbers
 
 
+def extremes(shape, change, root, counts, scale, weights):
+    """The largest size of a change at the nodes that count, and the sum of their squares, an array
+    (2,), as of `dynamics.viscous.Equations.size`.
+
+    Parameters
+    ----------
+    shape : (components, nodes)
+    change : array that begins with the change
+    root : float, its unit, ranges
+    counts, weights : arrays (nodes,), 1 or 0, and for how many nodes each stands (None: all one)
+    scale : array (components, nodes) or None, what sizes are told in
+    """
+    numbers = np.empty(2)
+    shared().extremes(*shape, address(change), root, address(counts), address(scale),
+                      address(weights), address(numbers))
+    return numbers
+
+
 def strays(foretold, ended, began, initial_gap, weights, limits):
     """How a step lies to its prediction, an array (7,), as of `contact.acceptance._by_numpy`.
 

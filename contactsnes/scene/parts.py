@@ -39,10 +39,12 @@ def with_parts(scene, law=None, geometry=None, body=None):
             raise InputError(f"the {registry.kind} is {made!r}: give an object of a subclass of "
                              f"contactsnes.{registry.base.__name__}")
         if type(made) is registry.found.get(made.name):
-            values = {name: getattr(made, name) for name in made.declared()}
-            scene = dataclasses.replace(scene, **{registry.field: made.name}, **values)
+            values = {registry.field: made.name,
+                      **{name: getattr(made, name) for name in made.declared()}}
         else:
-            scene = dataclasses.replace(scene, **{registry.field: registry.keep(made)})
+            values = {registry.field: registry.keep(made)}
+        if any(getattr(scene, name) != value for name, value in values.items()):
+            scene = dataclasses.replace(scene, **values)
     return scene
 
 

@@ -12,6 +12,7 @@ from contactsnes.contact import acceptance, edges, energies, fronts, state, stat
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point
+from contactsnes.dynamics import viscous
 from contactsnes.grid import contours
 from contactsnes.grid import splines as grid_splines
 from contactsnes.grid.alternation import alternation
@@ -334,3 +335,18 @@ def test_memory_of_arrays():
     for given in (array[:, 1:], np.zeros(3, dtype=bool)):
         with pytest.raises(ValueError, match="contiguous"):
             structures.address(given)
+
+
+@compiled
+@pytest.mark.parametrize("components", [1, 3])
+def test_extremes_of_a_change(components):
+    """Largest size and squares, as NumPy finds them, with and without weights and a scale."""
+    numbers, nodes = np.random.default_rng(13), 700
+    change, scale = numbers.normal(size=components * nodes + 2), numbers.uniform(1.0, 2.0,
+                                                                               (components, nodes))
+    counts = (numbers.uniform(size=nodes) < 0.5).astype(float)
+    for each in (None, numbers.uniform(size=nodes)):
+        for own in (None, scale):
+            given = (components, nodes), change, 0.3, counts, own, each
+            np.testing.assert_allclose(points.extremes(*given), viscous._extremes(*given),
+                                       rtol=1e-13)
