@@ -9,9 +9,9 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 
 from .counter import Counter, transform_cost
+from .fftw import pyfftw
 from .fields import Fields
 from .filtering import Filtering, clear_padding
 from .precision import first_half

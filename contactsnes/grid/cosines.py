@@ -5,11 +5,11 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 import scipy
 
 from .cell import Convolution
 from .counter import transform_cost
+from .fftw import pyfftw
 from .filtering import Filtering
 from .lengths import fast_length
 from .parity import parity

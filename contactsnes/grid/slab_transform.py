@@ -4,9 +4,9 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 
 from .counter import transform_cost
+from .fftw import pyfftw
 from .filtering import Filtering
 
 PLANS = {"threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}

@@ -9,10 +9,10 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 
 from .cell import Grid
 from .even import EvenGrid
+from .fftw import pyfftw
 from .rows import Rows, to_first
 from .slab import Slab
 from .slab_cosines import SlabEvenCircle

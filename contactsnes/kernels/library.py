@@ -99,7 +99,7 @@ def pointer(library, name):
 @lru_cache(maxsize=1)
 def fftw():
     """FFTW in double and single precision, those of pyfftw."""
-    import pyfftw.pyfftw
+    from ..grid.fftw import pyfftw
 
     return ctypes.CDLL(pyfftw.pyfftw.__file__)
 

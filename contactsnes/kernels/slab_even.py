@@ -5,10 +5,10 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 
 from ..grid.cosines import closes, cosine_waves, gain_of
 from ..grid.counter import transform_cost
+from ..grid.fftw import pyfftw
 from ..grid.filtering import clear_padding
 from ..grid.slab_cosines import SlabCosines
 from ..grid.slab_transform import share

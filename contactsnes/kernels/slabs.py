@@ -4,10 +4,10 @@ symbols of a response."""
 import ctypes
 
 import numpy as np
-import pyfftw
 
 from ..grid import transfer
 from ..grid.active import Nodes
+from ..grid.fftw import pyfftw
 from ..grid.slab_transform import SlabTransform
 from . import structures
 from .fftw import Rows

@@ -5,9 +5,9 @@ import math
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 
 from ..grid.counter import transform_cost
+from ..grid.fftw import pyfftw
 from ..grid.filtering import Filtering
 from ..grid.precision import SINGLE, first_half
 from . import structures

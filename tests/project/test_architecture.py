@@ -56,8 +56,7 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
          "h5py": {"output.columns", "output.files", "output.store",
                   "output.tables", "output.vtk", "interface.height_files"},
-         "pyfftw": {"grid.cell", "grid.cosines", "grid.slab_transform", "grid.slabs",
-                    "kernels.library", "kernels.slab_even", "kernels.slabs", "kernels.transforms"},}
+         "pyfftw": {"grid.fftw"}}
 """The only rooms or modules that may import a package, anywhere in them."""
 
 WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "kernels",
