@@ -22,9 +22,9 @@ SECONDS = 1.2e-9
 TRANSFORMS = {(1, False): 35.0, (1, True): 150.0, (2, False): 30.0, (2, True): 100.0}
 """Transforms that a point takes of the circle its window is solved on, by dimension and whether it
 is sheared; those in single precision count half."""
-ROUGH, COUPLED, ESTIMATED = {False: 70.0, True: 90.0}, 2.0, 4.0
+ROUGH, COUPLED, ESTIMATED = {False: 70.0, True: 90.0}, 2.0, 4.5
 """Such transforms of a gap that is known on nodes only; times as many where normal and tangential
-displacements are coupled; time with estimates of errors over that without."""
+displacements are coupled, and where errors are estimated."""
 STEPS, STOPPED, FOLDED, JUMPING = 22, 0.65, 4, 4
 """Points of a leg with default steps, the part of a leg up to a pull-off that ends the path, points
 that a fold and the jump from it add, and times as many points where a rough plane is moved and its
@@ -71,13 +71,13 @@ def cost(scene, load, shape, output=None, steps=None, form=None):
     output, form, nodes = output or Output(), form or Form(), math.prod(shape)
     counts, loaded = _points(scene, load, steps or Steps()), loaded_legs(scene, load)
     kept = _bytes_of_fields(scene, load, nodes, output, counts)
+    more = ESTIMATED if output.errors else 1.0
     seconds = START + PACKING[scene.dimension] * sum(kept) + sum(
         count * (EACH[scene.dimension] + NODE * nodes
-                 + _solve(scene, load, nodes, form, bool(sheared)))
+                 + more * _solve(scene, load, nodes, form, bool(sheared)))
         for count, sheared in zip(counts, loaded))
-    factor = ESTIMATED if output.errors else 1.0
-    return Cost(sum(counts), _memory(scene, load, nodes, form),
-                _disk(scene, load, nodes, output, counts, sum(kept)), factor * seconds)
+    return Cost(sum(counts), _memory(scene, load, nodes, form, output.errors),
+                _disk(scene, load, nodes, output, counts, sum(kept)), seconds)
 
 
 def _solve(scene, load, nodes, form, sheared):
@@ -99,14 +99,23 @@ def _solve(scene, load, nodes, form, sheared):
     return count * SECONDS * circle * math.log2(circle)
 
 
-def _memory(scene, load, nodes, form):
-    """Bytes that a run holds."""
+def _memory(scene, load, nodes, form, errors):
+    """Bytes that a run holds.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    nodes : int, of the grid
+    form : Form
+    errors : bool, whether they are estimated, on a grid of four times the nodes
+    """
     slips, sheared = any(tangential_legs(scene, load)), any(loaded_legs(scene, load))
     whole = nodes * (scene.components if slips else 1)
     unknowns = whole * _part(scene, load, form) / _images(scene, sheared, form)
     hard = {"iterations": ITERATIONS} if _is_given(scene) and scene.dimension == 2 else {}
     return (RUNNING + shapes.of(scene).memory(scene)
-            + memory_of_solve(unknowns, whole, **hard))
+            + (5 if errors else 1) * memory_of_solve(unknowns, whole, **hard))
 
 
 def _bytes_of_fields(scene, load, nodes, output, counts):

@@ -13,6 +13,8 @@ from ..scene import settings as scenes
 
 STEEP, EVEN = 3.0, 1e-6
 """Root mean square slopes beyond which heights and places are hardly in the same unit."""
+OFF = 0.02
+"""Part of a size by which that which a file tells may miss the one that is given."""
 
 
 def cautions(settings):
@@ -24,7 +26,7 @@ def cautions(settings):
 
 def of_surface(scene):
     """Sentences on heights or a gap of one's own, empty for other scenes."""
-    return [*_seams(scene), *_proportions(scene)]
+    return [*_seams(scene), *_proportions(scene), *_size(scene)]
 
 
 def _seams(scene):
@@ -51,17 +53,29 @@ def _proportions(scene):
     axes = [np.arange(n) * length for n, length in zip(scene.shape, scene.spacings)]
     found = gap.evaluated(shapes.of(scene), np.meshgrid(*axes, indexing="ij", sparse=True), scene)
     slope = rms_slope(found, scene.spacings) * scene.scale("u_n,r/beta")[0]
+    unit = shapes.of(scene).unit() if scene.geometry == "file" else "m"
     told = (f"the heights, {scene.short(np.ptp(found), 'u_n,r')} from lowest to highest on a map "
             f"of {scene.short(max(scene.periods), 'beta')}, have a root mean square slope of "
             f"{slope:.2g}")
+    asked = (f"are they in {unit} (-scene_heights_unit), and is the size in metres "
+             "(-scene_heights_size)?")
     if slope > STEEP:
-        yield (f"{told}: the model is one of small slopes; are they in metres? -scene_heights_unit "
-               "names their unit")
+        yield f"{told}: the model is one of small slopes; {asked}"
     elif 0.0 < slope < EVEN:
-        yield f"{told}: -scene_heights_size is in metres"
+        yield f"{told}: {asked}"
     wide, high = max(scene.spacings), min(scene.spacings)
     if wide > 1.01 * high and not isinstance(scene.heights_size, tuple) and scene.heights_size:
         yield (f"one size for a map of {' x '.join(map(str, scene.shape))} points: its nodes are "
                f"{scene.short(scene.spacings[0], 'beta')} apart along x and "
                f"{scene.short(scene.spacings[1], 'beta')} along y; -scene_heights_size takes two, "
                "with a comma")
+
+
+def _size(scene):
+    """A sentence on a map whose file tells another size than that which is given."""
+    stated = shapes.of(scene).stated(scene) if scene.geometry == "file" else None
+    if stated and not np.allclose(stated, scene.periods, rtol=OFF):
+        told, taken = (" x ".join(scene.short(length, "beta") for length in lengths)
+                       for lengths in (stated, scene.periods))
+        yield (f"{scene.geometry_file} itself says {told} of the map, and {taken} is taken, as "
+               f"{'-scene_heights_size' if scene.heights_size else '-scene_period'} has it")

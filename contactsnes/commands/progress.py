@@ -13,7 +13,7 @@ INEXACT = 0.01
 """Part of the largest work of the loads by which the balance of energies may miss without a
 word."""
 
-ROUNDING = 1e-13
+ROUNDING = 1e-11
 """Part of the scale of a quantity, or of the largest value of its kind, below which it is shown as
 0."""
 

@@ -149,8 +149,8 @@ def advised(settings):
     scene = settings.scene
     if scene.points == "auto":  # no grid in memory reaches the accuracy
         scene = dataclasses.replace(scene, points=None)
-    return advice(scene, settings.load, settings.output, partial(_one, scene), settings.steps,
-                  settings.form)
+    output = dataclasses.replace(settings.output, errors=settings.estimates)
+    return advice(scene, settings.load, output, partial(_one, scene), settings.steps, settings.form)
 
 
 def _size(scene, values, unit, digits=8):

@@ -277,9 +277,9 @@ def test_a_map_in_another_unit_than_its_size_is_told(tmp_path):
     whole = np.sqrt(2) * np.pi * 3 * 1e-6 / 2.4e-4
     assert not fits and slope == pytest.approx(whole, rel=0.1)  # tapered at the edges
     steep, _ = cautions_on(tmp_path, waves, **size)
-    assert len(steep) == 1 and "are they in metres? -scene_heights_unit" in steep[0]
+    assert len(steep) == 1 and "are they in m (-scene_heights_unit)" in steep[0]
     even, _ = cautions_on(tmp_path, waves, heights_unit="um", heights_size=(240.0, 180.0))
-    assert len(even) == 1 and "-scene_heights_size is in metres" in even[0]
+    assert len(even) == 1 and "in um (-scene_heights_unit), and is the size in metres" in even[0]
 
 
 def test_one_size_for_a_map_that_is_no_square_is_told(tmp_path):
@@ -287,6 +287,21 @@ def test_one_size_for_a_map_that_is_no_square_is_told(tmp_path):
     assert sentences == ["one size for a map of 24 x 18 points: its nodes are 10 µm apart along x "
                          "and 13.33 µm along y; -scene_heights_size takes two, with a comma"]
     assert not cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=(2.4e-4, 1.8e-4))[0]
+
+
+def test_a_size_that_is_not_the_one_of_the_file_is_told(tmp_path):
+    """Points 10 um apart, 24 x 18 of them: given as a millimetre, and as it is, to a hundredth."""
+    x, y = np.meshgrid(10.0 * np.arange(24), 10.0 * np.arange(18), indexing="ij")
+    name = tmp_path / "points.xyz"
+    np.savetxt(name, np.column_stack([x.ravel(), y.ravel(), MAP.ravel()]))
+    given = dict(SI, geometry_file=str(name), heights_edges="window", heights_unit="um")
+    other = Scene.typed(**given, heights_size=1e-3)
+    (told,) = [text for text in cautions.of_surface(other) if "itself says" in text]
+    assert told.endswith("itself says 240 µm x 180 µm of the map, and 1 mm x 1 mm is taken, as "
+                         "-scene_heights_size has it")
+    for same in ({}, {"heights_size": (2.41e-4, 1.79e-4)}):
+        assert not [text for text in cautions.of_surface(Scene.typed(**given, **same))
+                    if "itself says" in text]
 
 
 def test_a_size_from_python_has_to_be_the_period(tmp_path):

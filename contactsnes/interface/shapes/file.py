@@ -42,6 +42,10 @@ class File(Shape):
         return prepared(self.geometry_file, self.heights_crop, self.heights_fill,
                         self.heights_edges)
 
+    def unit(self):
+        """The unit of the heights of a scene in SI, one of `UNITS`."""
+        return self.map().unit or self.heights_unit or "m"
+
     @classmethod
     def completed(cls, values, scene):
         """Values as they are typed, with period, points and dimension of the map where these are
@@ -146,9 +150,8 @@ class File(Shape):
 
     def heights(self, scene):
         """The heights, u_n,r."""
-        found = self.map()
-        unit = UNITS[found.unit or self.heights_unit or "m"] if scene.units == "si" else 1.0
-        heights = fitted(self.geometry_file, found.values, scene.shape, self.heights_fit,
+        unit = UNITS[self.unit()] if scene.units == "si" else 1.0
+        heights = fitted(self.geometry_file, self.map().values, scene.shape, self.heights_fit,
                          self.heights_edges)
         return heights * (unit / scene.scale("u_n,r")[0])
 
@@ -163,6 +166,12 @@ class File(Shape):
                 f"{size(float(np.std(heights)), 'u_n,r', 4)}, from lowest to highest "
                 f"{size(float(np.ptp(heights)), 'u_n,r', 4)}, root mean square slope "
                 f"{size(rms_slope(heights, scene.spacings), 'u_n,r/beta', 4)}"]
+
+    def stated(self, scene):
+        """The size that the file itself tells of what is used of it, beta, one a direction; None
+        where it tells none."""
+        found, unit = self.map(), UNITS[self.unit()] if scene.units == "si" else 1.0
+        return found.size and tuple(unit / scene.scale("beta")[0] * length for length in found.size)
 
     def source(self, scene):
         """Option and file."""
