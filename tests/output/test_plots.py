@@ -321,6 +321,9 @@ def test_loads_of_rounding_are_none_in_titles():
     record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
                     event=np.array(["none", "jump", "none"]))
     assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
+    # points of the same load by their numbers
+    record["event"] = np.array(["none", "none", "none"])
+    assert words.names(record, [0, 1, 2])[1] == ["0, point 0", "0, point 1", "\N{MINUS SIGN}0.5"]
 
 
 def measured_file(path, text):

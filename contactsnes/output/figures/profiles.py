@@ -40,7 +40,9 @@ def draw_profiles(record, chosen):
         for value, colour, width in zip(panel.values, shades, widths):
             axes.plot(x, value, color=colour, linewidth=width)
         axes.axhline(0, **ZERO)
-        axes.set_ylabel(label(panel.text, panel.symbol, panel.unit))
+        # where panels are many they are low: what a label says takes two lines there
+        axes.set_ylabel(label(panel.text, panel.symbol, panel.unit,
+                              "\n" if len(shown) > 3 else " "))
     zoom(stack, x, gaps, [traction[0] for traction in tractions])
     stack[-1].set_xlabel(label("", "x", record.units["x"]))
     title, texts = names(record, chosen)

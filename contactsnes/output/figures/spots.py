@@ -1,6 +1,7 @@
 """Figure of the spots of a contact on a plane: a numbered map, and how their sizes are spread."""
 
 import matplotlib
+import matplotlib.ticker
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
@@ -14,6 +15,8 @@ from .parts import place_legend
 from .style import WIDTH, colours
 from .words import label, names
 
+FEW = 9
+"""Spots up to which each is a mark, and their number counts in steps of one."""
 NUMBERED = 12
 """Spots of a map that carry their numbers: the largest."""
 
@@ -88,8 +91,13 @@ def _draw_sizes(axes, record, found, shown, title):
     unit, shades = record.units["x"], colours(len(found))
     for ranks, colour in zip(found.values(), shades):
         areas = node * sizes(ranks)
-        axes.step(areas, np.arange(1, len(areas) + 1), where="pre", color=colour)
-    axes.set(xscale="log", yscale="log", ylabel="spots not smaller",
+        axes.step(areas, np.arange(1, len(areas) + 1), where="pre", color=colour, marker="."
+                  if len(areas) <= FEW else "")
+    most = max(ranks.max() for ranks in found.values())
+    axes.set(xscale="log", yscale="log" if most > FEW else "linear", ylabel="spots not smaller",
              xlabel=label("size of a spot", "A", "beta^2" if unit == "beta" else f"{unit}²"))
+    if most <= FEW:
+        axes.set_ylim(0, most + 0.5)
+        axes.yaxis.set_major_locator(matplotlib.ticker.MaxNLocator(integer=True))
     place_legend(axes, [Line2D([], [], color=colour, label=shown[point])
                         for point, colour in zip(found, shades)], title)

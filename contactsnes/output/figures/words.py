@@ -9,7 +9,7 @@ from .data import directions, varies
 
 def names(record, chosen):
     """What tells the chosen points apart: symbol of the first load that differs, and its values
-    with the events."""
+    with the events; of the same value the points, too."""
     columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force",
                "normal_displacement", *(f"tangential_force{axis}" for axis in directions(record))]
     name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
@@ -18,6 +18,8 @@ def names(record, chosen):
                      0.0)
     values = [(number(loads[point], 4), record["event"][point]) for point in chosen]
     texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
+    texts = [f"{text}, point {point}" if texts.count(text) > 1 else text
+             for text, point in zip(texts, chosen)]
     return label("", word_and_symbol(name)[1], record.units[name]), texts
 
 

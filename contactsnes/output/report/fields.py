@@ -25,9 +25,10 @@ def chosen_points(record, most):
 
 
 def first_shown(record, points):
-    """The point that is shown before the slider is moved: the last fold, else the last one of the
-    largest contact."""
-    folds = [point for point in points if record["event"][point] == "fold"]
+    """The point that is shown before the slider is moved: the last fold of a contact, else the last
+    one of the largest contact."""
+    folds = [point for point in points
+             if record["event"][point] == "fold" and record["contact_area"][point] > 0.0]
     if folds:
         return folds[-1]
     areas = record["contact_area"][list(points)]
