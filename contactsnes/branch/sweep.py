@@ -19,9 +19,9 @@ from ..output import resuming
 from ..output.extras import extra
 from ..output.reading import read
 from ..scene.load import Load
+from ..scene.measured import RIVALS
 from ..scene.scene import Scene
 from ..scene.steps import Form, Output, Steps
-from ..scene.units import DERIVED
 
 OURS = tuple(cls.prefix for cls in (Scene, Load, Steps, Form, Output))
 
@@ -181,9 +181,9 @@ def _scene_words(scene, case):
             guess = nearest(name, known)
             raise InputError(f"{name} is no option of scenes"
                              + (f": did you mean {guess}?" if guess else ""))
-    derived = set(DERIVED) if scene.units == "si" else set()
-    given = {name: scene.as_typed(name) for name, field in known.items()
-             if getattr(scene, name) != field.default and name not in derived}
+    rivals = {one: other for pair in RIVALS for one, other in (pair, pair[::-1])}
+    given = {name: value for name, value in scene.stated().items()
+             if rivals.get(name) not in case}
     given |= {name: _plain(value) for name, value in case.items() if name in known}
     Scene.typed(**given)
     return {f"scene_{name}": as_text(value) for name, value in given.items()}

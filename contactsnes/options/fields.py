@@ -113,6 +113,8 @@ def nearest(name, names, cutoff=0.4):
 def _single(value, rule):
     """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
     kind = rule["kind"]
+    if value == "inf" and rule["infinite"]:  # as help and files write it
+        value = math.inf
     own_type = {"flag": bool, "text": str}.get(kind)
     if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
         raise TypeError

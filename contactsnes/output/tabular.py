@@ -137,7 +137,7 @@ def _value(record, name):
     its scene, an option; None where there is none."""
     if name in ("archive", "complete"):
         return {"archive": str(record.path), "complete": int(record.complete)}[name]
-    if not name.startswith(SCENE):
+    if not name.startswith(SCENE) or name[len(SCENE):] not in record.scene:
         return resuming.entries(record.options).get(name)
     value = np.asarray(record.scene.get(name[len(SCENE):]))
     # of two directions one cell holds both

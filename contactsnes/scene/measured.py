@@ -15,6 +15,9 @@ INSTEAD = {"contact_modulus": "young_modulus", "range_normal": "adhesive_strengt
            "range_tangential": "shear_strength"}
 """Option in SI -> the one that may stand in its place."""
 
+RIVALS = (*INSTEAD.items(), ("period", "heights_size"))
+"""Pairs of options of which one fixes what the other does."""
+
 PERIOD = 100.0
 """Period of the cell, beta, of a scene without a radius: that makes its internal scales."""
 

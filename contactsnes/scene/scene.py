@@ -17,6 +17,7 @@ from ..interface.laws import LAWS
 from ..interface.shapes import SHAPES
 from ..options.fields import InputError, as_text, extend, option
 from . import isolation, parts
+from .measured import INSTEAD
 from .resolution import default_spacing
 from .units import Units
 
@@ -81,7 +82,12 @@ class Scene(Units):
     @classmethod
     def typed(cls, **values):
         """The instance for values as they are typed (``Units.typed``), completed by its shape."""
-        return super().typed(**parts.completed(cls, values))
+        scene = super().typed(**parts.completed(cls, values))
+        known = cls.__dataclass_fields__
+        stated = {name: value for name, value in values.items() if value is not None and (
+            name in INSTEAD.values() or getattr(scene, name) != known[name].default)}
+        object.__setattr__(scene, "_stated", stated)
+        return scene
 
     def __post_init__(self):
         super().__post_init__()

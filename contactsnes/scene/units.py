@@ -102,9 +102,17 @@ class Units(Options):
         """What makes the scene, in the units that it is typed in."""
         if self.units == "dimensionless":
             return super().__repr__()
-        given = [f"{field.name}={self.as_typed(field.name)!r}" for field in fields(self)
-                 if getattr(self, field.name) != field.default and field.name not in DERIVED]
+        given = [f"{name}={value!r}" for name, value in self.stated().items()]
         return f"{type(self).__name__}.typed({', '.join(given)})"
+
+    def stated(self):
+        """Option -> value that made the scene: as it was given to `typed`, a strength as such, else
+        those that are no defaults, in the units they are typed in."""
+        if "_stated" in vars(self):
+            return dict(vars(self)["_stated"])
+        derived = DERIVED if self.units == "si" else ()
+        return {field.name: self.as_typed(field.name) for field in fields(self)
+                if getattr(self, field.name) != field.default and field.name not in derived}
 
     @classmethod
     def typed(cls, **values):

@@ -1,10 +1,12 @@
 """Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, Scene, Steps, read, reference, sweep
-from contactsnes.branch.sweep import _is_done, _stem
+from contactsnes.branch.sweep import _is_done, _scene_words, _stem
 from contactsnes.contact import observables
 from contactsnes.options.fields import InputError
 from contactsnes.output import archive as archives
@@ -136,3 +138,23 @@ def test_a_sweep_refuses_before_it_runs(tmp_path, given, word):
 def test_names_of_archives_are_those_of_files():
     assert _stem({"points": np.int64(64), "geometry_file": "a/b c.npy"}) == (
         "points=64-geometry_file=a_b_c.npy")
+
+
+def test_a_sweep_keeps_what_a_scene_was_made_of():
+    """Strengths stay where the work varies, Young's modulus where the Poisson ratio does, and what
+    is swept takes the place of what fixes the same."""
+    given = dict(units="si", radius=0.004, young_modulus=1.3e6, work_of_adhesion_normal=0.05,
+                 work_of_adhesion_tangential=0.02, adhesive_strength=21e3, range_tangential=4e-7,
+                 height="inf", period=0.003)
+    scene = Scene.typed(**given)
+    assert f"adhesive_strength={21e3!r}" in repr(scene) and eval(repr(scene)) == scene
+    other = _scene_words(scene, {"work_of_adhesion_normal": 0.1})
+    assert float(other["scene_adhesive_strength"]) == 21e3 and "scene_range_normal" not in other
+    assert "scene_contact_modulus" not in _scene_words(scene, {"poisson": 0.3})
+    ranges = _scene_words(scene, {"range_normal": 1e-6})
+    assert float(ranges["scene_range_normal"]) == 1e-6 and "scene_adhesive_strength" not in ranges
+    assert "scene_contact_modulus" not in _scene_words(Scene.typed(**given), {"young_modulus": 2e6})
+    # a scene made of another by `replace` has what follows only
+    made = replace(scene, points=512)
+    assert "young_modulus" not in repr(made)
+    assert "scene_contact_modulus" not in _scene_words(made, {"young_modulus": 2e6})

@@ -217,6 +217,8 @@ def test_spots_are_numbered_from_the_largest_on(tmp_path):
     assert places["3"] == (1.0, 1.0) and abs(places["1"][0]) >= 3 <= abs(places["1"][1])
     found = [list(zip(*line.get_data())) for line in sizes.lines]
     assert found == [[(1.0, 1), (1.0, 2)], [(5.0, 1), (4.0, 2), (1.0, 3)]]
+    # few spots: each a mark, their number along a linear axis
+    assert sizes.get_yscale() == "linear" and {line.get_marker() for line in sizes.lines} == {"."}
     (tmp_path / "figures").mkdir()
     assert any(file.name == "run-spots.png" for file in plot(
         tmp_path / "run.h5", output=tmp_path / "figures").files)

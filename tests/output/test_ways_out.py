@@ -105,6 +105,11 @@ def test_a_table_of_a_study_tells_its_runs_apart(tmp_path):
         "point", "event", "leg", "normal_force"]
     assert tabular.tabulate(paths, TableOptions(columns="load_stop", rows="last")).columns[
         "load_stop"].tolist() == ["none"] * 3
+    # what was typed in place of an attribute of the scene
+    path = archive(tmp_path / "typed.h5", options="-scene_young_modulus 2e6")
+    asked = TableOptions(columns="scene_young_modulus", rows="last")
+    assert tabular.tabulate([path], asked).columns[
+        "scene_young_modulus"].tolist() == ["2e6"]
 
 
 def test_columns_that_some_archives_lack_are_empty_there(tmp_path):

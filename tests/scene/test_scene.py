@@ -502,3 +502,10 @@ def test_text_of_values_reads_back():
 def test_nearest():
     assert nearest("poison", ("poisson", "period")) == "poisson" and nearest("qqq",
                                                                              ("poisson",)) == ""
+
+
+def test_no_bound_is_a_number_or_a_word():
+    """As files and the help write it."""
+    assert Scene(height="inf") == Scene(height=np.inf)
+    with pytest.raises(InputError, match="-scene_normal_maugis is 'inf'"):
+        Scene(normal_maugis="inf")
