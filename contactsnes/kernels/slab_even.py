@@ -158,7 +158,7 @@ class SlabFolded(OfLibrary):
         sizes = [2 * mine * self.shape[1], points * here]
         fields, packed = (self._grid.room((count, place), (count * max(sizes),), np.float32)
                           for place in range(2))
-        self._used = max(first + number for first, number in rows)
+        self._used = max((first + number for first, number in rows if number), default=0)
         self.block = pyfftw.zeros_aligned((count, COLUMNS // 2, points), dtype=np.complex64)
         # (rows are sent before columns come)
         self.structure, self.spectral = (structures.Transform(
