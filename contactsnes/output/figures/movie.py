@@ -21,7 +21,7 @@ from .maps import draw_edge, draw_map, edge, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
 from .style import STYLE, ZERO, settings
-from .words import label, number, word, word_and_symbol
+from .words import free_of_rounding, label, number, word, word_and_symbol
 
 DOTS = 150
 """Dots per inch."""
@@ -129,9 +129,9 @@ def _title(record, point):
     """The point, its controlled loads and its event."""
     names = [name for name in ("normal_force", "tangential_force", "tangential_force_x",
                                "normal_displacement") if name in record]
-    told = [f"${word_and_symbol(name)[1]}$ = {number(float(record[name][point]), 4)}"
-            + _unit(record.units[name])
-            for name in names if np.any(record[name]) and np.isfinite(record[name][point])]
+    shown = {name: free_of_rounding(record[name]) for name in names}
+    told = [f"${word_and_symbol(name)[1]}$ = {number(values[point], 4)}{_unit(record.units[name])}"
+            for name, values in shown.items() if np.any(values) and np.isfinite(values[point])]
     event = record["event"][point]
     return f"point {point}:  " + ",  ".join(told[:3]) + (
         f"  ({word(event)})" if event != "none" else "")

@@ -105,6 +105,6 @@ def place_legend(axes, handles, title=None):
     title : str, optional
     """
     longest = max(len(handle.get_label()) for handle in handles)
-    columns = min(len(handles), 3 if longest < 14 else 2)
+    columns = min(len(handles), 3 if longest < 12 else 2)
     axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,
                 borderaxespad=0.2, columnspacing=1.2, handletextpad=0.5, handlelength=1.8)

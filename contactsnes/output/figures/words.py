@@ -13,9 +13,7 @@ def names(record, chosen):
     columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force",
                "normal_displacement", *(f"tangential_force{axis}" for axis in directions(record))]
     name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
-    # not what is rounding
-    loads = np.where(np.abs(record[name]) > 1e-9 * np.abs(record[name][chosen]).max(), record[name],
-                     0.0)
+    loads = free_of_rounding(record[name], chosen)
     values = [(number(loads[point], 4), record["event"][point]) for point in chosen]
     texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
     texts = [f"{text}, point {point}" if texts.count(text) > 1 else text
@@ -23,9 +21,15 @@ def names(record, chosen):
     return label("", word_and_symbol(name)[1], record.units[name]), texts
 
 
+def free_of_rounding(values, chosen=slice(None)):
+    """Values of a column, an array; 0 where they are rounding beside those of the chosen points."""
+    largest = np.max(np.abs(values[chosen]), initial=0.0, where=np.isfinite(values[chosen]))
+    return np.where(np.abs(values) <= 1e-9 * largest, 0.0, values)
+
+
 def number(value, digits):
-    """A number with a typographic minus sign."""
-    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+    """A number with a typographic minus sign, nothing without a sign."""
+    return f"{value + 0.0:.{digits}g}".replace("-", "\N{MINUS SIGN}")
 
 
 def word(name):
