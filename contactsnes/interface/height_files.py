@@ -2,6 +2,7 @@
 nothing in them is executed."""
 
 import importlib.util
+import math
 import textwrap
 import warnings
 from pathlib import Path
@@ -19,6 +20,10 @@ LONGEST = 300
 """Characters of a library's reason that are told."""
 UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
+HEAD = 4096
+"""Bytes that tell a file of text, which has none that is 0."""
+FEWEST = 6
+"""Rows from which on columns of numbers may be places and heights."""
 EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or install "
          "SurfaceTopography (pip install 'contactsnes[surfaces]'), which reads the files of "
          "instruments")
@@ -44,7 +49,7 @@ def read(specification):
     option = f"-scene_geometry_file {specification}"
     filename, suffix, dataset = split(str(specification))
     reader = READERS.get(suffix, _read_instrument)
-    if reader is _read_instrument and importlib.util.find_spec("SurfaceTopography") is None:
+    if reader is _read_instrument and not _has_library():
         raise ValueError(f"{option}: unknown kind of file; {EXTRA}.")
     if not Path(filename).is_file():
         raise FileNotFoundError(
@@ -69,6 +74,11 @@ def read(specification):
     return found
 
 
+def _has_library():
+    """Whether SurfaceTopography is there, which reads files of instruments."""
+    return importlib.util.find_spec("SurfaceTopography") is not None
+
+
 def split(specification):
     """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
     stem, separator, dataset = specification.partition(".h5:")
@@ -86,6 +96,31 @@ def _read_dataset(filename, dataset):
             raise ValueError(f"there is no dataset {named}; write FILE.h5:dataset, "
                              f"at the top level there are: {', '.join(file) or 'none'}")
         return file[dataset][()]
+
+
+def _read_map(filename, _=""):
+    """A map as rows of numbers; of a file that is no text, what an instrument wrote under the same
+    ending; ValueError for places and heights in columns."""
+    if b"\0" in Path(filename).read_bytes()[:HEAD] and _has_library():
+        return _read_instrument(filename)
+    found = _read_table(filename)
+    if found.ndim == 2 and found.shape[1] in (2, 3) and _are_points(found):
+        raise ValueError(f"its {found.shape[1]} columns seem to be places and heights; call it "
+                         "FILE.xyz to have it read so")
+    return found
+
+
+def _are_points(table):
+    """Whether columns are places of a regular grid, and heights: of a line rising evenly, of a
+    plane as many as there are places along x times those along y."""
+    places = table[np.isfinite(table).all(axis=1), :-1]
+    if len(places) < FEWEST:
+        return False
+    if places.shape[1] == 2:
+        each = [len(np.unique(column)) for column in places.T]
+        return min(each) > 1 and math.prod(each) == len(places)
+    steps = np.diff(places[:, 0])
+    return bool(steps[0] and np.abs(steps - steps.mean()).max() <= UNEVEN * abs(steps.mean()))
 
 
 def _read_table(filename, _=""):
@@ -160,6 +195,10 @@ def _read_instrument(filename, _=""):
 
     with open_topography(filename) as reader:
         found = reader.topography()
+    if not found.is_uniform:
+        steps = np.diff(found.positions())
+        if np.ptp(steps) > UNEVEN * abs(steps.mean()):
+            raise ValueError("its points are not evenly spaced along x")
     values = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan)
     unit = OWN_NAMES.get(found.unit, found.unit)
     if unit is not None and unit not in UNITS:
@@ -167,8 +206,17 @@ def _read_instrument(filename, _=""):
     return Heights(values, tuple(map(float, found.physical_sizes)), unit)
 
 
+def _read_array(filename, _=""):
+    """An array of NumPy, without objects: these are programs."""
+    try:
+        return np.load(filename, allow_pickle=False)
+    except ValueError as error:
+        raise ValueError("it holds objects of Python, which are not read"
+                         if "pickle" in str(error) else str(error)) from None
+
+
 READERS = {
-    ".npy": lambda filename, _: np.load(filename, allow_pickle=False),
-    ".txt": _read_table, ".csv": _read_table, ".asc": _read_table, ".dat": _read_table,
+    ".npy": _read_array,
+    ".txt": _read_map, ".csv": _read_map, ".asc": _read_map, ".dat": _read_map,
     ".xyz": _read_points, ".h5": _read_dataset,
 }

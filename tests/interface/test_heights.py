@@ -93,6 +93,40 @@ def test_files_of_surfaces_are_data(tmp_path):
 # Crop, holes, edges, fit
 
 
+def test_what_would_be_executed_is_named(tmp_path):
+    np.save(tmp_path / "a.npy", np.array([Bomb()], dtype=object), allow_pickle=True)
+    with pytest.raises(ValueError, match="holds objects of Python, which are not read"):
+        height_files.read(tmp_path / "a.npy")
+
+
+def test_columns_of_places_are_no_map(tmp_path):
+    """A profile of two columns, a plane of three, in any order; maps of as many columns are."""
+    x, y = np.arange(12) * 0.25, np.arange(5) * 0.5
+    plane = np.array([(a, b, a * b) for a in x for b in y])
+    columns = {"profile": np.column_stack([x, np.sin(x)]), "plane": plane,
+               "mixed": RANDOM.permutation(plane)}
+    for name, table in columns.items():
+        np.savetxt(tmp_path / f"{name}.txt", table)
+        with pytest.raises(ValueError, match="places and heights; call it FILE.xyz"):
+            height_files.read(tmp_path / f"{name}.txt")
+        (tmp_path / f"{name}.txt").rename(tmp_path / f"{name}.xyz")
+        assert height_files.read(tmp_path / f"{name}.xyz").size is not None
+    for width in (2, 3):
+        np.savetxt(tmp_path / "map.txt", RANDOM.normal(size=(12, width)))
+        assert height_files.read(tmp_path / "map.txt").values.shape == (12, width)
+
+
+def test_an_instrument_may_write_under_an_ending_of_text(tmp_path, monkeypatch):
+    """Binary files are its own, where the library that reads them is; text stays text."""
+    monkeypatch.setattr(height_files, "_has_library", lambda: True)
+    monkeypatch.setattr(height_files, "_read_instrument",
+                        lambda name, _="": height_files.Heights(MAP, (1.0, 2.0)))
+    (tmp_path / "a.dat").write_bytes(b"metro\0pro" + bytes(range(200)))
+    assert height_files.read(tmp_path / "a.dat").size == (1.0, 2.0)
+    np.savetxt(tmp_path / "b.dat", MAP)
+    assert height_files.read(tmp_path / "b.dat").size is None
+
+
 def saved(tmp_path, values):
     np.save(tmp_path / "map.npy", values)
     return str(tmp_path / "map.npy")
