@@ -5,6 +5,7 @@ Quick points wait in the journal beside the file (`journal`) until many are writ
 read with the file, and goes when the file has what is in it.
 """
 
+import math
 import os
 import time
 
@@ -23,7 +24,7 @@ from .files import (
 from .journal import Journal, beside
 from .layout import Layout
 from .reading import read
-from .store import FIRST, Store, unwritten
+from .store import ROOMY, Store, first_slot, unwritten
 
 BATCH = 64
 """Points that wait in the journal, at most."""
@@ -120,7 +121,9 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        archive._store.commit(lambda file: None, slot=FIRST)
+        nodes = math.prod(np.atleast_1d(archive._scene.get("points", ROOMY)).tolist())
+        archive._store.commit(lambda file: None,
+                              slot=first_slot(content.get("components", 1) * nodes))
         archive._journal.remove()
         return archive
 
