@@ -3,8 +3,6 @@ the method allows it, until a state is not."""
 
 from functools import cache, partial
 
-import numpy as np
-
 from ..grid.boxes import cost
 from ..grid.even import asymmetry, centred, halved, lone, unlike
 from ..grid.parity import obstacle
@@ -46,8 +44,10 @@ class Symmetry:
 
     def loaded_by(self, *loads):
         """Take notice of loads (components) that act from now on."""
-        self._loaded |= {i for load in loads for i in range(1, len(load))
-                         if abs(load[i]) > NEGLIGIBLE * max(1.0, np.max(np.abs(load)))}
+        for load in loads:
+            sizes = [abs(float(value)) for value in load]
+            self._loaded |= {i for i, size in enumerate(sizes)
+                             if i and size > NEGLIGIBLE * max(1.0, *sizes)}
 
     def holds(self, components):
         """Whether states with so many components are taken for even or odd."""

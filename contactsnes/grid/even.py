@@ -179,6 +179,11 @@ class EvenWindow:
                                  and self.parities == other.parities)
 
     def __hash__(self):
+        return self._number
+
+    @cached_property
+    def _number(self):
+        """What it is found by, which is asked for many times a step."""
         return hash((self.full, self.parities))
 
     @cached_property
@@ -211,7 +216,7 @@ class EvenWindow:
         mask = np.zeros(self.shape, dtype=bool)
         for axis, closed in enumerate(self.closed):
             if not closed:
-                np.moveaxis(mask, axis, 0)[-1] = True
+                mask[(*[slice(None)] * axis, -1)] = True
         return mask.reshape(-1)
 
     rim_places = Window.rim_places

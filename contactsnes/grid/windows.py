@@ -149,7 +149,7 @@ class Window:
         mask = np.zeros(self.shape, dtype=bool)
         for axis, closed in enumerate(self.closed):
             if not closed:
-                np.moveaxis(mask, axis, 0)[[0, -1]] = True
+                mask[(*[slice(None)] * axis, [0, -1])] = True
         return mask.reshape(-1)
 
     @cached_property

@@ -62,8 +62,8 @@ def _create_waves(wavevectors, last_even):
     for axis, e in enumerate(odd_unit):
         index = _nyquist_index(axis, len(unit), wavenumber.shape[axis], last_even)
         if index is not None:
-            np.moveaxis(e, axis, 0)[index] = 0.0
-            np.moveaxis(nyquist, axis, 0)[index] = True
+            at = (*[slice(None)] * axis, index)
+            e[at], nyquist[at] = 0.0, True
     return _Waves(wavenumber, unit, odd_unit, zero, nyquist)
 
 
@@ -197,7 +197,7 @@ class Body(Declared):
             blocks[0, 0] = 1 / blocks[0, 0]
         else:
             surface = self.surface_stiffness(waves.wavenumber)
-            coupled, sheared = self._nonzero(waves)
+            coupled, sheared = self._nonzero(waves, components)
             # What is coupled to the normal direction is stiffer: where compliances of x and y are
             # equal, stiffnesses are not.
             blocks = self._blocks(surface, -1.0, waves, components, (coupled, coupled or sheared))
@@ -220,17 +220,19 @@ class Body(Declared):
             block[waves.zero] = 0.0
         return blocks
 
-    def _nonzero(self, waves):
-        """Whether normal and tangential directions couple, and whether x and y do."""
+    def _nonzero(self, waves, components):
+        """Whether normal and tangential directions couple, and whether x and y do, among so many
+        components."""
         smallest = np.min(waves.wavenumber, where=~waves.zero, initial=np.inf)
-        if np.isinf(smallest):
+        if components == 1 or np.isinf(smallest):
             return False, False
-        return self.couples(smallest), self.anisotropy(smallest) > _VANISHING
+        return (self.couples(smallest),
+                components == 3 and self.anisotropy(smallest) > _VANISHING)
 
     def _compliance_blocks(self, waves, components):
         """Blocks of the compliance, arbitrary at q = 0."""
-        nonzero = self._nonzero(waves) if components > 1 else (False, False)
-        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components, nonzero)
+        return self._blocks(self.surface(waves.wavenumber), 1.0, waves, components,
+                            self._nonzero(waves, components))
 
     def _blocks(self, surface, sign, waves, components, nonzero):
         """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign
@@ -257,7 +259,7 @@ class Body(Declared):
         surface = self.surface(lines.wavenumber)
         matrix = np.zeros((lines.wavenumber.size, components, components), dtype=complex)
         for (i, j), block in self._blocks(surface, 1.0, lines, components,
-                                          self._nonzero(waves)).items():
+                                          self._nonzero(waves, components)).items():
             matrix[:, i, j] = block
         inverse = np.linalg.inv(matrix)
         for (i, j), block in blocks.items():
