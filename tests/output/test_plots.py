@@ -504,3 +504,11 @@ def test_the_edge_of_contact_is_that_of_a_circle():
     assert [*maps.edge((x, y), gap - 100, 0.5), *maps.edge((x, y), gap + 100, 0.5)] == []
     (half,) = maps.edge((x, y), gap - 2.5, 0.5)  # as far as the border of the map
     assert np.abs(half[:, 1]).max() <= 2.0
+
+
+def test_a_style_in_a_file_sets_the_size_of_all_letters(tmp_path):
+    """By font.size alone; what it names besides is as it says, what it does not name as ever."""
+    (tmp_path / "talk.mplstyle").write_text("font.size: 13\nlegend.fontsize: 9\n", encoding="utf-8")
+    found = style.settings(str(tmp_path / "talk.mplstyle"))
+    assert {found[name] for name in ("font.size", "axes.labelsize", "xtick.labelsize")} == {13.0}
+    assert found["legend.fontsize"] == 9.0 and found["xtick.direction"] == "in"

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import matplotlib
 import numpy as np
 from contourpy import contour_generator
 from matplotlib.collections import LineCollection
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from .data import NothingToShow, contact_region, fields
-from .style import STYLE, WIDTH
+from .style import WIDTH
 from .words import label, names, number
 
 
@@ -52,7 +53,7 @@ def draw_maps(record, chosen):
     for line, row in zip(grid, shown):
         draw_row(figure, line, record, row, gaps)
     title, texts = names(record, chosen)
-    figure.suptitle(title, fontsize=STYLE["axes.titlesize"])
+    figure.suptitle(title, fontsize=matplotlib.rcParams["axes.titlesize"])
     for axes, text in zip(grid[0], texts):
         # three panels share the width of a column: the event has a line of its own
         axes.set(title=text.replace(", ", "\n"), xlim=window[0], ylim=window[1])

@@ -16,6 +16,8 @@ STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fonts
          "svg.fonttype": "none",
          "axes.prop_cycle": cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
                                           "#56B4E9", "#000000"]),}
+LETTERS = ("labelsize", "titlesize", "fontsize")
+"""How settings end that are sizes of letters, besides font.size."""
 # Okabe and Ito's colours, which the colour-blind can tell apart; the markers do without colour.
 BLUE, VERMILION, GREY = "C0", "#D55E00", "#555555"
 """Colours; the first is that of the style."""
@@ -44,7 +46,11 @@ def settings(style=""):
         sizes = {name: value for name, value in STYLE.items() if name.endswith("size")}
         return {**STYLE, **matplotlib.style.library[style], **sizes}
     try:
-        return {**STYLE, **matplotlib.rc_params_from_file(style, use_default_template=False)}
+        own = matplotlib.rc_params_from_file(style, use_default_template=False)
+        # where a file names one size of letters, it is that of labels, ticks, titles, legends
+        sizes = {name: own["font.size"] for name in STYLE
+                 if name.endswith(LETTERS) and "font.size" in own}
+        return {**STYLE, **sizes, **own}
     except (OSError, UnicodeError):
         known = sorted(matplotlib.style.library)
         guess = nearest(style, known)
