@@ -130,14 +130,14 @@ def short_waves(contact, point):
     component, in any direction."""
     window, half, grid = point.state.window, point.state.half, contact.grid
     halved = half is not None and min(half.extents) > REACH + 1
-    found, nodes = 0.0, half if halved else window.parts[0]
+    found, every = 0.0, half if halved else window
     for i, component in enumerate(tractions(contact, point.state, once=halved)):
-        boxes = (half if halved else window).box(component).reshape(-1, *nodes.shape)
+        boxes = every.box(component).reshape(len(every.parts), *every.parts[0].shape)
         largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
-        for axis, closed in enumerate(nodes.closed, start=1):
+        for axis, closed in enumerate(every.parts[0].closed, start=1):
             # beyond a window the law does not act
             sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
-            aside = (across_rows(nodes, boxes, sign) if grid.shared and axis == 1 else
+            aside = (across_rows(every.parts[0], boxes, sign) if grid.shared and axis == 1 else
                      grid.largest(contact.kernels.alternation(boxes, axis, sign, closed)))
             found = max(found, aside / largest)
     return found

@@ -32,7 +32,7 @@ class SlabEven(EvenWindow):
         self.extents, self.closed = tuple(n // 2 + 1 for n in full.extents), full.closed
         # in pairs, which single precision takes for one row of complex numbers
         pairs = share((self.extents[0] + 1) // 2, cell.comm.rank, cell.comm.size)
-        mine = slice(2 * pairs.start, min(2 * pairs.stop, self.extents[0]))
+        mine = slice(*(min(2 * end, self.extents[0]) for end in (pairs.start, pairs.stop)))
         self.rows = Rows(cell.comm, mine.start, mine.stop - mine.start, self.extents[0], "mirror")
         self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (mine.start, 0)))
         self.shape = self.rows.count, self.extents[1]

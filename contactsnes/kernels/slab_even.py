@@ -151,7 +151,7 @@ class SlabFolded(OfLibrary):
         """
         columns = [share(self.shape[1], rank, comm.size) for rank in range(comm.size)]
         pairs = [(number + 1) // 2 for _, number in rows]
-        if any(first % 2 for first, _ in rows):
+        if any(first % 2 for first, number in rows if number):
             raise ValueError("slabs of pairs begin with a row of even number")
         mine, here = pairs[comm.rank], columns[comm.rank].stop - columns[comm.rank].start
         points = self.shape[0] + self.shape[0] % 2

@@ -50,7 +50,7 @@ operators = {make: [Operator(grid, grid.symbols(make, 2)) for grid in (shared, a
 for one, other in operators.values():
     assert all(parity(one, key) == parity(other, key) for key in one.blocks)
 
-for extents in (shape, (23, 32), (46, 15), (21, 11), (3, 5)):
+for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
     start = [0 if n == total else total // 2 - n // 2 for n, total in zip(extents, shape)]
     here, whole = (grid.box(start, extents) for grid in (shared, alone))
     assert here.total == whole.size and centred(here) == here != shared.box((1, 1), (2, 2))
@@ -260,6 +260,21 @@ if PETSc.COMM_WORLD.rank == 0:
         json.dump(found, file, default=lambda value: value if isinstance(value, str)
                   else float(value))
 """
+MANY = """
+import json
+import petsc4py
+petsc4py.init()
+from petsc4py import PETSc
+from contactsnes import Branch, Load, Scene
+
+NAMES = ["nonlinear_iterations", "linear_iterations", "normal_force"]
+branch = Branch(Scene(dimension=2, points=16, period=6.0, normal_maugis=2.0, geometry="sphere"),
+                Load("normal_displacement=0", "normal_displacement=0.1"))
+found = [[float(value) for value in branch.observe(point, NAMES).values()] for point in branch]
+if PETSc.COMM_WORLD.rank == 0:
+    with open("found.json", "w") as file:
+        json.dump(found, file)
+"""
 SAME = ("nonlinear_iterations", "linear_iterations", "transforms", "half")
 """What is the same of every point, to the last: whoever has the nodes."""
 ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluations",
@@ -297,3 +312,11 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
                                     for name in SAME), case
             assert 0.0 < other["half"] <= 0.3, case
     assert "jump" in events(alone["pull-off"]) and "fold" in events(alone["arc length"])
+
+
+@together
+def test_processes_that_have_no_rows_of_a_contact_do_no_harm(tmp_path):
+    one, seven = found(1, MANY, tmp_path), found(7, MANY, tmp_path)  # of nine rows
+    assert len(one) > 1
+    for alone, shared in zip(one, seven, strict=True):
+        assert alone[:2] == shared[:2] and alone[2] == pytest.approx(shared[2], rel=1e-7)
