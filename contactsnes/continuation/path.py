@@ -66,7 +66,7 @@ def _along(steps, emitted, stops):
     try:
         for arrived in steps:
             for point in with_events(emitted[-1], arrived):
-                emitted[:] = [*emitted[-5:], point]
+                emitted[:] = [*emitted[-3:], point]
                 yield point
     except NoEquilibrium:
         if not ("pull_off" in stops and pulled_off(emitted[-1])):

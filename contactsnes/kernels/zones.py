@@ -117,8 +117,11 @@ class CompiledZone:
                 shape = tuple(min(total, fast_length(extent))
                               for extent, total in zip(raw, window.limits))
                 signs = window.of(component) if window.even else None
+                # cores of several extents may be on one circle, which one of them is on at a time
+                like = next((circle for circle in circles[component]
+                             if circle.transform.shape == shape), None)
                 made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),
-                              boxes, (first, second), quick)
+                              boxes, (first, second), quick, like)
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)
                 return 1
@@ -165,9 +168,10 @@ class Circle:
     boxes : int
     raw : (int, int), rounded extents that it is found by
     quick : bool, whether there is one in single precision, too
+    like : Circle of the same shape whose symbol is this one's, too, or None
     """
 
-    def __init__(self, found, boxes, raw, quick):
+    def __init__(self, found, boxes, raw, quick, like=None):
         self.transform, compliance = found
         compliance = np.ascontiguousarray(compliance, dtype=float)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
@@ -175,7 +179,7 @@ class Circle:
         if compliance.flat[0] == 0.0:
             compliance.flat[0] = 2.0 * np.max(compliance)
         self.compliance = compliance
-        self._symbol = np.empty((boxes, compliance.size))
+        self._symbol = np.empty((boxes, compliance.size)) if like is None else like._symbol
         own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
         own.raw[:] = raw
         if quick:

@@ -21,6 +21,8 @@ from .files import ArchiveError
 HEADING = "contactsnes journal 1 of "
 FLAGS = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 ENTRY = struct.Struct("<QQI")
+LARGE = 2 ** 16
+"""Bytes of an array from which it is not copied before it is joined to others."""
 """Point, size of what follows, and its CRC-32."""
 
 
@@ -77,16 +79,28 @@ def _heading(key):
     return f"{HEADING}{key}\n".encode()
 
 
-def encoded(point, arrays):
-    """An entry as bytes; ArchiveError for an array of objects."""
+def encoded(point, arrays, before=0):
+    """An entry, a bytearray; ArchiveError for an array of objects.
+
+    Parameters
+    ----------
+    point : int
+    arrays : mapping of names to arrays
+    before : int, bytes of room before the entry
+    """
     values = list(map(np.asarray, arrays.values()))
     for name, array in zip(arrays, values):
         if array.dtype.hasobject:
             raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
     head = _head(tuple(arrays), tuple([array.dtype.str for array in values]),
                  tuple([array.shape for array in values]))
-    data = b"".join([head, b"\n", *[array.tobytes() for array in values]])
-    return ENTRY.pack(point, len(data), zlib.crc32(data)) + data
+    # (states of planes are large: no further copy is made of what is)
+    data = bytearray().join([bytes(before + ENTRY.size), head, b"\n", *[
+        array.tobytes() if array.nbytes < LARGE else np.ascontiguousarray(array).reshape(-1).view("u1")
+        for array in values]])
+    with memoryview(data)[before + ENTRY.size:] as entry:
+        ENTRY.pack_into(data, before, point, len(entry), zlib.crc32(entry))
+    return data
 
 
 @lru_cache(maxsize=4)

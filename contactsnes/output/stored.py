@@ -1,6 +1,7 @@
 """What an open archive holds of its points besides their rows: fields, and states to go on from."""
 
 import io
+import struct
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -13,6 +14,8 @@ from .journal import beside, encoded, entries, entry
 STATES = 4
 """States that are kept: what a predictor may extrapolate from."""
 
+HEAD = struct.Struct("<qq")
+"""Point and size of a packed state."""
 ZIPPED = b"PK"
 """How the states of older programs begin: they are .npz files."""
 
@@ -132,11 +135,9 @@ def packed(first, points):
 def pack(point, state):
     """The state of a point as bytes: point, size, and an entry of a journal, which has a checksum;
     ArchiveError for a state of objects."""
-    data = encoded(point, state)
-    packed = np.empty(16 + len(data), "u1")
-    packed[:16].view("<i8")[:] = point, packed.size
-    packed[16:] = np.frombuffer(data, "u1")
-    return packed
+    data = encoded(point, state, HEAD.size)
+    HEAD.pack_into(data, 0, point, len(data))
+    return np.frombuffer(data, "u1")
 
 
 def unpack(packed):
