@@ -147,6 +147,8 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
          **dict.fromkeys(("inner_products", "add_rows"),
                          [_long, _long, _pointer, _pointer, _pointer]),
+         "changes": [_long, *[_pointer] * 4, _long, _pointer, _long, _pointer],
+         "add_changed": [_long, _long, *[_pointer] * 8],
          "sources": [_long, _long, _long, _pointer, _pointer, _long, _pointer],
          "moved": [_long, _long, *[_pointer] * 3, _long, ctypes.c_int, *[_long] * 3,
                    *[_pointer] * 2, _long, *[_pointer] * 2],
@@ -163,6 +165,6 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation"), _double),
+RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "add_changed", "alternation"), _double),
             "crossings": _long}
 """What returns something else."""

@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+from ..grid.changes import changes
+
 PIECE = 2 ** 13
 CANCELLED = 1e-3
 """Part of a vector below which what is left of it is made orthogonal once more."""
@@ -42,6 +44,20 @@ def add_rows(rows, factors, vector):
     return square
 
 
+def add_changed(rows, changed, factors, vector):
+    """Add what rows in single precision were changed to, times factors, to a vector in place; its
+    inner product with itself then.
+
+    Parameters
+    ----------
+    rows, factors, vector : as of `add_rows`
+    changed : list of Changes, of these rows
+    """
+    for row, each, factor in zip(rows, changed, factors):
+        vector += factor * each.applied(row)
+    return np.dot(vector, vector)
+
+
 class Basis:
     """Rows of one precision, made when they are asked for.
 
@@ -62,6 +78,10 @@ class Basis:
             self._rows.append(np.empty(len(vector), dtype=self._kind))
         self._rows[place][...] = vector
 
+    def rows(self, count):
+        """The first rows."""
+        return self._rows[:count]
+
     def inner(self, count, vector):
         """Inner products of the first rows and a vector, and its length."""
         *found, square = self._grid.together(self._products.inner_products(self._rows[:count],
@@ -72,6 +92,51 @@ class Basis:
         """Add the first rows, times factors, to a vector in place; its length then."""
         return math.sqrt(self._grid.together(self._products.add_rows(self._rows[:len(factors)],
                                                                      factors, vector)))
+
+
+class Made(Basis):
+    """What a preconditioner made of vectors, as rows of one precision."""
+
+    def take(self, place, before, after):
+        """Take what was made of a vector, the row of a number, the first that is free at most.
+
+        Parameters
+        ----------
+        place : int
+        before, after : arrays of float
+        """
+        self.keep(place, after)
+
+
+class Changed:
+    """What a preconditioner made of the rows of a basis in single precision: where it changed them,
+    which are few nodes where few are stiff.
+
+    Parameters
+    ----------
+    space : Basis
+    products : what computes: a module, or class, with ``changes`` and ``add_changed``
+    grid : Grid, which sums over processes
+    """
+
+    def __init__(self, space, products, grid):
+        self._space, self._products, self._grid, self._changes = space, products, grid, []
+
+    def take(self, place, before, after):
+        """As of `Made`.
+
+        Parameters
+        ----------
+        place, before, after : as of that
+        """
+        like = self._changes[max(place - 1, 0)] if self._changes else None
+        self._changes[place:] = [self._products.changes(before, after, like)]
+
+    def add(self, factors, vector):
+        """Add the first of them, times factors, to a vector in place; its length then."""
+        count = len(factors)
+        return math.sqrt(self._grid.together(self._products.add_changed(
+            self._space.rows(count), self._changes[:count], factors, vector)))
 
 
 class InDouble:
@@ -99,6 +164,7 @@ class InSingle:
     """The products of rows in single precision, NumPy's."""
 
     inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
+    changes, add_changed = staticmethod(changes), staticmethod(add_changed)
 
 
 def orthogonalised(space, count, vector):

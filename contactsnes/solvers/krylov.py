@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..kernels import krylov as compiled
-from .basis import Basis, InDouble, InSingle, orthogonalised
+from .basis import Basis, Changed, InDouble, InSingle, Made, orthogonalised
 from .precision import PATIENCE, SAFE
 from .triangle import Triangle
 
@@ -131,13 +131,11 @@ class FlexibleGMRES:
         """(rows of the space, what the preconditioner made of them); those in single precision are
         kept for the next solve."""
         if not single:
-            return self._pair(float, InDouble)
+            return tuple(made(float, InDouble, self._grid) for made in (Basis, Made))
         if self._single is None:
-            self._single = self._pair(np.float32, self._products)
+            space = Basis(np.float32, self._products, self._grid)
+            self._single = space, Changed(space, self._products, self._grid)
         return self._single
-
-    def _pair(self, kind, products):
-        return Basis(kind, products, self._grid), Basis(kind, products, self._grid)
 
     def _judge(self, ksp, iteration, norm):
         """Tell PETSc of an iteration, and ask whether it is the last."""
@@ -168,7 +166,7 @@ class FlexibleGMRES:
             place = triangle.count
             space.keep(place, vector.getArray(readonly=True))
             pc.apply(vector, work)
-            made.keep(place, work.getArray(readonly=True))
+            made.take(place, vector.getArray(readonly=True), work.getArray(readonly=True))
             operator.mult(work, vector)
             column = orthogonalised(space, place + 1, vector.getArray())
             norm = triangle.add(column)

@@ -9,6 +9,7 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
+from contactsnes.grid import changes  # noqa: E402
 from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.kernels import krylov as compiled  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
@@ -154,6 +155,44 @@ def test_rows_in_single_precision(rng, size):
         square = products.add_rows(rows, factors, changed)
         np.testing.assert_allclose(changed, vector + factors @ wide, rtol=1e-13, atol=1e-13)
         assert square == pytest.approx(changed @ changed, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [1, 3, 1024, 5000])
+@pytest.mark.parametrize("kind", ["nowhere", "everywhere", "in runs"])
+def test_rows_that_are_changed(rng, size, kind):
+    """Changed by more than a number in each piece, which takes memory at these nodes alone: added
+    up, they are the changed ones but for the rounding of single precision."""
+    before = rng.normal(size=(3, size))
+    after = before + np.repeat(rng.normal(size=5), changes.LENGTH)[:size]
+    nodes = {"nowhere": [], "everywhere": np.arange(size),
+             "in runs": [k for first in range(0, size - 60, 200)
+                         for k in (*range(first, first + 50), first + 53, first + 59)]}[kind]
+    after[:, nodes] *= rng.uniform(-0.5, 0.5, size=(3, len(nodes)))
+    rows = list(before.astype(np.float32))
+    factors, vector = rng.normal(size=3), rng.normal(size=size)
+    both = [[products.changes(*pair) for pair in zip(before, after)]
+            for products in [basis.InSingle] + [compiled] * (len(WAYS) > 1)]
+    for one, other in zip(both[0], both[-1]):
+        assert all(np.array_equal(*parts) for parts in zip(one, other))
+    for products in [basis.InSingle] + [compiled] * (len(WAYS) > 1):
+        told = []
+        for one, other in zip(before, after):
+            told.append(products.changes(one, other, told[-1] if told else None))
+            runs = told[-1].runs
+            assert np.all(runs[:, 0] // changes.LENGTH == (runs.sum(axis=1) - 1) // changes.LENGTH)
+            assert len(told[-1].values) == runs[:, 1].sum() <= 1.2 * len(nodes) + changes.BETWEEN
+        found = vector.copy()
+        square = products.add_changed(rows, told, factors, found)
+        np.testing.assert_allclose(found, vector + factors @ after, atol=1e-6)
+        assert square == pytest.approx(found @ found, rel=1e-12)
+
+
+def test_what_is_no_number_is_kept():
+    before, after = np.zeros(2000), np.ones(2000)
+    after[1500] = np.nan
+    for products in [basis.InSingle] + [compiled] * (len(WAYS) > 1):
+        told = products.changes(before, after)
+        assert told.runs.tolist() == [[1500, 1]] and np.isnan(told.applied(before)[1500])
 
 
 SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
