@@ -33,7 +33,7 @@ FALLING = {"points": 1.4, "transforms": 1.6}
 """Times as many where friction falls with the slip, so that sliding begins with a jump."""
 RUNNING = 120e6
 """Bytes of Python and its libraries."""
-ITERATIONS = 75
+ITERATIONS = 50
 """Krylov iterations of the hardest solve on a rough plane."""
 PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.5, {1: 3e-9, 2: 7e-8}
 """Bytes of active fields in the file over those before they are compressed, by the number of mirror

@@ -12,16 +12,17 @@ USABLE = 0.8
 
 ITERATIONS = 20
 """Krylov iterations of a linear solve, rarely more."""
-HELD = {"own": 1, "fgmres": 2, "gmres": 1}
+HELD = {"own": 0.6, "fgmres": 2.5, "gmres": 1.25}
 """Vectors in double precision that a solve holds for each iteration that it makes, by -ksp_type
-(ours, the default of many unknowns: two in single); other methods hold a few in all."""
+(ours, the default of many unknowns: one in single, and what the preconditioner changes of it;
+PETSc's are made ten at a time); other methods hold a few in all."""
 
 
 def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
-    """Bytes of a solve: Krylov vectors and 30 arrays of the unknowns, 10 arrays over the cell.
+    """Bytes of a solve: Krylov vectors and 16 arrays of the unknowns, 7 arrays over the cell.
 
-    Measured on rough planes without a window, in arrays of the nodes: 43 of one component on 1024 x
-    1024 nodes, 109 of three on 512 x 512; by PETSc's FGMRES some 35 and 85 more.
+    Measured on rough planes without a window, in arrays of the nodes, with five to seven iterations
+    of a solve: 25 of one component on 1024 x 1024 nodes, 76 of three on 512 x 512.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
     from petsc4py import PETSc  # its start takes options, which nobody has read when this is loaded
 
     kind = kind or PETSc.Options().getString("ksp_type", "own")
-    return 8 * ((HELD.get(kind, 0) * iterations + 30) * unknowns + 10 * whole)
+    return 8 * ((HELD.get(kind, 0.0) * iterations + 16) * unknowns + 7 * whole)
 
 
 def memory():

@@ -21,9 +21,9 @@ from .files import ArchiveError
 HEADING = "contactsnes journal 1 of "
 FLAGS = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 ENTRY = struct.Struct("<QQI")
+"""Point, size of what follows, and its CRC-32."""
 LARGE = 2 ** 16
 """Bytes of an array from which it is not copied before it is joined to others."""
-"""Point, size of what follows, and its CRC-32."""
 
 
 def beside(archive):
@@ -96,10 +96,10 @@ def encoded(point, arrays, before=0):
                  tuple([array.shape for array in values]))
     # (states of planes are large: no further copy is made of what is)
     data = bytearray().join([bytes(before + ENTRY.size), head, b"\n", *[
-        array.tobytes() if array.nbytes < LARGE else np.ascontiguousarray(array).reshape(-1).view("u1")
+        array.tobytes() if array.nbytes < LARGE else np.ravel(array).view("u1")
         for array in values]])
-    with memoryview(data)[before + ENTRY.size:] as entry:
-        ENTRY.pack_into(data, before, point, len(entry), zlib.crc32(entry))
+    with memoryview(data)[before + ENTRY.size:] as body:
+        ENTRY.pack_into(data, before, point, len(body), zlib.crc32(body))
     return data
 
 

@@ -112,6 +112,8 @@ class FlexibleGMRES:
             basis[1].add(factors, x.getArray())
             single, again = False, True
             if not ksp.getConvergedReason():
+                self.release()
+                basis = None  # the next cycle's are others
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
