@@ -16,6 +16,10 @@ VERSION = (2, 2)
 
 ENDING = ".vtkhdf"
 
+NUMBERS = ("normal_displacement", "normal_force", "tangential_displacement", "tangential_force",
+           "contact_area")
+"""Columns that stand beside the fields of a step."""
+
 
 def write_vtk(path, asked):
     """Write the fields of an archive; the path of the file.
@@ -77,6 +81,7 @@ def _write(group, record, points, kind):
     steps = group.create_group("Steps")
     steps.attrs["NSteps"] = len(points)
     steps["Values"] = np.array(points, dtype="f8")
+    _write_numbers(group, steps, record, points)
     data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
     for place, (displacement, traction) in enumerate(record.each(points)):
         for name, field in fields(record, displacement, traction).items():
@@ -88,6 +93,26 @@ def _write(group, record, points, kind):
                                     compression_opts=1, shuffle=True)
                 offsets[name] = np.arange(len(points))
             data[name][place] = field
+
+
+def _write_numbers(group, steps, record, points):
+    """Write loads and contact of each step, which ParaView shows as field data.
+
+    Parameters
+    ----------
+    group, steps : h5py.Group, of the file and of its steps
+    record : Record
+    points : list of int
+    """
+    data, places = group.create_group("FieldData"), steps.create_group("FieldDataOffsets")
+    sizes = steps.create_group("FieldDataSizes")
+    for column in NUMBERS:
+        for name in (column, f"{column}_x", f"{column}_y"):
+            if name in record:
+                shown = f"{name.replace('_', ' ')} ({record.units[name]})"
+                data[shown] = np.asarray(record[name], "f8")[points]
+                places[shown] = np.arange(len(points))
+                sizes[shown] = np.ones((len(points), 2), int)
 
 
 def fields(record, displacement, traction):

@@ -196,6 +196,10 @@ def test_a_file_of_vtk_has_the_layout_that_vtk_reads(tmp_path):
         assert list(image.attrs["Origin"]) == [-3.0, -2.0, 0.0]
         assert list(image["Steps/Values"]) == [1.0, 3.0] and image["Steps"].attrs["NSteps"] == 2
         assert image["PointData/slip (u_t,r)"].shape == (2, 4, 6, 3)
+        force = "normal force (w_n,r)"
+        assert image[f"FieldData/{force}"][()].tolist() == [1 / 3, 1.0]
+        assert image[f"Steps/FieldDataOffsets/{force}"][()].tolist() == [0, 1]
+        assert image[f"Steps/FieldDataSizes/{force}"][()].tolist() == [[1, 1], [1, 1]]
 
 
 def test_vtk_finds_each_value_where_it_belongs(tmp_path):
@@ -207,6 +211,7 @@ def test_vtk_finds_each_value_where_it_belongs(tmp_path):
     reader.SetStep(2)
     reader.Update()
     image = reader.GetOutput()
+    assert image.GetFieldData().GetArray("normal force (w_n,r)").GetValue(0) == 2 / 3
     for number in range(image.GetNumberOfPoints()):
         x, y, _ = image.GetPoint(number)
         values = image.GetPointData()
