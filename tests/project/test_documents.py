@@ -32,7 +32,7 @@ WRITERS = {
     "sliding": "results", "spots": "results", "costs": "experiments",
     "campaigns/table.py": "certified",
     "paper/pages.py": "gallery", "spheres/page.py": "sphere",
-    "surfaces/page.py": "rough"}
+    "surfaces/page.py": "rough", "worth": "rough"}
 """Script -> page between whose marks it writes."""
 
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
