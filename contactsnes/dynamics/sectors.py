@@ -2,7 +2,7 @@
 nodes that mirrors carry into each other."""
 
 import numpy as np
-from scipy.linalg import hadamard
+import scipy
 
 
 class Sectors:
@@ -27,7 +27,7 @@ class Sectors:
         # of nodes that a mirror leaves where they are there are fewer
         alike = np.sum(self._places == chosen, axis=0)
         self._weights = np.sqrt(self.count / alike)
-        self._parities = hadamard(self.count).astype(float)
+        self._parities = scipy.linalg.hadamard(self.count).astype(float)
 
     @property
     def length(self):
