@@ -5,6 +5,8 @@ import numpy as np
 
 FEW = 16
 """Roots up to which one after the other is faster than all at once."""
+MANY = 2 ** 12
+"""Squares that are divided at a time."""
 
 
 def first_largest(values):
@@ -124,7 +126,8 @@ def area_below(box, level):
     order.
     """
     whole, _, patches = cut_patches(box, level)
-    coarse, fine = (_triangles_below(refined(patches, parts)) / parts ** 2 for parts in (4, 8))
+    coarse, fine = (sum(_triangles_below(refined(patches[some], parts))
+                        for some in pieces(len(patches))) / parts ** 2 for parts in (4, 8))
     return whole + (4.0 * fine - coarse) / 3.0
 
 
@@ -137,8 +140,14 @@ def cut_patches(box, level):
     cut = np.nonzero(np.logical_or.reduce(below) & ~every)
     if not every.size:  # (of slabs, others may have all of the box)
         return 0, cut, np.empty((0, 4, 4))
-    patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut] - level
+    patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut]
+    patches -= level
     return np.count_nonzero(every), cut, patches
+
+
+def pieces(count):
+    """Slices of some of so many patches at a time: refined, each is a hundred numbers and more."""
+    return [slice(first, first + MANY) for first in range(0, count, MANY)]
 
 
 def refined(patches, parts):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .contours import crossings, cut_patches, refined
+from .contours import crossings, cut_patches, pieces, refined
 
 
 class Outline(NamedTuple):
@@ -99,14 +99,27 @@ def _pieces(part, box, level):
     """Straight pieces of the edge of where a box (x, y) is below a level: bicubic within squares of
     the grid, linear within triangles of their eighths."""
     _, corners, patches = cut_patches(part.ringed(box), level)
+    corners = np.asarray(corners).T
+    found = [cut for some in pieces(len(patches))
+             for cut in _pieces_within(patches[some], corners[some])]
+    return _places(part, np.concatenate([np.empty((0, 2, 2)), *found]))
+
+
+def _pieces_within(patches, corners):
+    """Those of some squares, as of `_crossed`, of the triangles of either side.
+
+    Parameters
+    ----------
+    patches : array (squares, 4, 4), values less the level around each
+    corners : array (squares, 2), the first of each
+    """
     values = refined(patches, 8)
     count = values.shape[-1]
     fine = np.stack(np.meshgrid(*[np.arange(count) / (count - 1)] * 2, indexing="ij"), axis=-1)
-    places = np.asarray(corners).T[:, None, None, :] + fine
+    places = corners[:, None, None, :] + fine
     a, b, c, d = ((values[s], places[(*s, slice(None))]) for s in (
         np.s_[:, :-1, :-1], np.s_[:, 1:, :-1], np.s_[:, 1:, 1:], np.s_[:, :-1, 1:]))
-    triangles = [_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))]
-    return _places(part, np.concatenate(triangles))
+    return [_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))]
 
 
 def _crossed(values, places):

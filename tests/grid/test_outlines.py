@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
+from contactsnes.grid import contours
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.outlines import outline
@@ -41,6 +42,20 @@ def test_the_inside_is_on_the_left():
     """Green's theorem gives the area with its sign."""
     (x0, y0), (x1, y1) = np.moveaxis(ellipse(64).ends, 0, -1)
     assert 0.5 * np.sum(x0 * y1 - x1 * y0) == pytest.approx(np.pi * A * B, rel=1e-4)
+
+
+def test_a_few_squares_at_a_time_are_all_of_them(monkeypatch):
+    """Pieces and area are the same, in another order."""
+    grid = Grid((64, 64), (4.0, 4.0))
+    values = np.random.default_rng(3).normal(size=grid.size)
+    all_, area = outline(grid.whole, values, 0.3), grid.whole.area_below(values, 0.3)
+    monkeypatch.setattr(contours, "MANY", 7)
+    few = outline(grid.whole, values, 0.3)
+    assert len(all_.ends) > 1000
+    np.testing.assert_array_equal(*(np.sort(found.ends.reshape(-1, 4), axis=0)
+                                    for found in (all_, few)))
+    assert few.length() == pytest.approx(all_.length(), rel=1e-12)
+    assert grid.whole.area_below(values, 0.3) == pytest.approx(area, rel=1e-12)
 
 
 def test_several_boxes_are_one_outline():
