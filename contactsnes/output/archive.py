@@ -5,7 +5,6 @@ Quick points wait in the journal beside the file (`journal`) until many are writ
 read with the file, and goes when the file has what is in it.
 """
 
-import math
 import os
 import time
 
@@ -24,7 +23,7 @@ from .files import (
 from .journal import Journal, beside
 from .layout import Layout
 from .reading import read
-from .store import ROOMY, Store, first_slot, unwritten
+from .store import Store, unwritten
 
 BATCH = 64
 """Points that wait in the journal, at most."""
@@ -121,9 +120,7 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        nodes = math.prod(np.atleast_1d(archive._scene.get("points", ROOMY)).tolist())
-        archive._store.commit(lambda file: None,
-                              slot=first_slot(content.get("components", 1) * nodes))
+        archive._store.commit(lambda file: None)
         archive._journal.remove()
         return archive
 

@@ -21,20 +21,11 @@ ROOMY = 1 << 16
 """Bytes of a state up to which there is room for one four times as large: those of a line grow with
 its contact, and a file written anew takes longer than all of a step."""
 
-BESIDES = 4096
-"""Bytes of a state besides its displacements, at most."""
-
 
 def unwritten(path, error):
     """The error to raise where a disk does not take what is written for an archive."""
     return WriteError(f"{path} cannot be written ({reason(error)}): make room, or name another "
                       "-archive_file.")
-
-
-def first_slot(numbers):
-    """Bytes of a state by which a file without points is given room for those to come: all of one
-    with so many displacements at most, as most lines have, up to `ROOMY`."""
-    return min(ROOMY, BESIDES + 8 * numbers) // 4
 
 
 class Store:
