@@ -94,7 +94,7 @@ def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
 
 @together
 def test_a_full_disk(tmp_path):
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (250000, 250000))\n"
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (140000, 140000))\n"
     words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
     done = program(2, limit + FAILING.format(ranks=(), error="None", words=words), tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
