@@ -34,8 +34,13 @@ class Filtering:
         clear_padding(self.real, values.shape[1:])
 
     def leave(self, into, back, values):
-        """Add to values (count, *box) what stands in ``real`` less ``into`` times them, times
-        ``back``."""
+        """Add to values what stands in ``real`` less ``into`` times them, times ``back``.
+
+        Parameters
+        ----------
+        into, back : arrays (count, *box), or what spreads to them
+        values : array (count, *box)
+        """
         inner = self.real[(slice(None), *(slice(0, n) for n in values.shape[1:]))]
         change = into * values
         np.subtract(inner, change, out=change)

@@ -19,7 +19,14 @@ def put_attributes(item, attributes):
 
 
 def make_columns(branch, columns, chunk):
-    """Make columns without rows; names from the root -> attributes."""
+    """Make columns without rows; names from the root -> attributes.
+
+    Parameters
+    ----------
+    branch : h5py.h5g.GroupID, the group that gets them
+    columns : dict, name -> `Column`
+    chunk : int, rows that are stored together
+    """
     import h5py
 
     space = h5py.h5s.create_simple((0,), (h5py.h5s.UNLIMITED,))
@@ -36,7 +43,14 @@ def make_columns(branch, columns, chunk):
 
 
 def put_rows(branch, first, count, rows):
-    """Write so many rows from number ``first`` on."""
+    """Write rows.
+
+    Parameters
+    ----------
+    branch : h5py.h5g.GroupID, the group of the columns
+    first, count : int, number of the first row, from 1 on, and how many there are
+    rows : dict, name -> array (count, ...)
+    """
     import h5py
 
     place = h5py.h5s.create_simple((first - 1 + count,))

@@ -397,16 +397,16 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
 
 
 def test_what_is_said_to_fit_does(monkeypatch, options):
-    monkeypatch.setattr(too_large, "memory", lambda: 3e8)
+    monkeypatch.setattr(too_large, "memory", lambda: 2e8)
     load, form = Load(path="normal_displacement=1"), Form()
     for scene in (Scene(points=2 ** 22), Scene(points=2 ** 11, dimension=2, geometry="sphere")):
         with pytest.raises(InputError, match="would fit") as refusal:
             too_large.refuse_too_large(scene, load, form)
         points = int(str(refusal.value).split("; ")[1].split()[0].split(",")[0])
         too_large.refuse_too_large(replace(scene, points=points), load, form)
-        assert 100 * points ** scene.dimension > 3e7
+        assert 100 * points ** scene.dimension > 2e7
     # a quarter of a sphere's plane is solved, of one that is sheared both ways all of it
-    monkeypatch.setattr(too_large, "memory", lambda: 5e9)
+    monkeypatch.setattr(too_large, "memory", lambda: 4e9)
     sphere = Scene(points=4096, dimension=2, geometry="sphere", normal_maugis=4.0, period=12.0)
     too_large.refuse_too_large(sphere, load, form)
     both = "normal_displacement=1; tangential_displacement_x=1, tangential_displacement_y=1"
