@@ -377,14 +377,17 @@ def test_defaults_do_not_leak(options):
 
 
 def test_softer_coarse_laws_help_where_coarse_grids_do_not_resolve_the_edge(options):
-    """The paper's cylinder at D = 10 on three grids: measured 47 against 171 transforms."""
-    spent = {}
-    for softness in ("1.25", "inf"):
+    """The paper's cylinder on three grids. What solves take without the softer laws hangs on
+    rounding (65 or 87 transforms at D = 10, 52 with them), hence four depths: measured 237 against
+    326 to 364."""
+    spent = dict.fromkeys(("1.25", "inf"), 0.0)
+    for softness in spent:
         options(snes_type="fas", snes_fas_levels="3", snes_grids_resolution=softness)
-        made = corrector(points=8192, period=100.0, normal_maugis=10.0)
-        solved(made, (DISPLACEMENT,), [10.0])
-        spent[softness] = made.account()["transforms"]
-    assert spent["1.25"] < 0.8 * spent["inf"]
+        for depth in (6.0, 10.0, 15.0, 20.0):
+            made = corrector(points=8192, period=100.0, normal_maugis=10.0)
+            solved(made, (DISPLACEMENT,), [depth])
+            spent[softness] += made.account()["transforms"]
+    assert spent["1.25"] < 0.9 * spent["inf"]
 
 
 def test_a_deep_cold_start_is_cheaper_than_newtons(options):
