@@ -7,6 +7,7 @@ import numpy as np
 
 from ..contact import states
 from ..contact.problem import FORCE
+from ..interface.laws.law import slip_of
 from ..scene.resolution import PINNING, resolution
 
 FAR = 8.0
@@ -23,7 +24,7 @@ class Ends:
         threshold = self.contact.scene.contact_threshold
         if event == "pull_off":
             return float(self.contact.grid.minimum(gap) - threshold)
-        slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+        slip = slip_of(point.state.displacement)
         return float(self.contact.grid.minimum(slip, where=gap < threshold, initial=1e3)
                      - np.nextafter(self.contact.law.slip_peak, np.inf))
 
@@ -59,7 +60,7 @@ class Ends:
                 gap) > self.contact.law.range:
             return "it has left the range of the law"
         if FORCE in point.controls[1:] and point.in_contact:
-            slip = np.linalg.norm(point.state.displacement[1:], axis=0)
+            slip = slip_of(point.state.displacement)
             touching = gap < self.contact.scene.contact_threshold
             if self.contact.grid.minimum(slip, where=touching) > FAR:
                 return "the whole contact slides without end"

@@ -20,7 +20,7 @@ from ..options.files import refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
-from .starting import begin_petsc, refuse_differences, refuse_lines
+from .starting import begin_petsc, refuse_differences, refuse_unshared
 
 
 class Settings(NamedTuple):
@@ -89,7 +89,7 @@ def start_petsc(arguments, refused=lambda settings: None):
     check_values(solver_options())
     check_classes()
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
-    refuse_lines(scene)
+    refuse_unshared(scene)
     scenes.check(scene, load, steps)
     settings = Settings(scene, form, load, steps, output)
     try:

@@ -65,19 +65,21 @@ def begin_petsc(words):
                 "to the MPI of the launcher; else start contactsnes without mpirun or srun")
 
 
-def refuse_lines(scene):
+def refuse_unshared(scene):
     """InputError for a scene that several processes cannot share out.
 
     Parameters
     ----------
     scene : Scene
     """
+    if world.size == 1:
+        return
     what = ("a line" if scene.dimension == 1 else "an isolated contact" if scene.isolated else "")
-    if world.size > 1 and what:
+    if what:
         raise InputError(f"started as {world.size} processes, but {what} is solved by one: start "
                          "contactsnes without mpirun or srun, or take a plane with a period "
                          "(-scene_dimension 2)")
-    if world.size > 1 and world.size > scene.shape[0]:
+    if world.size > scene.shape[0]:
         raise InputError(f"started as {world.size} processes, but the plane has {scene.shape[0]} "
                          "rows (-scene_points), of which each takes one or more: start at most as "
                          "many processes, or take more points")

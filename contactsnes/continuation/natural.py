@@ -191,14 +191,14 @@ class NaturalSteps(LoadSteps):
         if fold is None:
             search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)
-            starts = [] if fold is None else starts(self.system, fold, beyond)
+            begins = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
                            fold_precision=np.finfo(float).eps)
-            starts = [lambda: near]
+            begins = [lambda: near]
         if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
-            yield from self._leave(replace(last, tangents=fold.tangents), starts)
+            yield from self._leave(replace(last, tangents=fold.tangents), begins)
             return
         try:
             found = self._examined(passed if fold is None
@@ -209,7 +209,7 @@ class NaturalSteps(LoadSteps):
         if fold is None:
             return
         if not self.stopped and self.history[-1][1].event == "fold":
-            yield from self._leave(self.history[-1][1], starts)
+            yield from self._leave(self.history[-1][1], begins)
 
     def _leave(self, fold, starts):
         """What follows a fold: nothing, or the point after the jump."""

@@ -398,9 +398,9 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
 
 def test_planes_of_fewer_rows_than_processes_are_refused(monkeypatch):
     monkeypatch.setattr(starting.world, "size", 17)
-    starting.refuse_lines(Scene(points=32, dimension=2, geometry="sphere"))
+    starting.refuse_unshared(Scene(points=32, dimension=2, geometry="sphere"))
     with pytest.raises(InputError, match="17 processes, but the plane has 16 rows"):
-        starting.refuse_lines(Scene(points=16, dimension=2, geometry="sphere"))
+        starting.refuse_unshared(Scene(points=16, dimension=2, geometry="sphere"))
 
 
 def test_what_is_said_to_fit_does(monkeypatch, options):
