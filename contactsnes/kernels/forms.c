@@ -5,6 +5,7 @@
 #include <string.h>
 
 enum { PART = 256 }; /* nodes of which the law's numbers stay in the processor's nearest memory */
+static const double NEGLIGIBLE = 1e-30; /* as contact/forms.py has it */
 
 /* Fields of some nodes: where they begin, and how far components are from each other. */
 typedef struct {
@@ -200,6 +201,11 @@ int residual(Form *f, const double *unknown, double *out)
     return 0;
 }
 
+CLONES static void clear_negligible(double *restrict x, long n)
+{
+    for (long k = 0; k < n; k++) x[k] = fabs(x[k]) < NEGLIGIBLE ? 0.0 : x[k];
+}
+
 /* Takes the tangent, that of the last residual if it was at the same unknown. */
 void linearise(Form *f, const double *unknown)
 {
@@ -207,12 +213,14 @@ void linearise(Form *f, const double *unknown)
     double part[MOST * PART];
     if (f->known && !memcmp(f->last, unknown, m * n * sizeof *unknown)) {
         memcpy(f->tangent, f->ahead, m * m * n * sizeof *unknown);
+        clear_negligible(f->tangent, m * m * n);
         return;
     }
     for (long at = 0; at < n; at += PART) {
         const long count = n - at < PART ? n - at : PART;
         gap_of(f, unknown, at, count, part);
         evaluate_part(f->law, m, count, part, PART, (Part){part, PART}, part_of(f->tangent, at, n));
+        for (long i = 0; i < m * m; i++) clear_negligible(f->tangent + i * n + at, count);
     }
 }
 

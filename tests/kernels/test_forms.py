@@ -225,6 +225,22 @@ def test_a_residual_leaves_the_tangent_of_the_last_linearisation():
     assert not np.allclose(form.apply_jacobian(vector, np.empty(form.size)), product)
 
 
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("count", [1, 3])
+def test_tangents_far_from_the_contact_are_zero(compiled, count):
+    """Far from the contact exp(-a) passes the smallest normal float, 1e-38, at which arithmetic
+    takes many times as long; no product sees what is below 1e-30."""
+    contact = Contact(Scene(**{**PLANE, "normal_maugis": 20.0}), kernels=chosen(compiled))
+    form = DisplacementForm(contact, contact.grid.whole, ("displacement",) * count)
+    unknown = 0.3 * np.random.default_rng(3).normal(size=form.size) / form.root
+    form.linearise(unknown)
+    exact = np.empty_like(form.tangent)
+    contact.law.evaluate(form.gap(unknown), np.empty((count, form.nodes)), exact)
+    least, kept = np.abs(exact) >= 1e-30, form.tangent != 0.0
+    assert np.any((exact != 0.0) & ~least) and np.array_equal(kept, least)
+    np.testing.assert_allclose(form.tangent[kept], exact[kept], rtol=1e-12)
+
+
 @pytest.mark.parametrize("shape", [(1,), (2,), (3,), (24,), (25,), (12, 15), (40, 64)])
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_compiled_cosines_are_scipys(shape, signs):
