@@ -137,8 +137,10 @@ def short_waves(contact, point):
         for axis, closed in enumerate(every.parts[0].closed, start=1):
             # beyond a window the law does not act
             sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
-            aside = (across_rows(every.parts[0], boxes, sign) if grid.shared and axis == 1 else
-                     grid.largest(contact.kernels.alternation(boxes, axis, sign, closed)))
+            alternation = contact.kernels.alternation
+            aside = (across_rows(every.parts[0], boxes, sign, alternation)
+                     if grid.shared and axis == 1 else
+                     grid.largest(alternation(boxes, axis, sign, closed)))
             found = max(found, aside / largest)
     return found
 

@@ -71,11 +71,11 @@ def _follow_spot(contact, states, weights):
         return None
     _, nodes, known = alike(contact, [last], states[:-1])
     initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
-    part, inside = _near_part(contact, nodes, known[0][0] + initial)
+    part, near = _near_part(contact, nodes, known[0][0] + initial)
     far[0] += initial
-    nodes.box(far)[(slice(None), *inside)] = weighted(
-        [_stretched(contact, state, window, place, target, part)
-         for state, place in zip(states, places)], weights)
+    nodes.parts[0].put_part(weighted([_stretched(contact, state, window, place, target, part)
+                                      for state, place in zip(states, places)], weights),
+                            nodes.box(far), near)
     # An extrapolation into deep overlap would meet the exponential.
     np.maximum(far[0], contact.grid.minimum(known[0][0] + initial) - 1.0, out=far[0])
     far[0] -= initial
@@ -126,8 +126,8 @@ def _in_order(places):
 
 
 def _near_part(contact, nodes, gap):
-    """The part of a window's box where the law acts on a normal gap at some of its nodes, two nodes
-    wider: slices of the box, and the same in the box of the nodes.
+    """The part of the nodes' box where the law acts on a normal gap, two nodes wider: slices of the
+    window's box that this process is to find, and of the box of the nodes all of it.
 
     Parameters
     ----------
@@ -138,12 +138,13 @@ def _near_part(contact, nodes, gap):
     near, box = nodes.box(gap) < contact.law.range, nodes.parts[0]
     lines = [box.occupied(near, axis) for axis in range(near.ndim)]
     if not nodes.even:
-        return box.own(tuple(extent(line, 0, margin=2) for line in lines))
+        part = tuple(extent(line, 0, margin=2) for line in lines)
+        return box.divided(part), part
     # where the cell closes, the last node of the half stands before the first one of the window
-    here, inside = box.own(tuple(slice(0, min(extent(line, 0).stop + 2, n - n // 2))
-                                 for line, n in zip(lines, nodes.full.extents)))
-    return tuple(slice(count // 2 + part.start, count // 2 + part.stop)
-                 for part, count in zip(here, nodes.full.extents)), inside
+    part = tuple(slice(0, min(extent(line, 0).stop + 2, n - n // 2))
+                 for line, n in zip(lines, nodes.full.extents))
+    return tuple(slice(count // 2 + mine.start, count // 2 + mine.stop)
+                 for mine, count in zip(box.divided(part), nodes.full.extents)), part
 
 
 def _follow_spots(contact, states, weights):
@@ -230,10 +231,13 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     known = [slice(min(max(low, 0), count - 2, high), min(high, count))
              for (low, high), count in zip(parts, kept.extents)]
     sources = [source - line.start for source, line in zip(sources, known)]
-    field = (kept.cut(kept.box(state.displacement), known)
-             if state.half is None or contact.grid.shared
-             else state.half.around(state.once, known))
-    field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
+    half = state.half
+    if half is None:
+        field = kept.cut(kept.box(state.displacement), known)
+        field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
+    else:
+        field = half.around(state.once, known)
+        field[0] += half.around(contact.gap_on(half)[None], known)[0]
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)
     return field

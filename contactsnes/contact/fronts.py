@@ -5,7 +5,6 @@ import weakref
 import numpy as np
 
 from ..grid.transfer import extent
-from .states import normal_gap
 
 FAR = 0.3
 """Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
@@ -32,18 +31,21 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
-    window, level, ends = state.window.parts[0], contact.scene.contact_threshold, []
-    if len(window.shape) == 1:
-        places, signs = _crossed(contact, state, _normal_gap(contact, state), level)
+    level, gap, ends = contact.scene.contact_threshold, _normal_gap(contact, state), []
+    if len(state.window.shape) == 1:
+        places, signs = _crossed(contact, state, gap, level)
         return places[None] if list(signs) == [-1, 1] else None
-    box = state.window.box(normal_gap(contact, state))
+    nodes, box = state.nodes.parts[0], state.nodes.box(gap)
     touching = box < level
-    lines = [extent(window.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    lines = [extent(nodes.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    if state.half is not None:
+        lines = [slice(n // 2 + 1 - line.stop, n // 2 + line.stop)
+                 for line, n in zip(lines, state.window.extents)]
     if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
         return None
-    through = [(line.start + line.stop) // 2 for line in lines]
+    through = [(line.start + line.stop) // 2 if state.half is None else 0 for line in lines]
     for axis, line in enumerate(lines):
-        places, _ = contact.kernels.crossings(window.line(box, axis, through), level)
+        places, _ = _crossed(contact, state, nodes.line(box, axis, through), level, axis)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
             return None
@@ -56,15 +58,21 @@ def _normal_gap(contact, state):
     return state.once[0] + contact.gap_on(state.nodes)
 
 
-def _crossed(contact, state, values, level):
+def _crossed(contact, state, values, level, axis=0):
     """Where values (nodes) of a line, at a state's nodes, each once and even about the apex, cross
-    a level: places in nodes of its window, and signs (`contours.crossings`)."""
+    a level: places in nodes of its window, and signs (`contours.crossings`).
+
+    Parameters
+    ----------
+    contact, state, values, level : Contact, State, array, float
+    axis : int, along which the line lies
+    """
     if state.half is None:
         return contact.kernels.crossings(values, level)
     beside = values[2:0:-1]  # which interpolation between the first two asks for
     found = contact.kernels.crossings(np.concatenate([beside, values]), level)
-    (extent,), first = state.window.extents, len(beside)
-    middle, last = extent // 2, extent - 1 - extent // 2
+    count, first = state.window.extents[axis], len(beside)
+    middle, last = count // 2, count - 1 - count // 2
     right = [(place - first, sign) for place, sign in zip(*(each.tolist() for each in found))
              if 0.0 < place - first <= last]
     return (np.array([*(middle - reach for reach, _ in reversed(right)),

@@ -21,7 +21,7 @@ def differences(boxes, axis, closed):
     return scipy.ndimage.convolve1d(boxes, ALTERNATING, axis, mode="wrap" if closed else "constant")
 
 
-def across_rows(window, boxes, image=0):
+def across_rows(window, boxes, image, alternation):
     """As `alternation` along the first axis of boxes (boxes, rows, columns), rows of which are in
     other processes: the largest of all.
 
@@ -29,17 +29,17 @@ def across_rows(window, boxes, image=0):
     ----------
     window : Slab or SlabEven
     boxes, image : as of `alternation`
+    alternation : that, or the library's
     """
     wide, numbers = window.with_rows(boxes, REACH), window.rows.numbers
     numbers = np.arange(-REACH, len(numbers) + REACH) + window.rows.first
     if image or not window.closed[0]:
         wide[:, numbers < 0] *= image
         wide[:, numbers >= window.extents[0]] *= image * window.closed[0]
-    waves = differences(wide, 1, False)[:, REACH:-REACH]
-    return float(window.grid.maximum(np.abs(waves), initial=0.0))
+    return float(window.grid.largest(alternation(wide, 1, beyond=REACH)))
 
 
-def alternation(boxes, axis, image=0, closed=False):
+def alternation(boxes, axis, image=0, closed=False, beyond=0):
     """The largest eighth difference along an axis of boxes (boxes, *box), 0 or more.
 
     Parameters
@@ -49,9 +49,10 @@ def alternation(boxes, axis, image=0, closed=False):
     image : 0; 1 or -1 for boxes that begin in the middle of even fields, or odd ones, and are
         longer than `REACH` nodes
     closed : bool, whether boxes close on themselves, or end where there are images, too
+    beyond : int, nodes at either end that are neighbours of others only, and not asked for
     """
+    across = (slice(None),) * axis
     if image:
-        across = (slice(None),) * axis
         lines = [image * boxes[(*across, slice(REACH, 0, -1))], boxes]
         if closed:
             lines.append(image * boxes[(*across, slice(-2, -2 - REACH, -1))])
@@ -59,4 +60,5 @@ def alternation(boxes, axis, image=0, closed=False):
         waves = waves[(*across, slice(REACH, REACH + boxes.shape[axis]))]
     else:
         waves = differences(boxes, axis, closed)
+    waves = waves[(*across, slice(beyond, waves.shape[axis] - beyond))]
     return float(np.max(np.abs(waves), initial=0.0))

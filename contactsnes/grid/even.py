@@ -171,7 +171,8 @@ class EvenWindow:
         self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
 
     box, parts, total = Window.box, Window.parts, Window.total
-    occupied, own = Window.occupied, Window.own
+    occupied, own, line = Window.occupied, Window.own, Window.line
+    divided, put_part = Window.divided, Window.put_part
 
     def __eq__(self, other):
         """Whether these are the same nodes of the same window, alike in sign."""
@@ -244,16 +245,21 @@ class EvenWindow:
     def around(self, values, part):
         """Values (components, *part) in a part of the full window's box, slices by direction, from
         those (components, nodes) at these nodes."""
-        found = self.box(values)
-        for axis, (cut, n) in enumerate(zip(part, self.full.shape)):
-            place = np.arange(cut.start, cut.stop) - n // 2
-            found = found.take(np.abs(place), axis=1 + axis)
+        places = [np.arange(cut.start, cut.stop) - n // 2
+                  for cut, n in zip(part, self.full.extents)]
+        found = self.box(values)[..., :1 + np.max(np.abs(places[-1]), initial=0)]
+        for axis, (place, n) in enumerate(zip(places, self.full.extents)):
+            found = self._along(found, np.abs(place), axis)
             factor = np.sign(place)
             factor[place == -(n // 2)] *= not self.closed[axis]
             for field, signs in zip(found, self.parities or ()):
                 if signs[axis] < 0:
                     field *= np.expand_dims(factor, tuple(range(1, len(part) - axis)))
         return found
+
+    def _along(self, box, places, axis):
+        """Values of a box (components, *box) at places along an axis, as a copy."""
+        return box.take(places, axis=1 + axis)
 
     def of(self, component):
         """The signs of a component in each direction; None where it is even in all."""

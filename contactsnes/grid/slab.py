@@ -5,6 +5,7 @@ import numpy as np
 from .contours import ringed
 from .rows import Rows
 from .slab_nodes import SlabNodes
+from .slab_transform import share
 from .windows import Window
 
 
@@ -107,6 +108,25 @@ class Slab(Window):
         begin, end = max(rows.start, first), min(rows.stop, first + count)
         end = max(begin, end)
         return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
+
+    def divided(self, part):
+        """Of a part of the box, slices, what this process is to find: as many rows as others."""
+        rows, comm = part[0], self.rows.comm
+        mine = share(rows.stop - rows.start, comm.rank, comm.size)
+        return slice(rows.start + mine.start, rows.start + mine.stop), *part[1:]
+
+    def put_part(self, values, box, part):
+        """Write values (..., rows, columns) of a part of the box, found as `divided` says, into
+        what is here of a box.
+
+        Parameters
+        ----------
+        values, box : arrays
+        part : slices
+        """
+        mine, (there, here) = self.divided(part)[0], self.own(part)
+        rows = Rows(self.rows.comm, mine.start, mine.stop - mine.start, part[0].stop)
+        box[(..., *here)] = rows.at(values, np.arange(there[0].start, there[0].stop))
 
     def images(self, box, axis, middle, reach):
         """As `windows.Window.images`; of rows those that this process compares."""

@@ -42,6 +42,7 @@ class SlabEven(EvenWindow):
         self.grid = cell.weighted(weights.reshape(-1), self.rows)
 
     occupied, own, total, with_rows = Slab.occupied, Slab.own, Slab.total, Slab.with_rows
+    line, divided, put_part = Slab.line, Slab.divided, Slab.put_part
     indices = None  # those of the cell are in other processes
 
     def _outwards(self, rows, values, extents):
@@ -81,6 +82,10 @@ class SlabEven(EvenWindow):
                 if odd < 0:
                     negate(field, axis, numbers[axis], self.full.extents[axis], self.closed[axis])
         return found.reshape(*values.shape[:-1], self.full.size)
+
+    def _along(self, box, places, axis):
+        """Values of a box (components, rows, columns) at places along an axis, as a copy."""
+        return super()._along(box, places, axis) if axis else self.rows.at(box, places)
 
     def wave_weights(self):
         """How many waves of the cell each cosine of this process stands for."""

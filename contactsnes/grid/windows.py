@@ -122,6 +122,20 @@ class Window:
         """A part of the box, slices, as far as it is here, and the same in what is here."""
         return part, part
 
+    def divided(self, part):
+        """Of a part of the box, slices, what this process is to find: all of it."""
+        return part
+
+    def put_part(self, values, box, part):
+        """Write values of a part of the box, found as `divided` says, into a box (..., *box).
+
+        Parameters
+        ----------
+        values, box : arrays
+        part : slices
+        """
+        box[(..., *part)] = values
+
     def images(self, box, axis, middle, reach):
         """Values of a box (arrays, *box) that are mirror images of each other along an axis, and
         those of its first node: three arrays whose first axis that is.

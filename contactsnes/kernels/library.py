@@ -160,7 +160,7 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "strays": [_long, _long, *[_pointer] * 7],
          "imbalance": [_pointer, _pointer, _pointer, _double, _pointer],
          "crossings": [_long, _pointer, _double, _long, _pointer, _pointer],
-         "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int],
+         "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""

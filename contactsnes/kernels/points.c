@@ -353,15 +353,17 @@ CLONES static double largest_sum(const double *const *rows, const double *factor
 
 /* Largest eighth difference, over 256, along the middle axis of values (outer, count, wide) and beyond its
    ends: nothing is there, or the axis is closed, or values begin at the middle of a field that is even
-   (`image` 1) or odd (-1), and `closed` is whether they end at its image, too. */
-double alternation(long outer, long count, long wide, const double *values, int image, int closed)
+   (`image` 1) or odd (-1), and `closed` is whether they end at its image, too. Of so many at either end that
+   are known `beyond` it is not asked. */
+double alternation(long outer, long count, long wide, const double *values, int image, int closed,
+                   long beyond)
 {
     const long period = image ? 2 * (count - 1) : count;
-    const long inside = wide == 1 && count > 2 * REACH ? count - 2 * REACH : 0; /* of lines, in one go */
+    const long inside = wide == 1 && !beyond && count > 2 * REACH ? count - 2 * REACH : 0; /* of lines, in one go */
     const double *rows[2 * REACH + 1];
     double largest = 0.0, factors[2 * REACH + 1];
     for (long o = 0; o < outer; o++)
-        for (long k = 0; k < count; k++) {
+        for (long k = beyond; k < count - beyond; k++) {
             const int whole = inside && k == REACH;
             for (long d = -REACH; d <= REACH; d++) {
                 long at = k + d;

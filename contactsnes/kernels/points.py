@@ -114,13 +114,13 @@ def crossings(values, level):
         room = count
 
 
-def alternation(boxes, axis, image=0, closed=False):
+def alternation(boxes, axis, image=0, closed=False, beyond=0):
     """As `grid.alternation.alternation`.
 
     Parameters
     ----------
-    boxes, axis, image, closed : as of that
+    boxes, axis, image, closed, beyond : as of that
     """
     (boxes,), shape = _flat(boxes), boxes.shape
     return shared().alternation(math.prod(shape[:axis]), shape[axis], math.prod(shape[axis + 1:]),
-                                address(boxes), image, closed)
+                                address(boxes), image, closed, beyond)

@@ -15,7 +15,7 @@ from contactsnes.continuation.points import Point
 from contactsnes.dynamics import viscous
 from contactsnes.grid import contours
 from contactsnes.grid import splines as grid_splines
-from contactsnes.grid.alternation import alternation
+from contactsnes.grid.alternation import alternation, differences
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.parity import parities
 from contactsnes.grid.splines import spline
@@ -198,6 +198,10 @@ def test_alternation(shape, axis, image, closed):
     boxes = np.random.default_rng(6).normal(size=shape)
     assert points.alternation(boxes, axis, image, closed) == pytest.approx(
         alternation(boxes, axis, image, closed), rel=1e-12)
+    if shape[axis] > 9 and not image:  # without neighbours' own differences
+        inside = np.abs(differences(boxes, axis, closed)).take(range(4, shape[axis] - 4), axis)
+        for found in (points.alternation, alternation):
+            assert found(boxes, axis, image, closed, 4) == pytest.approx(inside.max(), rel=1e-12)
 
 
 @compiled

@@ -64,8 +64,9 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         return here.take(shared.part_of(box))
 
     assert np.array_equal(mine, part(values))
-    assert np.isclose(across_rows(here, here.box(mine)),
-                      alternation(whole.box(values), 1, 0, whole.closed[0]))
+    for found in (alternation, chosen(True).alternation):
+        assert np.isclose(across_rows(here, here.box(mine), 0, found),
+                          alternation(whole.box(values), 1, 0, whole.closed[0]))
     assert np.array_equal(here.rim(), part(whole.rim()[None] + 0.0)[0] > 0.0)
     for axis in range(2):
         assert np.array_equal(here.occupied(here.box(mine[0]) > 1.5, axis),
@@ -117,8 +118,25 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         if min(quarter.extents) > REACH + 1:
             image = parities[0][0] if parities else 1
             assert np.isclose(
-                across_rows(quarter, quarter.box(own(folded)[:1]), image),
+                across_rows(quarter, quarter.box(own(folded)[:1]), image, chosen(True).alternation),
                 alternation(all_quarter.box(folded[:1]), 1, image, quarter.closed[0]))
+        # a part of the whole, from the quarter, which all find as many rows of
+        count, middles = max(quarter.extents[0] // 2, 1), [n // 2 for n in extents]
+        piece = slice(0, count), slice(0, quarter.extents[1] // 2 + 1)
+        shifted = [slice(n + line.start, n + line.stop)
+                   for n, line in zip(middles, quarter.divided(piece))]
+        box, found = np.full((2, *quarter.shape), np.nan), np.full((2, *all_quarter.shape), np.nan)
+        quarter.put_part(quarter.around(own(folded), shifted), box, piece)
+        found[(slice(None), *piece)] = all_quarter.around(
+            folded, [slice(n, n + line.stop) for n, line in zip(middles, piece)])
+        assert np.array_equal(box.reshape(2, -1), own(found), equal_nan=True)
+        turned = [slice(max(n - 3, 0), n + 1) for n in middles]
+        assert np.array_equal(quarter.around(own(folded), turned),
+                              all_quarter.around(folded, turned))
+        for axis in range(2):
+            assert np.array_equal(
+                quarter.line(quarter.box(own(folded)[0]), axis, (0, 0)),
+                all_quarter.line(all_quarter.box(folded[0]), axis, (0, 0)))
         fits = parities == ((1, 1), (-1, 1))
         for make, kernels, single in itertools.product(
                 (symbols, diagonal) if fits else (diagonal,), (chosen(True), chosen(False)),
@@ -305,8 +323,10 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
         assert len(points) == len(alone[case]), case
         exact = case != "stability"  # whose modes are sought at all nodes
         for one, other in zip(alone[case], points):
+            # a spot less than a square of the grid is as wide as its depth's last digits say
+            dot = {"perimeter"} if 0.0 < one["contact_area"] < (9.0 / 48) ** 2 else set()
             assert not {name: (one[name], other[name]) for name in one
-                        if name not in ROUNDED and (exact or name not in SAME)
+                        if name not in ROUNDED | dot and (exact or name not in SAME)
                         and differs(name, one[name], other[name])}, case
             assert not exact or all(one[name] == pytest.approx(other[name], rel=1e-12)
                                     for name in SAME), case
