@@ -8,9 +8,7 @@ import numpy as np
 import scipy
 
 from ..contact import states
-from ..contact.survey import tractions
 from ..continuation.points import NotConverged
-from ..grid.alternation import REACH, across_rows
 from ..grid.spots import runs
 from ..scene.resolution import PINNING, resolution, resolution_warning
 
@@ -30,8 +28,6 @@ it.
 Measured on cylinders and spheres, Maugis parameters 1 to 10: at most 0.03 where the force is right
 to 1 %, above it elsewhere.
 """
-TRACTIONLESS = 1e-9
-"""Traction, over the scale of the law, that counts as none."""
 USUAL = 1e9
 """Numbers of scene and load up to this size, or down to its inverse, are no reason why a
 computation should overflow."""
@@ -72,7 +68,7 @@ class Resolution:
         # Where it is steeper than it can be without overlap, the state has lost the margin that
         # spacings are judged by.
         sharpened = found > max(1.0, 1.05 * bound)
-        alternating = short_waves(self.contact, point) if point.in_contact else 0.0
+        alternating = survey.alternating
         coarse = alternating > SHORT_WAVES
         pinned = self._bound(sheared) > PINNING or sharpened
         self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
@@ -123,26 +119,6 @@ class Resolution:
         if kind not in self._said:
             self._said.add(kind)
             self.log(sentence)
-
-
-def short_waves(contact, point):
-    """Part of its largest traction by which that of a point alternates from node to node: of any
-    component, in any direction."""
-    window, half, grid = point.state.window, point.state.half, contact.grid
-    halved = half is not None and min(half.extents) > REACH + 1
-    found, every = 0.0, half if halved else window
-    for i, component in enumerate(tractions(contact, point.state, once=halved)):
-        boxes = every.box(component).reshape(len(every.parts), *every.parts[0].shape)
-        largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
-        for axis, closed in enumerate(every.parts[0].closed, start=1):
-            # beyond a window the law does not act
-            sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
-            alternation = contact.kernels.alternation
-            aside = (across_rows(every.parts[0], boxes, sign, alternation)
-                     if grid.shared and axis == 1 else
-                     grid.largest(alternation(boxes, axis, sign, closed)))
-            found = max(found, aside / largest)
-    return found
 
 
 def narrow(contact, before, after):

@@ -139,10 +139,10 @@ class IsolatedContact(Contact):
         E* beta in the plane."""
         return np.pi / (self.ranges[:components] ** 2 * self.grid.area)
 
-    def window(self, normal_gap):
+    def window(self, normal_gap, half=None):
         """The window around the nodes within the law's range, the unit of the count from now on;
         OutOfBox beyond the box."""
-        window = super().window(normal_gap)
+        window = super().window(normal_gap, half)
         if self._guesses:
             return window
         if any(extent > total // 2 for extent, total in zip(window.shape, self.grid.shape)):

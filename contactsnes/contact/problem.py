@@ -271,11 +271,13 @@ class Contact:
         window.put(np.full(window.size, np.inf), outside)
         return outside
 
-    def window(self, normal_gap):
-        """The window around the nodes of the cell whose normal gap (delta_n) is within the law's
-        range."""
-        made = enclosing if self.convex or self.grid.shared else fitting
-        return made(self.grid, normal_gap < self.law.range, margin=0.05)
+    def window(self, normal_gap, half=None):
+        """The window around nodes of the cell, or its half, within the law's range by their gap."""
+        near = normal_gap < self.law.range
+        if self.convex or self.grid.shared:
+            return enclosing(self.grid, near, 0.05, half)
+        return fitting(self.grid, near if half is None
+                       else half.full.box(half.unfold(near.reshape(-1))), 0.05)
 
     def acting(self, normal_gap):
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or

@@ -73,6 +73,20 @@ class Mirrored(State):
                 else self.half.unfold(self.once[:1]))[0]
 
 
+def once_or_all(contact, state):
+    """Normal gap (*box) of a state on a window of one box, delta_n, and the half it is given at,
+    each node once, or None: at all nodes, as where several processes share them.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    """
+    half = None if contact.grid.shared else state.half
+    nodes, normal = (state.window, state.normal) if half is None else (half, state.once[0])
+    return nodes.box(normal + contact.gap_on(nodes)), half
+
+
 def onto(state, window):
     """The state on another window; where it was not known, its nearest known displacement."""
     if window == state.window:

@@ -14,7 +14,7 @@ from ..grid.cell import Convolution
 from ..grid.roots import bracketed_root
 from ..kernels import points
 from .problem import APPROACH, FORCE, SUPPORT
-from .state import State, alike, onto, spread, weighted
+from .state import State, alike, once_or_all, onto, spread, weighted
 
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
@@ -129,8 +129,7 @@ def fitted(contact, state, afresh=False):
                                                    -1).min(axis=1).max() > 1.2 * reach)
     if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
         return state
-    if window.is_whole and contact.window(
-            normal_gap(contact, state).reshape(contact.grid.local_shape)) == window:
+    if window.is_whole and contact.window(*once_or_all(contact, state)) == window:
         return state
     cell = contact.extended(state)
     fresh = contact.window(cell[0] + contact.initial_gap)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..grid.alternation import REACH, across_rows
 from ..interface.laws.law import softening
 from ..kernels import points
 from ..kernels.laws import kernel_of
@@ -12,6 +13,9 @@ from ..scene.resolution import sharpness
 
 PART = 2 ** 14
 """Nodes whose tangents are taken at a time."""
+
+TRACTIONLESS = 1e-9
+"""Traction, over the scale of the law, that counts as none."""
 
 
 class Survey(NamedTuple):
@@ -26,6 +30,8 @@ class Survey(NamedTuple):
         E*/beta; 0 where it stiffens everywhere
     touching, sticking : nodes in contact, and those of them whose slip is up to the law's peak
     total, work : sums of tractions, and of tractions times displacements, by component
+    alternating : part of its largest traction by which that of any component alternates from node
+        to node in any direction; 0 where nothing touches
     """
 
     closest: float
@@ -37,6 +43,7 @@ class Survey(NamedTuple):
     sticking: int
     total: np.ndarray
     work: np.ndarray
+    alternating: float
 
 
 def surveyed(contact, state):
@@ -52,8 +59,8 @@ def surveyed(contact, state):
     limits = np.array([scene.contact_threshold, contact.law.slip_peak, scene.normal_maugis,
                        sharpness(scene)])
     given = state.once, contact.gap_on(nodes), getattr(grid, "weights", None), limits
-    numbers = (by_numpy(contact.law, *given) if kernel is None
-               else points.survey(kernel, *given))
+    numbers, traction = (by_numpy(contact.law, *given) if kernel is None
+                         else points.survey(kernel, *given))
     numbers[0] *= -1.0
     lowest, *largest = grid.largest(numbers[:5]).tolist()
     sums = grid.together(numbers[5:])
@@ -61,7 +68,29 @@ def surveyed(contact, state):
     for i, signs in enumerate(getattr(nodes, "parities", None) or ()):
         if -1 in signs:
             total[i] = 0.0
-    return Survey(-lowest, *largest, *sums[:2].astype(int).tolist(), total, work)
+    touching, sticking = sums[:2].astype(int).tolist()
+    return Survey(-lowest, *largest, touching, sticking, total, work,
+                  _alternating(contact, state, traction) if touching else 0.0)
+
+
+def _alternating(contact, state, traction):
+    """Part of its largest traction (components, nodes, each once) by which that of a state
+    alternates from node to node: of any component, in any direction."""
+    half, grid, found = state.half, contact.grid, 0.0
+    halved = half is not None and min(half.extents) > REACH + 1
+    every, fields = (half, traction) if halved else (state.window, state.unfolded(traction))
+    for i, component in enumerate(fields):
+        boxes = every.box(component).reshape(len(every.parts), *every.parts[0].shape)
+        largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
+        for axis, closed in enumerate(every.parts[0].closed, start=1):
+            # beyond a window the law does not act
+            sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
+            alternation = contact.kernels.alternation
+            aside = (across_rows(every.parts[0], boxes, sign, alternation)
+                     if grid.shared and axis == 1 else
+                     grid.largest(alternation(boxes, axis, sign, closed)))
+            found = max(found, aside / largest)
+    return float(found)
 
 
 def _gaps_once(contact, state):
@@ -83,24 +112,23 @@ def gaps(contact, state):
     return state.unfolded(_gaps_once(contact, state))
 
 
-def tractions(contact, state, once=False):
+def tractions(contact, state):
     """Tractions (components, nodes) of a state on its window, phi_i / delta_i.
 
     Parameters
     ----------
     contact : Contact
     state : State
-    once : bool, whether at its nodes, each once where others are mirror images
     """
     found = _gaps_once(contact, state)
     contact.law.evaluate(found, found)
-    return found if once else state.unfolded(found)
+    return state.unfolded(found)
 
 
 def by_numpy(law, displacement, initial_gap, weights, limits):
     """An array of numbers: smallest normal gap, largest slip in contact, pressure and shear,
     steepest softening; nodes in contact, those that stick; sums of tractions and of their products
-    with displacements by component.
+    with displacements by component. Beside it the tractions (components, nodes).
 
     Parameters
     ----------
@@ -122,7 +150,7 @@ def by_numpy(law, displacement, initial_gap, weights, limits):
              np.max(-traction[0], initial=0.0), np.max(shear, initial=0.0),
              max(np.max(_steepness(law, part, limits[2:]), initial=0.0) for part in parts),
              each @ touching, each @ (touching & ~(slip > limits[1]))]
-    return np.concatenate([found, traction @ each, (traction * displacement) @ each])
+    return np.concatenate([found, traction @ each, (traction * displacement) @ each]), traction
 
 
 def _steepness(law, gap, maugis):

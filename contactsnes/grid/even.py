@@ -222,6 +222,10 @@ class EvenWindow:
 
     rim_places = Window.rim_places
 
+    def along(self, line, axis):
+        """A line of the full window along an axis, from that at these nodes and the apex on."""
+        return np.concatenate([line[:0:-1], line[:self.full.shape[axis] - len(line) + 1]])
+
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""
         return values.take(self._folded, axis=-1)

@@ -106,6 +106,10 @@ class Window:
         others = tuple(other for other in range(mask.ndim) if other != axis)
         return mask.any(axis=others) if others else mask
 
+    def along(self, line, axis):
+        """A line of the window along an axis from what is known of it: it is all."""
+        return line
+
     def line(self, box, axis, through):
         """Values of a box along an axis, on the line through places of the other directions.
 
@@ -208,7 +212,7 @@ class Window:
                      for n, total in zip(self.shape, self.grid.shape))
 
 
-def enclosing(grid, mask, margin):
+def enclosing(grid, mask, margin, half=None):
     """The smallest window around the nodes where ``mask`` (over the cell) holds, cyclic, widened on
     each side.
 
@@ -219,12 +223,13 @@ def enclosing(grid, mask, margin):
     Parameters
     ----------
     grid : Grid
-    mask : array of bool over the cell
+    mask : array of bool over the cell, or over its half
     margin : float, part of the extent
+    half : EvenWindow of the cell, if the mask is over that
     """
-    start, shape = [], []
+    start, shape, nodes = [], [], half or grid.whole
     for axis, total in enumerate(grid.shape):
-        line = np.flatnonzero(grid.whole.occupied(mask, axis))
+        line = np.flatnonzero(nodes.along(nodes.occupied(mask, axis), axis))
         if line.size == 0:
             first, extent = total // 2 - 1, 2
         else:

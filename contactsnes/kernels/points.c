@@ -48,9 +48,9 @@ CLONES static double weighted_squares(const double *restrict x, const double *re
 /* Numbers of displacements (m, nodes): lowest normal gap, largest slip in contact,
    largest pressure, largest shear traction, steepest softening; nodes in contact, those that stick;
    sums of tractions and of tractions times displacements by component. limits: gap of contact, slip at
-   the peak of the friction, Maugis parameters. */
+   the peak of the friction, Maugis parameters. `traction` (m, nodes) takes the tractions. */
 void survey(const Law *law, long m, long nodes, const double *displacement, const double *initial_gap,
-            const double *weight, const double *limits, double *numbers)
+            const double *weight, const double *limits, double *numbers, double *traction)
 {
     double at[MOST * SOME], t[MOST * SOME], tangent[MOST * MOST * SOME];
     double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0, count = 0.0;
@@ -62,6 +62,7 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             for (long k = 0; k < n; k++) at[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
         }
         evaluate(law, m, n, at, t, tangent);
+        for (long i = 0; i < m; i++) memcpy(traction + i * nodes + from, t + i * n, n * sizeof *t);
         double part[2 * MOST] = {0};
         for (long k = 0; k < n; k++) {
             const double w = weight ? weight[from + k] : 1.0;

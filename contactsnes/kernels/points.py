@@ -15,7 +15,7 @@ def _flat(*arrays):
 
 
 def survey(kernel, displacement, initial_gap, weights, limits):
-    """Numbers of a state, as of `contact.survey.by_numpy`.
+    """Numbers and tractions of a state, as of `contact.survey.by_numpy`.
 
     Parameters
     ----------
@@ -23,10 +23,11 @@ def survey(kernel, displacement, initial_gap, weights, limits):
     displacement, initial_gap, weights, limits : as of that
     """
     displacement, initial_gap, weights, limits = _flat(displacement, initial_gap, weights, limits)
-    numbers = np.empty(7 + 2 * len(displacement))
+    numbers, traction = np.empty(7 + 2 * len(displacement)), np.empty_like(displacement)
     shared().survey(kernel.reference, *displacement.shape, address(displacement),
-                    address(initial_gap), address(weights), address(limits), address(numbers))
-    return numbers
+                    address(initial_gap), address(weights), address(limits), address(numbers),
+                    address(traction))
+    return numbers, traction
 
 
 def apart(first, second, initial_gap, weights, reach):
