@@ -12,12 +12,13 @@ class BracketingSteps(NaturalSteps):
     """Steps that do not locate a fold: between a point and a step beyond it that is refused, motion
     under the load of the latter tells.
 
-    It ends in an equilibrium, which is followed back to the point's load. Where that leads to the
-    point itself, there is no fold, and steps go on from what was found; where it leads elsewhere,
-    the point is the fold, known to the length of the step, and what was found there the end of the
-    jump. Where no way back is found, or one to more energy, the branch is followed by arc length
-    to where its load turns (`turning.TurnSearch`): a small jump, or a steep branch without one.
-    Where no motion is found the fold is located. Parameters as of `LoadSteps`.
+    It ends in an equilibrium, which is followed back to the load of the point, or of one between
+    (`system.Motion.crossed`). Where that leads to the point itself, there is no fold, and steps go
+    on from what was found; where it leads elsewhere, the point is the fold, known to the length of
+    the step, and what was found there the end of the jump. Where no way back is found, or one to
+    more energy, the branch is followed by arc length to where its load turns
+    (`turning.TurnSearch`): a small jump, or a steep branch without one. Where no motion is found
+    the fold is located. Parameters as of `LoadSteps`.
     """
 
     def _resumed(self):
@@ -47,55 +48,91 @@ class BracketingSteps(NaturalSteps):
         error : NotConverged, why the step was refused
         refused : float, its length
         """
+        spent = self.system.account()
+        for point in self._searched(error, refused):
+            yield point.changed(spent={name: spent[name] + point.spent[name] for name in spent})
+            spent = dict.fromkeys(spent, 0)
+
+    def _searched(self, error, refused):
+        """As of `_fold`, without what was spent before."""
         place, last = self.history[-1]
-        spent, beyond = self.system.account(), min(place + refused, 1.0)
+        beyond = min(place + refused, 1.0)
         try:
-            ahead, behind = self._bracketed(last, beyond)
+            found = self.system.crossed(last, self.leg.load(beyond), f"at {self._place(beyond)}")
         except NoWayBack as failure:
-            self.system.log(f"{failure}: following it by arc length from "
-                            f"{self._place(place)}")
-            yield from super()._fold(error, refused, TurnSearch, starts)
+            yield from self._by_arc(failure, error, refused)
             return
         except (NotConverged, NoEquilibrium) as failure:
             self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
                             f"not tell what lies behind it ({failure})")
             yield from super()._fold(error, refused)
             return
-        if behind is None:
-            yield from self._arrive(*self._examined(replace(ahead, step=beyond - place)))
-            return
-        fold = replace(self._marked(last, beyond - place), spent=spent)
-        yield from self._left(fold, ahead, behind, beyond)
+        begin = place + found.begin * (beyond - place)
+        if found.end < 1.0:
+            beyond = place + found.end * (beyond - place)
+        if begin > place:
+            try:
+                nearer = self._examined(self._nearer(found, begin, beyond))
+            except NotConverged as failure:
+                yield from self._by_arc(failure, error, refused)
+                return
+            yield from self._arrive(*nearer)
+            if self.history[-1][0] != begin:
+                return
+        yield from (self._onward(error, found, beyond) if found.behind is None
+                    else self._left(found, beyond))
 
-    def _left(self, fold, ahead, behind, beyond):
-        """Yield a fold, the end of its jump, and the point behind it at the bracket's far side.
+    def _nearer(self, found, place, beyond):
+        """The point of a `Crossing` before its jump, a fold if it has one, at the begin of a
+        bracket between two places."""
+        point = replace(found.before, leg=self.leg.number, position=place, step=beyond - place)
+        return point if found.behind is None else self._marked(point, beyond - place)
+
+    def _onward(self, error, found, beyond):
+        """Yield the point at the end of a bracket without a fold; by arc length where a step to its
+        `Crossing`'s state does not lead there."""
+        refused = beyond - self.history[-1][0]
+        try:
+            point = self._step(beyond, self.predictor, found.ahead)
+        except NotConverged as failure:
+            yield from self._by_arc(failure, error, refused)
+            return
+        yield from self._arrive(*self._examined(replace(point, step=refused)))
+
+    def _by_arc(self, failure, error, refused):
+        """What `_fold` yields, by arc length; why that is asked."""
+        self.system.log(f"{failure}: following it by arc length from "
+                        f"{self._place(self.history[-1][0])}")
+        yield from super()._fold(error, refused, TurnSearch, starts)
+
+    def _left(self, found, beyond):
+        """Yield the last point as a fold, if it is not told of, the end of its jump, and the point
+        behind it at the bracket's far side.
 
         Parameters
         ----------
-        fold, behind : Point, before and after the jump
-        ahead : state foretold at the far side
+        found : `Crossing`
         beyond : position of the far side
         """
         (place, last), moved = self.history[-1], self.system.account()
+        fold = self._marked(last, beyond - place)
         if self.at_fold == "stop":
-            yield replace(fold, spent={name: fold.spent[name] + moved[name] for name in moved})
             self.stopped = True
+            if last.event != "fold":
+                yield replace(fold, spent=moved)
             return
         # Two points so near each other foretell no long step.
         step = min(max(2.0 * (beyond - place), BRACKET * self.shortest), self.leg.initial)
         where = f"at {self._place(place)}, beyond the fold ({fold.fold_kind})"
-        jump = branching.settled(self.system, self.certify, behind, where)
+        jump = branching.settled(self.system, self.certify, found.behind, where)
         self.history = []
         jump = self._accept(replace(jump, leg=self.leg.number, position=place, step=step,
                                     event="jump"))
-        if last.event == "fold":
-            # It has been told of before: the path goes on from there.
-            moved = {name: moved[name] + fold.spent[name] for name in moved}
-        else:
+        if last.event != "fold":
             yield fold
         yield replace(jump, spent={name: moved[name] + jump.spent[name] for name in moved})
         try:
-            point = self._examined(self._step(beyond, self.predictor, ahead))
+            point = self._examined(self._step(beyond, self.predictor, found.ahead))
         except NotConverged:
             return
         yield from self._arrive(replace(point[0], step=step), point[1])
@@ -105,28 +142,8 @@ class BracketingSteps(NaturalSteps):
         moving = self.leg.moving
         width = abs(step * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
-                       fold_precision=float(width), step=step, origin=self.leg.start)
-
-    def _bracketed(self, last, beyond):
-        """(state beyond a bracket, point of its branch before it); where the bracket holds no fold,
-        a point at its end, and None.
-
-        Parameters
-        ----------
-        last : Point before the bracket
-        beyond : position of its end
-        """
-        ahead, behind = self.system.crossed(last, self.leg.load(beyond),
-                                            f"at {self._place(beyond)}")
-        return (self._followed(beyond, ahead), None) if behind is None else (ahead, behind)
-
-    def _followed(self, beyond, ahead):
-        """The point at the end of a bracket without a fold, near a state; NoWayBack where a step
-        does not lead there."""
-        try:
-            return self._step(beyond, self.predictor, ahead)
-        except NotConverged as error:
-            raise NoWayBack(str(error)) from None
+                       fold_precision=float(width), step=step, origin=self.leg.start,
+                       spent=dict.fromkeys(last.spent, 0))
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, what motion leads to further on: no
@@ -149,8 +166,7 @@ class BracketingSteps(NaturalSteps):
             self.system.log(f"{reason}: the path goes on {where}, where motion from its last "
                             "point leads; the load of that jump is known to this step only")
             spent = self.system.account()
-            fold = replace(self._marked(last, beyond - place),
-                           spent=dict.fromkeys(spent, 0))
+            fold = self._marked(last, beyond - place)
             self.history = []
             point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
                             event="jump")

@@ -10,7 +10,7 @@ from typing import Any, Optional, Protocol, runtime_checkable
 
 import numpy as np
 
-from .points import Direction, Leg, Point
+from .points import Crossing, Direction, Leg, Point
 
 
 @runtime_checkable
@@ -222,20 +222,20 @@ class Motion(Protocol):
         NotConverged : where it does not settle
         """
 
-    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> tuple:
-        """(the state to which motion from a point leads under a load beyond its own, the point to
-        which that leads back); no point where it is the first one itself.
+    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> Crossing:
+        """What lies between a point and a load beyond a fold, and under that load.
 
         Parameters
         ----------
         last : Point
-        beyond : what is held during the motion
+        beyond : what is held during the motion that tells
         where : what messages say of the place
 
         Raises
         ------
         NoEquilibrium : where motion shows that there is none
-        NotConverged : where the motion does not settle, or no branch leads back
+        NotConverged : where the motion does not settle
+        NoWayBack : where no branch leads back from there, or to more energy
         """
 
 

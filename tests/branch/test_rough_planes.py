@@ -55,25 +55,40 @@ def heights():
     return made
 
 
-@pytest.fixture(scope="module", params=["bracketed", "turned"])
+@pytest.fixture(scope="module", params=["bracketed", "narrowed", "nested", "turned"])
 def pressed(request, heights, tmp_path_factory):
-    """A branch through jumps, its points and its log; by arc length to each fold where nothing
-    leads back through a bracket."""
+    """A branch through jumps, its points and its log; in narrower brackets, one in another, and by
+    arc length to each fold, where nothing leads back through a bracket."""
     said = []
     branch = branch_of(heights(128), tmp_path_factory.mktemp("plane") / "heights.npy",
                        path=f"normal_displacement={END}", log=said.append,
                        steps=Steps(initial_step=0.04, largest_step=0.08))
     with pytest.MonkeyPatch.context() as patch:
-        if request.param == "turned":
-            patch.setattr(coarse_motion, "_back", no_way_back)
+        if request.param != "bracketed":
+            refused = {"narrowed": 1, "nested": 2, "turned": np.inf}[request.param]
+            patch.setattr(coarse_motion, "_crossed", without_ways_back(patch, refused))
         points = list(branch)
     assert any("by arc length" in sentence for sentence in said) == (request.param == "turned")
     return branch, points, said
 
 
-def no_way_back(*_):
-    """In place of a way back through a bracket."""
-    raise NoWayBack("the branch beyond a refused step does not reach back")
+def without_ways_back(patch, number):
+    """`coarse_motion._crossed` that finds no way back so many times at first."""
+    crossed, back, tried = coarse_motion._crossed, coarse_motion._back, []
+
+    def counted(*given):
+        if given[-1] == coarse_motion.NARROWER:
+            tried.clear()
+        return crossed(*given)
+
+    def refused(*given):
+        tried.append(given)
+        if len(tried) <= number:
+            raise NoWayBack("the branch beyond a refused step does not reach back")
+        return back(*given)
+
+    patch.setattr(coarse_motion, "_back", refused)
+    return counted
 
 
 @pytest.fixture(scope="module")
