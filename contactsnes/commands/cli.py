@@ -70,7 +70,10 @@ def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
     with standard_streams(), Interrupts() as interrupts:
-        status = world.over(_ended(words, interrupts))
+        try:
+            status = world.over(_ended(words, interrupts))
+        except KeyboardInterrupt:  # of a command that has come to its end
+            return 128 + interrupts.number
         sys.stdout.flush()
         if sys.stdout.left:
             return 128 + signal.SIGPIPE

@@ -8,6 +8,7 @@ the others to end, too, and else ends them.
 import os
 import sys
 import time
+from contextlib import suppress
 from importlib.util import find_spec
 
 import numpy as np
@@ -25,8 +26,11 @@ NEEDED = ("mpi4py",)
 PATIENCE = 5.0
 """Seconds that a process which has failed waits for the others to fail as well."""
 
+GRACE = 2.0
+"""Seconds in which whoever ends all processes has spoken, and done so."""
+
 SHORT = 0.3
-"""The same after an interrupt: the launcher kills all processes a second after it."""
+"""The same as `PATIENCE` after an interrupt: the launcher kills all processes a second after it."""
 
 
 def launched():
@@ -145,16 +149,38 @@ class World:
             return
         stages, until = np.empty(self.size, dtype="i8"), time.monotonic() + patience
         request = self._ends.Iallgather(np.array([stage], dtype="i8"), stages)
-        while not request.Test():
-            if status and time.monotonic() > until:
-                speak()
-                self._abort(status)
-            time.sleep(0.002)
+        try:
+            while not request.Test():
+                if status and time.monotonic() > until:
+                    self._give_up(status, speak)
+                time.sleep(0.002)
+        except KeyboardInterrupt as interrupt:  # of the user, or where another process ends all
+            self._give_up(status, speak, 128 + interrupt.args[0])
         if (stages != stage).any():
-            speak()
-            self._abort(status or 1)
+            self._give_up(status, speak)
         if status:  # of what was under way, some may have done more than others
             self._talk = self._last
+
+    def _give_up(self, status, speak, silent=1):
+        """End all processes, after words of the first of those that have failed: another one waits
+        until it is ended.
+
+        Parameters
+        ----------
+        status, speak : as of `meet`
+        silent : int, exit status of one that has not failed
+        """
+        with suppress(KeyboardInterrupt):
+            until = time.monotonic() + min(0.05 * self.rank, 0.5)
+            while not (spoken := self._ends.Iprobe()) and time.monotonic() < until:
+                time.sleep(0.002)
+            if status and not spoken:
+                for other in set(range(self.size)) - {self.rank}:
+                    self._ends.Isend(np.zeros(1), other)  # which tells that one speaks
+                speak()
+                self._abort(status)
+            time.sleep(GRACE)
+        os._exit(status or silent)
 
     def _abort(self, status):
         """End all processes, after the last words of this one."""
@@ -171,7 +197,7 @@ class World:
         if self.size == 1:
             return status
         self.meet(2, status)
-        ends = self.everywhere((status, self._said.errors()))
+        ends = self._last.allgather((status, self._said.errors()))
         if not self.rank:
             sys.stderr.write("".join(
                 f"{line} (process {rank} of {self.size})\n"

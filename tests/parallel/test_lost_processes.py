@@ -47,6 +47,55 @@ def test_memory_that_lacks_in_some_processes(ranks, tmp_path):
     assert read(tmp_path / "run.h5").points == 3
 
 
+LATER = """
+import sys, time
+from contactsnes.commands import cli, run
+from contactsnes.system.processes import world
+accept = run.Run._accept
+
+def failing(self, point):
+    if self.progress.points == 3 and world.rank in {ranks}:
+        time.sleep(world.rank)
+        raise MemoryError("1 TB")
+    accept(self, point)
+
+run.Run._accept = failing
+sys.exit(cli.main(["run", *{words!r}]))"""
+AFTERWARDS = """
+import sys
+from contactsnes.commands import cli, run
+from contactsnes.system.processes import world
+follow = run.Run.follow
+
+def failing(self):
+    status = follow(self)
+    if world.rank == 1:
+        raise MemoryError("1 TB")
+    return status
+
+run.Run.follow = failing
+sys.exit(cli.main(["run", *{words!r}]))"""
+
+
+@together
+@pytest.mark.parametrize("ranks", [(1, 2), (0, 1)])
+def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
+    """While the third one goes on, and waits: the last one is ended as it waits for others."""
+    done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path)
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
+    assert len(done.told) == 1 and "3 points are in" in done.told[0], done.stderr
+    assert ("process 2 of 3" in done.told[0]) == (ranks == (1, 2))
+    assert read(tmp_path / "run.h5").points == 3
+
+
+@together
+def test_a_process_that_fails_when_others_have_ended_well(tmp_path):
+    done = program(2, AFTERWARDS.format(words=PLANE), tmp_path)
+    assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
+    assert len(done.told) == 1 and "process 2 of 2" in done.told[0], done.stderr
+    assert read(tmp_path / "run.h5").complete
+
+
 @together
 @pytest.mark.parametrize("ranks", [(1,), (0, 1, 2)])
 def test_a_defect_in_some_processes(ranks, tmp_path):
