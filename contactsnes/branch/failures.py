@@ -10,7 +10,12 @@ import scipy
 from ..contact import states
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
-from ..scene.resolution import PINNING, resolution, resolution_warning
+from ..scene.resolution import (
+    PINNING,
+    resolution,
+    resolution_of_states,
+    resolution_warning,
+)
 
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
@@ -53,14 +58,15 @@ class Resolution:
         self.last = last
         self._said = set()
         self._bound = cache(lambda sheared: max(resolution(contact.scene, sheared)))
+        self._found = resolution_of_states(contact.scene)
 
     def marked(self, point):
         """The point with ``resolved``."""
-        survey, scene = self.contact.survey(point.state), self.contact.scene
+        survey = self.contact.survey(point.state)
         # where a node has slipped past the law's peak, slip fronts are to be resolved, too
         sheared = survey.slip > self.contact.law.slip_peak
         bound = self._bound(len(point.controls) > 1)
-        found = max(resolution(scene, True, survey.steepest))
+        found = self._found(survey.steepest)
         jumped = (point.event == "jump" and self.last is not None and max(bound, found) > ROOMY
                   and narrow(self.contact, self.last.state, point.state))
         # Also on fine grids: a region that sticks may vanish over few nodes.

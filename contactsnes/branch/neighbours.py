@@ -53,6 +53,16 @@ class Neighbours:
         return states.missed(self.contact, states.with_components(guess, state.components),
                              state, largest)
 
+    def ways(self, guess, last, state):
+        """How far a state is from its prediction and from where the step began, ranges of the law
+        (``acceptance.ways``).
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
+        return acceptance.ways(self.contact, *self._alike(guess, last, state))[:2]
+
     def strayed(self, guess, last, state):
         """By how much a node ends farther from its prediction than a smooth branch leaves open
         (``acceptance.strayed``).

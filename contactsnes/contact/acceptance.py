@@ -1,6 +1,10 @@
 """Steps that stay on their branch: what tells a neighbour of the last point from a state that lies
 beyond a jump."""
 
+import math
+import weakref
+from typing import NamedTuple
+
 import numpy as np
 
 from ..kernels import points
@@ -39,6 +43,53 @@ LEFT = 0.5
 it; a parabola just behind its fold has one half."""
 
 
+_TOLD = weakref.WeakKeyDictionary()
+"""State -> contact, guess and state before it, and the Ways that these make."""
+
+
+class Ways(NamedTuple):
+    """How a step lies to its prediction and to where it began, ranges of the law.
+
+    Attributes
+    ----------
+    missed, moved : root mean square distances of where it ended from its prediction and from where
+        it began, over the nodes where the law acts on either
+    beyond, farthest : by how much a node ends farther from its prediction than is allowed; the
+        largest way of a node where the law acts
+    counts : numbers of nodes held at first and those of them that open, of nodes held at last and
+        those of them that were open, of nodes in contact that pass through sticking
+    """
+
+    missed: float
+    moved: float
+    beyond: float
+    farthest: float
+    counts: list
+
+
+def ways(contact, guess, last, found):
+    """The Ways of a step; kept with the state where it ended, since more than one is asked of them.
+
+    Parameters
+    ----------
+    contact : Contact
+    guess : State, predicted from points of the branch
+    last, found : State, equilibria
+    """
+    asked, kept = (contact, guess, last), _TOLD.get(found)
+    if kept is not None and all(one() is other for one, other in zip(kept, asked)):
+        return kept[-1]
+    grid, *fields = _known(contact, guess, last, found)
+    told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
+    beyond, farthest = grid.largest(told[:2]).tolist()
+    *counts, near, missed, acting, moved = grid.together(told[2:]).tolist()
+    components = len(fields[0])
+    made = Ways(math.sqrt(missed / max(components * near, 1.0)),
+                math.sqrt(moved / max(components * acting, 1.0)), beyond, farthest, counts)
+    _TOLD[found] = *map(weakref.ref, asked), made
+    return made
+
+
 def strayed(contact, guess, last, found):
     """By how much a node ends farther from its prediction than a step of a smooth branch leaves
     open, ranges of the law.
@@ -53,14 +104,13 @@ def strayed(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    grid, *fields = _known(contact, guess, last, found)
-    told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
-    held, opened, made, closed, through = grid.together(told[2:]).tolist()
+    told = ways(contact, guess, last, found)
+    held, opened, made, closed, through = told.counts
     # A body that is rigid beside its law comes off as a whole: its tangent foretells where it is
     # then, whatever happens on the way.
     if opened > WHOLE * max(held, 1.0) or closed > WHOLE * max(made, 1.0) or through:
         return np.inf
-    return float(grid.largest(told[0]))
+    return told.beyond
 
 
 def _known(contact, guess, last, found):
@@ -79,7 +129,9 @@ def _limits(contact):
 def _by_numpy(foretold, ended, began, initial_gap, weights_of, limits):
     """How a step lies to its prediction, an array: farthest beyond what is allowed, and largest way
     where the law acts; nodes held at first and those of them that open, nodes held at last and
-    those of them that were open; nodes in contact that pass through sticking.
+    those of them that were open; nodes in contact that pass through sticking; nodes where the law
+    acts at the end or was foretold to, and squares of how far these ended from there; nodes where
+    it acts at either end, and squares of the way of these.
 
     Nearly all of a contact that is made or lost, and a whole contact that slides back, ends where
     it is predicted, on the other side of all that friction does to it.
@@ -98,8 +150,12 @@ def _by_numpy(foretold, ended, began, initial_gap, weights_of, limits):
     each = np.ones(len(near)) if weights_of is None else weights_of
     masks = np.array([first < HELD, (first < HELD) & (last > OPEN), last < HELD,
                       (last < HELD) & (first > OPEN), through])
+    around = np.minimum(foretold[0], ended[0]) + initial_gap < REACH
+    squares = [np.sum(aside * aside, axis=0), np.sum(change * change, axis=0) * near]
     return np.concatenate([[np.max(aside - allowed, initial=-STRAYS),
-                            np.max(np.abs(change) * near, initial=0.0)], masks @ each])
+                            np.max(np.abs(change) * near, initial=0.0)], masks @ each,
+                           *([mask @ each, square @ each]
+                             for mask, square in zip((around, near), squares))])
 
 
 def _ways(foretold, ended, began, initial_gap):
@@ -126,11 +182,10 @@ def doubtful(contact, guess, last, found):
     """
     kernel = kernel_of(contact.law)
     if kernel is not None:
-        (grid, *fields), limits = _known(contact, guess, last, found), _limits(contact)
-        moved = float(grid.largest(points.strays(*fields, limits)[1]))
+        grid, *fields = _known(contact, guess, last, found)
         released, springs = grid.together(points.releases(
-            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), limits,
-            moved)).tolist()
+            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), _limits(contact),
+            ways(contact, guess, last, found).farthest)).tolist()
         if not any(out > RELEASED * work for out, work in zip(released, springs)):
             return False
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None

@@ -8,7 +8,7 @@ from ..grid.active import Nodes
 from ..grid.boxes import MOST
 from ..grid.transfer import extent
 from ..grid.windows import Window
-from ..kernels.splines import moved
+from ..kernels.splines import followed
 from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
 from .state import State, alike, onto, spread, weighted
 from .states import NEAR, combined, normal_gap, wider
@@ -64,22 +64,40 @@ def _follow_spot(contact, states, weights):
     known = followed_places(contact, states)
     if known is None:
         return None
-    last = states[-1]
-    window = last.window
     *places, target = _moved_places(contact, states, known, weights)
     if not _in_order(target):
         return None
-    _, nodes, known = alike(contact, [last], states[:-1])
-    initial, far = contact.gap_on(nodes), weighted([*known[1:], known[0]], weights)
-    part, near = _near_part(contact, nodes, known[0][0] + initial)
+    _, nodes, (last, *earlier) = alike(contact, [states[-1]], states[:-1])
+    known, ahead = [*earlier, last], None
+    if contact.kernels.compiled and nodes.even and len(nodes.shape) == 1:
+        ahead = followed(states, known, [contact.gap_on(state.half) for state in states],
+                         contact.law.range, weights, [line for line, in places], target[0])
+    if ahead is None:
+        ahead = _followed(contact, states, nodes, known, weights, places, target)
+    return spread(nodes, ahead, weighted([state.means for state in states], weights))
+
+
+def _followed(contact, states, nodes, known, weights, places, target):
+    """Weighted sum of displacements (components, nodes) of states whose places are moved to a
+    target near the contact, at fixed places elsewhere.
+
+    Parameters
+    ----------
+    contact, states, weights : as of `follow_edge`
+    nodes : Window, or EvenWindow, of the last state
+    known : displacements of all states at these
+    places, target : of `_moved_places`
+    """
+    window, initial, far = states[-1].window, contact.gap_on(nodes), weighted(known, weights)
+    part, near = _near_part(contact, nodes, known[-1][0] + initial)
     far[0] += initial
     nodes.parts[0].put_part(weighted([_stretched(contact, state, window, place, target, part)
                                       for state, place in zip(states, places)], weights),
                             nodes.box(far), near)
     # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(known[0][0] + initial) - 1.0, out=far[0])
+    np.maximum(far[0], contact.grid.minimum(known[-1][0] + initial) - 1.0, out=far[0])
     far[0] -= initial
-    return spread(nodes, far, weighted([state.means for state in states], weights))
+    return far
 
 
 def _moved_places(contact, states, known, weights):
@@ -214,11 +232,6 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     """
     kept, sources, parts = state.window, [], []
     begins = nodes_between(window, kept).tolist()
-    if contact.kernels.compiled and len(begins) == 1 and state.half is not None:
-        found = moved(state, contact.gap_on(state.half), kept.is_whole, part[0], places[0],
-                      target[0], begins[0])
-        if found is not None:
-            return found
     for here, there, wanted, begin in zip(places, target, part, begins):
         source = contact.kernels.sources(wanted.start, wanted.stop, here, there, begin)
         sources.append(source)

@@ -18,14 +18,13 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
-import math
 from functools import cache
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
 from ..interface.laws.law import slip_of
+from ..kernels import points
 from .states import onto
 
 STICKING = 1e-6
@@ -133,7 +132,7 @@ def gauss(count):
     return np.polynomial.legendre.leggauss(count)
 
 
-def line_rule(places, first):
+def line_rule(places, first, rule):
     """Arrays with which the sum of (values @ basis) (along @ slopes) is the integral of values
     d(along) from place number ``first`` to the last, by polynomials through all places.
 
@@ -145,8 +144,9 @@ def line_rule(places, first):
     ----------
     places : array, distances along a path
     first : number of the place from which on
+    rule : (places, shares) of Gauss and Legendre's of as many points
     """
-    points, shares = gauss(len(places))
+    points, shares = rule
     half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
     along, basis, slopes = (places[first] + half * (1.0 + points)).tolist(), [], []
     # (few numbers: floats are faster than arrays)
@@ -163,6 +163,26 @@ def line_rule(places, first):
     return basis, half * shares * slopes
 
 
+def line_work(displacements, forces, give, weights, first, rule):
+    """Work of forces over displacements from point number ``first`` of a path to its last one, by
+    polynomials through all of its points.
+
+    These are of the chord length along the points, in which a force counts by how much gives way
+    to it.
+
+    Parameters
+    ----------
+    displacements, forces : arrays (points, components)
+    give, weights : arrays (components,); the second of what each does in a common unit
+    first : int
+    rule : (places, shares) of Gauss and Legendre's of as many points
+    """
+    along = np.concatenate([displacements, give * forces], axis=1)
+    places = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(along, axis=0), axis=1)))
+    basis, slopes = line_rule(places, first, rule)
+    return np.vdot(weights[:, None] * (forces.T @ basis), displacements.T @ slopes)
+
+
 class PathEnergies:
     """Energies and works of the points of a path, which are told in their order; needs the last
     four of them.
@@ -175,6 +195,11 @@ class PathEnergies:
 
     def __init__(self, contact, history=()):
         self.contact, self.trail = contact, []
+        count = contact.scene.components
+        # what a body of compliance one and the rigid compliance give way to a force
+        self._give = 1.0 + contact.rigid_compliance(count) / (contact.ranges ** 2
+                                                              * contact.grid.area)
+        self._weights = weights(contact, count)
         for point in history:
             entry = self._entry(point)
             if not (self.trail and self._same(entry, self.trail[-1])):  # a further event there
@@ -252,25 +277,15 @@ class PathEnergies:
         steps = 1 + (last.point.smooth_steps if entry.point.leg == last.point.leg else 0)
         entries = [*self.trail[-min(steps, 3):], entry]
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
-        basis, slopes = line_rule(self._places(entries), first)
-        forces = np.array([other.forces for other in entries]).T @ basis
-        moved = np.array([other.displacements for other in entries]).T @ slopes
-        external = np.vdot(weights(self.contact, len(forces))[:, None] * forces, moved)
+        external = (points.line_work if self.contact.kernels.compiled else line_work)(
+            np.array([other.displacements for other in entries]),
+            np.array([other.forces for other in entries]), self._give,
+            self._weights, first, gauss(len(entries)))
         point, before = entry.point, entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)
         return self._summed(point, before, external, interface, 0.0, smooth_steps=steps)
-
-    def _places(self, entries):
-        """Chord length along entries; a force counts by what a body of compliance one and the
-        rigid compliance give way to it."""
-        count = len(entries[0].forces)
-        rigid = self.contact.rigid_compliance(count) / (self.contact.ranges ** 2
-                                                        * self.contact.grid.area)
-        places = [[*other.displacements.tolist(), *((1.0 + rigid) * other.forces).tolist()]
-                  for other in entries]
-        return [0.0, *accumulate(map(math.dist, places, places[1:]))]
 
     def _summed(self, point, before, external, interface, lost, **changes):
         """The point with the works of an earlier one and those done since, and with other

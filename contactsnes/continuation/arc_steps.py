@@ -105,8 +105,7 @@ class ArcSteps(NaturalSteps):
     def _check(self, guess, point):
         """NotConverged unless a point is the neighbour of the last one that a prediction led to."""
         (_, before), (here, last) = self.history[-2:]
-        missed = self.system.missed(guess, point.state)
-        moved = self.system.missed(last.state, point.state)
+        missed, moved = self.system.ways(guess, last.state, point.state)
         if (missed > MISSED and missed > SHARE * moved) or self.system.strayed(guess, last.state,
                                                                                point.state) > 0.0:
             raise NotConverged(f"the solve ended {missed:.3g} ranges from its "

@@ -154,8 +154,8 @@ class FoldSearch:
         if point.softest < 0.0 <= last.softest:
             raise NotConverged(
                 "a mode lost its stability in an arc-length step, perhaps on another branch")
-        aside = system.missed(guess, point.state)
-        if (aside > MISSED and aside > SHARE * system.missed(last.state, point.state)) \
+        aside, moved = system.ways(guess, last.state, point.state)
+        if (aside > MISSED and aside > SHARE * moved) \
                 or system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "
                                "its prediction, perhaps on another branch")

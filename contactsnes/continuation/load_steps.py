@@ -95,8 +95,7 @@ class LoadSteps:
             guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
         here, last = self.history[-1]
-        missed = self.system.missed(guess, point.state)
-        moved = self.system.missed(last.state, point.state)
+        missed, moved = self.system.ways(guess, last.state, point.state)
         wrong = 0.0 if guess is last.state else missed
         if len(self.history) == 1 and moved > FIRST:
             # Nothing tells how far a first step goes, and a tangent next to a fold may hit another

@@ -40,6 +40,15 @@ class States(Protocol):
     def missed(self, guess: Any, state: Any) -> float:
         """Distance of a state from its prediction, root mean square where it matters."""
 
+    def ways(self, guess: Any, last: Any, state: Any) -> tuple[float, float]:
+        """Distances of a state from its prediction and from where its step began, as `missed` tells
+        them.
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
+
     def strayed(self, guess: Any, last: Any, state: Any) -> float:
         """By how much a part of a state is farther from its prediction than steps from the state
         ``last`` of a smooth branch leave open; at most 0 where no part is.

@@ -150,8 +150,8 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "changes": [_long, *[_pointer] * 4, _long, _pointer, _long, _pointer],
          "add_changed": [_long, _long, *[_pointer] * 8],
          "sources": [_long, _long, _long, _pointer, _pointer, _long, _pointer],
-         "moved": [_long, _long, *[_pointer] * 3, _long, ctypes.c_int, *[_long] * 3,
-                   *[_pointer] * 2, _long, *[_pointer] * 2],
+         "followed": [_long, _long, _long, *[_pointer] * 5, _long, _double, _pointer, _long,
+                      *[_pointer] * 4],
          "works": [_pointer, _long, _long, *[_pointer] * 3, _long, *[_pointer] * 2, _double,
                    _pointer],
          "survey": [_pointer, _long, _long, *[_pointer] * 6],
@@ -161,10 +161,12 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "imbalance": [_pointer, _pointer, _pointer, _double, _pointer],
          "crossings": [_long, _pointer, _double, _long, _pointer, _pointer],
          "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
+         "line_work": [_long, _long, _long, *[_pointer] * 6],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "add_changed", "alternation"), _double),
+RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "add_changed", "alternation",
+                             "line_work"), _double),
             "crossings": _long}
 """What returns something else."""

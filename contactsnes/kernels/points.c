@@ -171,39 +171,51 @@ static int through_sticking(long m, long nodes, const double *began, const doubl
 }
 
 /* numbers: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
-   of them that open; the same of the last ones; nodes in contact that pass through sticking. */
+   of them that open; the same of the last ones; nodes in contact that pass through sticking; nodes where the
+   law acts at the end or was foretold to, and squares of how far these ended from there; where it acts at
+   either end, and squares of the way of these. */
 void strays(long m, long nodes, const double *foretold, const double *ended, const double *began,
             const double *initial_gap, const double *weight, const Limits *l, double *numbers)
 {
-    double beyond = -l->strays, moved = 0.0, counts[5] = {0};
+    double beyond = -l->strays, moved = 0.0, sums[9] = {0};
     for (long k = 0; k < nodes; k++) {
         const double w = weight ? weight[k] : 1.0, first = began[k] + initial_gap[k];
         const double last = ended[k] + initial_gap[k];
         const double closest = (foretold[k] < ended[k] ? foretold[k] : ended[k]) + initial_gap[k];
-        double way = 0.0, aside = -INFINITY;
+        double way = 0.0, aside = -INFINITY, missed = 0.0, gone = 0.0;
         for (long i = 0; i < m; i++) {
             const double change = fabs(ended[i * nodes + k] - began[i * nodes + k]);
             const double off = closest < l->reach ? fabs(ended[i * nodes + k] - foretold[i * nodes + k]) : 0.0;
             way = greater(change, way);
             aside = greater(off - allowed(l, change), aside);
+            missed += off * off;
+            gone += change * change;
         }
         beyond = greater(aside, beyond);
-        if ((first < last ? first : last) < l->reach) moved = greater(way, moved);
+        if (closest < l->reach) {
+            sums[5] += w;
+            sums[6] += w * missed;
+        }
+        if ((first < last ? first : last) < l->reach) {
+            moved = greater(way, moved);
+            sums[7] += w;
+            sums[8] += w * gone;
+        }
         if (first < l->held) {
-            counts[0] += w;
-            if (last > l->open) counts[1] += w;
+            sums[0] += w;
+            if (last > l->open) sums[1] += w;
         }
         if (last < l->held) {
-            counts[2] += w;
-            if (first > l->open) counts[3] += w;
+            sums[2] += w;
+            if (first > l->open) sums[3] += w;
         }
         if (m > 1 && first < l->contact && last < l->contact
             && through_sticking(m, nodes, began + k, ended + k, l->peak))
-            counts[4] += w;
+            sums[4] += w;
     }
     numbers[0] = beyond;
     numbers[1] = moved;
-    memcpy(numbers + 2, counts, sizeof counts);
+    memcpy(numbers + 2, sums, sizeof sums);
 }
 
 /* numbers: what nodes release on the straight way of a step over linear springs, and what these do
@@ -381,4 +393,45 @@ double alternation(long outer, long count, long wide, const double *values, int 
             if (whole) k += inside - 1;
         }
     return largest;
+}
+
+enum { POINTS = 4 }; /* of a path, at most */
+
+/* Work of forces over displacements (count, m), weighted by component, from point number `first` of a path
+   to its last one: polynomials through all, by distance along them, of which a force counts by how much
+   gives way to it. points, shares: Gauss and Legendre's rule of as many points, which is exact.
+   (Lagrange's polynomials are summed up first: next to each other they make large numbers that cancel.) */
+double line_work(long count, long first, long m, const double *displacements, const double *forces,
+                 const double *give, const double *weights, const double *points, const double *shares)
+{
+    double place[POINTS] = {0}, work = 0.0;
+    for (long k = 1; k < count; k++) {
+        double squares = 0.0;
+        for (long i = 0; i < m; i++) {
+            const double moved = displacements[k * m + i] - displacements[(k - 1) * m + i];
+            const double pushed = give[i] * forces[k * m + i] - give[i] * forces[(k - 1) * m + i];
+            squares += moved * moved + pushed * pushed;
+        }
+        place[k] = place[k - 1] + sqrt(squares);
+    }
+    const double half = 0.5 * (place[count - 1] - place[first]);
+    for (long p = 0; p < count; p++) {
+        const double at = place[first] + half * (1.0 + points[p]);
+        double force[MOST] = {0}, moving[MOST] = {0};
+        for (long j = 0; j < count; j++) {
+            double value = 1.0, slope = 0.0;
+            for (long other = 0; other < count; other++) {
+                if (other == j) continue;
+                const double apart = at - place[other], scale = 1.0 / (place[j] - place[other]);
+                slope = (slope * apart + value) * scale;
+                value *= apart * scale;
+            }
+            for (long i = 0; i < m; i++) {
+                force[i] += value * forces[j * m + i];
+                moving[i] += slope * displacements[j * m + i];
+            }
+        }
+        for (long i = 0; i < m; i++) work += half * shares[p] * weights[i] * force[i] * moving[i];
+    }
+    return work;
 }

@@ -66,14 +66,14 @@ def extremes(shape, change, root, counts, scale, weights):
 
 
 def strays(foretold, ended, began, initial_gap, weights, limits):
-    """How a step lies to its prediction, an array (7,), as of `contact.acceptance._by_numpy`.
+    """How a step lies to its prediction, an array (11,), as of `contact.acceptance._by_numpy`.
 
     Parameters
     ----------
     foretold, ended, began, initial_gap, weights, limits : as of that
     """
     fields = _flat(foretold, ended, began, initial_gap, weights)
-    numbers = np.empty(7)
+    numbers = np.empty(11)
     shared().strays(*fields[0].shape, *map(address, fields), address(limits), address(numbers))
     return numbers
 
@@ -125,3 +125,15 @@ def alternation(boxes, axis, image=0, closed=False, beyond=0):
     (boxes,), shape = _flat(boxes), boxes.shape
     return shared().alternation(math.prod(shape[:axis]), shape[axis], math.prod(shape[axis + 1:]),
                                 address(boxes), image, closed, beyond)
+
+
+def line_work(displacements, forces, give, weights, first, rule):
+    """Work along a path, as of `contact.energies.line_work`.
+
+    Parameters
+    ----------
+    displacements, forces, give, weights, first : as of that
+    rule : (places, shares) of Gauss and Legendre
+    """
+    given = _flat(displacements, forces, give, weights, *rule)
+    return shared().line_work(len(displacements), first, len(give), *map(address, given))

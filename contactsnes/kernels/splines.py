@@ -1,6 +1,7 @@
 """Cubic splines in the library."""
 
 import math
+from ctypes import c_void_p
 
 import numpy as np
 
@@ -46,25 +47,39 @@ def spline(values, places, axis):
     return found
 
 
-def moved(state, gap, closed, wanted, here, there, begin):
-    """Normal gap and tangential displacements (components, nodes) of a line's even state at nodes
-    whose places were moved, as of `contact.edges._stretched`; None where that asks for more nodes
-    than the state's window has.
+def followed(states, known, gaps, reach, weights, places, target):
+    """Displacements (components, nodes) of a line's even states whose places are moved, as of
+    `contact.edges._followed`; None where that asks for more nodes than a state's window has.
 
     Parameters
     ----------
-    state : State, with its half
-    gap : array, initial gap at the nodes of the half, delta_n
-    closed : bool, whether the window is the cell
-    wanted : slice, of nodes
-    here, there, begin : as of `sources`
+    states : list of State, with their halves, oldest first
+    known : arrays (components, nodes), their displacements at the nodes of the last one's half
+    gaps : arrays, initial gaps at the nodes of each one's half, delta_n
+    reach : normal gap within which the law acts
+    weights : numbers, one a state
+    places, target : for each state places, in nodes from the first one of the last window on, and
+        where they are moved to
     """
-    (extent,), once, parities = state.window.extents, state.once, state.half.parities
-    signs = np.array([sign for sign, in parities or ((1,),) * len(once)], dtype=np.intc)
-    here, there = (np.array(places, dtype=float) for places in (here, there))
-    count = max(wanted.stop - wanted.start, 0)
-    found, work = np.empty((count, len(once))), np.empty(4 * (extent + count))
-    beyond = shared().moved(*once.shape, address(once), address(gap), address(signs), extent,
-                            closed, wanted.start, count, len(here), address(here), address(there),
-                            begin, address(work), address(found))
-    return None if beyond else found.T
+    fields, last = [state.once for state in states], states[-1]
+    (components, nodes), parities = known[-1].shape, last.half.parities
+    signs = np.array([sign for sign, in parities or ((1,),) * components], dtype=np.intc)
+    begin, total = last.window.start[0], last.window.grid.shape[0]
+    lines = np.array([(len(field[0]), *state.window.extents, state.window.is_whole,
+                       (state.window.start[0] - begin + total // 2) % total - total // 2)
+                      for field, state in zip(fields, states)], dtype=np.intc)
+    weights, here, there = (np.array(numbers, dtype=float)
+                            for numbers in (weights, places, target))
+    found = np.empty((components, nodes))
+    work = np.empty(4 * (int(lines[:, 1].max()) + nodes) + 2 * components * nodes)
+    beyond = shared().followed(components, nodes, len(states),
+                               *(_each(arrays) for arrays in (known, fields, gaps)),
+                               address(lines), address(signs), *last.window.extents, reach,
+                               address(weights), len(there), address(here), address(there),
+                               address(work), address(found))
+    return None if beyond else found
+
+
+def _each(arrays):
+    """Where each of some arrays begins, as an array of C."""
+    return (c_void_p * len(arrays))(*map(address, arrays))

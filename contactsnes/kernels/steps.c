@@ -120,7 +120,7 @@ enum { SUPPORT = 12 }; /* as of contact/edges.py */
    the initial gap added to the first, at nodes from `start` on whose `places` were moved (`sources`);
    signs: whether fields are even (1) or odd (-1). What it returns is not 0 where more is asked for than
    the line's `extent`, which may be `closed`. work: 4 (extent + wanted) numbers. */
-CLONES int moved(long components, long half, const double *restrict fields, const double *restrict gap,
+CLONES static int moved(long components, long half, const double *restrict fields, const double *restrict gap,
                  const int *signs, long extent, int closed, long start, long wanted, long places,
                  const double *here, const double *there, long begin, double *work, double *out)
 {
@@ -144,6 +144,54 @@ CLONES int moved(long components, long half, const double *restrict fields, cons
         }
     for (long k = 0; k < wanted; k++) at[k] -= (double)low;
     spline(1, count, components, values, wanted, at, 0, out);
+    return 0;
+}
+
+typedef struct { /* a line of `states` that is known from its middle outwards */
+    int half, extent, closed, begin; /* nodes; begin: its first one from that of the last line */
+} Spread;
+
+/* out (components, nodes) = weighted sum of displacements of lines whose `places` are moved from `here`
+   (lines, places) to `there`, as far as the law acts on the last one, two nodes more; at fixed places
+   beyond. known: displacements at the last one's nodes, of an `extent`; fields, gaps: those at each one's
+   own. What it returns is not 0 where a line is not known so far (`moved`). work: 4 (the largest extent +
+   nodes) + 2 components nodes. */
+CLONES int followed(long components, long nodes, long lines, const double *const *known,
+                    const double *const *fields, const double *const *gaps, const Spread *spread,
+                    const int *signs, long extent, double range, const double *weights, long places,
+                    const double *here, const double *there, double *work, double *out)
+{
+    const double *restrict last = known[lines - 1], *restrict gap = gaps[lines - 1];
+    double *near = work, *one = near + components * nodes, *rest = one + components * nodes;
+    double lowest = INFINITY;
+    long wanted = 0;
+    for (long k = 0; k < nodes; k++) {
+        const double g = last[k] + gap[k];
+        lowest = g < lowest ? g : lowest;
+        if (g < range) wanted = k + 1;
+    }
+    if (!wanted) return 1;
+    wanted = wanted + 2 < extent - extent / 2 ? wanted + 2 : extent - extent / 2;
+    for (long l = 0; l < lines; l++) {
+        const Spread *s = &spread[l];
+        if (moved(components, s->half, fields[l], gaps[l], signs, s->extent, s->closed, extent / 2, wanted,
+                  places, here + l * places, there, s->begin, rest, one))
+            return 1;
+        for (long k = 0; k < components * wanted; k++)
+            near[k] = l ? near[k] + weights[l] * one[k] : weights[l] * one[k];
+    }
+    for (long i = 0; i < components; i++) {
+        double *restrict x = out + i * nodes;
+        for (long k = 0; k < nodes; k++) x[k] = weights[0] * known[0][i * nodes + k];
+        for (long l = 1; l < lines; l++) {
+            const double *restrict field = known[l] + i * nodes;
+            for (long k = 0; k < nodes; k++) x[k] += weights[l] * field[k];
+        }
+        for (long k = 0; k < nodes && i == 0; k++) x[k] += gap[k];
+        for (long k = 0; k < wanted; k++) x[k] = near[k * components + i];
+        /* an extrapolation into deep overlap would meet the exponential */
+        for (long k = 0; k < nodes && i == 0; k++) x[k] = (x[k] < lowest - 1.0 ? lowest - 1.0 : x[k]) - gap[k];
+    }
     return 0;
 }
 

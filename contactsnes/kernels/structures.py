@@ -1,7 +1,7 @@
 """The structures of kernels.h, field by field, and what fills their pointers."""
 
 import ctypes
-from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_void_p
+from ctypes import POINTER, addressof, c_char_p, c_double, c_int, c_long, c_void_p
 
 import numpy as np
 
@@ -12,7 +12,7 @@ TOO_MANY = 83
 """Status of a count of transforms beyond its limit."""
 
 
-NUMBERS = (np.float64, np.complex128, np.float32, np.complex64, np.intc)
+NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.complex64, np.intc)))
 """Types that kernels know."""
 
 _memory_of = (ctypes.c_char * 0).from_buffer
@@ -28,11 +28,12 @@ def address(array):
     """
     if array is None:
         return None
-    if array.dtype not in NUMBERS or not array.flags.c_contiguous:
+    flags = array.flags
+    if array.dtype not in NUMBERS or not flags.c_contiguous:
         raise ValueError("kernels take contiguous arrays of floats, doubles, or of ints")
     # a quarter of the time of `ctypes.data`, but not for what is not to be changed
-    return (ctypes.addressof(_memory_of(array)) if array.flags.writeable
-            else array.ctypes.data)
+    return (addressof(_memory_of(array)) if flags.writeable
+            else array.__array_interface__["data"][0])
 
 
 class Law(ctypes.Structure):

@@ -2,7 +2,7 @@
 
 import ctypes
 import math
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -172,9 +172,9 @@ class Cosines(Compiled):
         self._hold(*memory)
         own.even, own.waves = 1, self.real[0].size
         self.waves = [order_of(m, closed) for m, closed in zip(shape, self.closed)]
-        self._lines = [Line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
-        for place, line in enumerate(self._lines, start=2 - len(shape)):
-            own.line[place] = line.structure
+        self._lines = [line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
+        for place, rows in enumerate(self._lines, start=2 - len(shape)):
+            own.line[place] = rows.structure
             for field, signs in enumerate(parities or ()):
                 own.odd[field][place] = signs[place - 2 + len(shape)] < 0
 
@@ -219,8 +219,8 @@ class Folded(Compiled):
         own.real, own.block = address(double.real), address(self.block)
         own.waves = rows * (columns + columns % 2)
         self._lines = [PairedLine(m, closed) for m, closed in zip(self.shape, double.closed)]
-        for place, line in enumerate(self._lines):
-            own.line[place] = line.structure
+        for place, rows in enumerate(self._lines):
+            own.line[place] = rows.structure
             for field in range(self.count):
                 own.odd[field][place] = double.structure.odd[field][place]
 
@@ -255,6 +255,17 @@ def order_of(points, closed):
     ones downwards."""
     numbers = np.arange(points)
     return numbers if closed else np.concatenate([numbers[::2], numbers[1::2][::-1]])
+
+
+@lru_cache(maxsize=8)
+def line(points, closed, single):
+    """The `Line` of some points, which all transforms share that have such rows.
+
+    Parameters
+    ----------
+    points, closed, single : as of that
+    """
+    return Line(points, closed, single)
 
 
 class Line:

@@ -21,7 +21,7 @@ Measured on a line: 2.2 for a normal Maugis parameter of 10, below 2 for 20.
 """
 
 
-def resolution(scene, sheared, steepest=None):
+def resolution(scene, sheared):
     """Spacing over the largest one that resolves the cohesive zone, in each direction (1 or less is
     resolved), a tuple.
 
@@ -31,22 +31,28 @@ def resolution(scene, sheared, steepest=None):
     asked of the tangential components, c/(s lambda_t^2 dx) >= (1/2)/(e^-2 1.25), with s the law's
     steepest softening in slip (``slip_softening``) and c = 1/2 (plane strain), or (1 - nu)/2 for
     waves transverse to the slip in two dimensions, and of both together (``coupled_softening``).
-    Directions without an edge of contact give 0. The ``steepest`` softening, E*/beta, may be that
-    of a state in place of the law's where nothing overlaps.
+    Directions without an edge of contact give 0.
 
     Parameters
     ----------
     scene : Scene
     sheared : bool, whether tangential unknowns appear
-    steepest : float, E*/beta; by default the law's
     """
-    if steepest is None:
-        steepest = _softening(scene, sheared)
-    else:
-        steepest = _in_series(steepest, max(bodies.of(scene).local_compliance))
-    steepest /= SOFTENING
+    steepest = _softening(scene, sheared)
+    return tuple(spacing * steepest for spacing in _over_softest(scene))
+
+
+def resolution_of_states(scene):
+    """Function (steepest softening of the law in a state, E*/beta) that tells the largest
+    `resolution` for that in place of the law's where nothing overlaps."""
+    largest, compliance = max(_over_softest(scene)), max(bodies.of(scene).local_compliance)
+    return lambda steepest: largest * _in_series(steepest, compliance)
+
+
+def _over_softest(scene):
+    """Spacing in each direction over the largest one that resolves a softening of 1 E*/beta."""
     uniform = shapes.of(scene).uniform
-    return tuple(0.0 if axis in uniform else spacing * steepest / LARGEST_RESOLUTION
+    return tuple(0.0 if axis in uniform else spacing / (SOFTENING * LARGEST_RESOLUTION)
                  for axis, spacing in enumerate(scene.spacings))
 
 

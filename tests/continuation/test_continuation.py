@@ -178,6 +178,9 @@ class System:
     def missed(self, first, second, **_):
         return self.distance(first, second)
 
+    def ways(self, guess, last, state):
+        return self.missed(guess, state), self.missed(last, state)
+
     def strayed(self, guess, last, state):
         return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last),
                                                                              10.0)))

@@ -270,6 +270,11 @@ def test_halves_tell_what_all_nodes_do(name, extent):
     for told in (acceptance.strayed, acceptance.doubtful):
         np.testing.assert_allclose(told(contact, other, half, moved), told(contact, *plain),
                                    rtol=1e-12)
+    told, expected = (acceptance.ways(contact, *three) for three in ((other, half, moved), plain))
+    np.testing.assert_allclose(told[:4], expected[:4], rtol=1e-12)
+    assert told.counts == expected.counts
+    np.testing.assert_allclose(told[:2], [states.missed(contact, one, moved)
+                                          for one in (other, half)], rtol=1e-12)
     for largest in (False, True):
         np.testing.assert_allclose(states.missed(contact, other, half, largest),
                                    states.missed(contact, *plain[:2], largest), rtol=1e-12)
@@ -281,8 +286,23 @@ def test_halves_tell_what_all_nodes_do(name, extent):
 
 
 @compiled
+@pytest.mark.parametrize("count, first", [(2, 0), (3, 0), (4, 0), (4, 2)])
+def test_works_along_a_path(count, first):
+    """By the library as by NumPy; of forces that are cubic in the distance, exactly."""
+    numbers = np.random.default_rng(count)
+    displacements, forces = np.cumsum(numbers.normal(size=(2, count, 2)), axis=1)
+    rule, give, parts = energies.gauss(count), np.array([1.5, 1.0]), np.array([1.0, 0.3])
+    given = displacements, forces, give, parts, first, rule
+    assert points.line_work(*given) == pytest.approx(energies.line_work(*given), rel=1e-11)
+    straight = np.linspace(0.0, 1.0, count)[:, None] * [1.0, 0.0]
+    given = straight, np.zeros((count, 2)) + straight ** (count - 1), 0.0 * give, parts, first, rule
+    exact = (1.0 - straight[first, 0] ** count) / count
+    assert points.line_work(*given) == pytest.approx(exact, rel=1e-12)
+
+
+@compiled
 @pytest.mark.parametrize("extent", [81, 128])
-def test_halves_of_lines_whose_places_were_moved(extent):
+def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
     """By the library as by NumPy and SciPy on the whole window: from the middle outwards, with odd
     slip, and up to where the cell closes; more than a window has is asked of neither."""
     scene = EVEN["sheared line"][0]
@@ -294,14 +314,27 @@ def test_halves_of_lines_whose_places_were_moved(extent):
     once[1, 0] = 0.0
     once[1, -1] *= extent < 128
     known = state.Mirrored.of(half, once, np.zeros(2))
-    here, there = [extent / 2 - 20.3, extent / 2 + 20.3], [extent / 2 - 19.0, extent / 2 + 19.0]
-    for part in (slice(extent // 2, extent - 14), slice(extent // 2, extent)):
-        found, expected = (edges._stretched(one, known, window, [here], [there], (part,))
-                           for one in (contact, interpreted))
+    wider = Window(contact.grid, (64 - (extent + 10) // 2,), (extent + 10,))
+    wider = EvenWindow(wider, half.parities) if extent < 128 else half
+    before = state.Mirrored.of(wider, np.resize(once[:, ::-1], (2, wider.size)), np.zeros(2))
+    before.once[1, 0] = 0.0
+    given, weights = [before, known], [-0.7, 1.7]
+    places = [[extent / 2 - 20.3, extent / 2 + 20.3], [extent / 2 - 18.0, extent / 2 + 18.0]]
+    target = [extent / 2 - 19.0, extent / 2 + 19.0]
+    at_nodes = [half.fold(state.onto(before, window)), once]
+    for last, reach in ((extent // 2 - 14, 1.5), (half.size, 100.0)):
+        # the law acts up to a node
+        once[0] = np.where(np.arange(half.size) < last, 1.0, 2.0) - contact.gap_on(half)
+        once[0] += 0.1 * np.sin(np.arange(half.size))
+        found = splines.followed(given, at_nodes, [contact.gap_on(one.half) for one in given],
+                                 reach, weights, places, target)
+        if last == half.size and extent < 128:
+            assert found is None
+            continue
+        monkeypatch.setattr(interpreted.law, "range", reach)
+        expected = edges._followed(interpreted, given, half, at_nodes, weights,
+                                   [[line] for line in places], [target])
         np.testing.assert_allclose(found, expected, atol=1e-11)
-    beyond = splines.moved(known, contact.gap_on(half), extent == 128, slice(extent // 2, extent),
-                           here, there, 0)
-    assert (beyond is None) == (extent < 128)
 
 
 @pytest.mark.parametrize("extent", [81, 128])
