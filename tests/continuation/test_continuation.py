@@ -979,6 +979,21 @@ def test_between_points_of_the_arc_edges_and_fronts_are_in_between(fronts):
     assert found.state == pytest.approx(np.sin(0.4)) and found.position == 0.4
 
 
+@pytest.mark.parametrize("moved, most", [(False, 6), (True, 1)])
+def test_a_bracket_in_which_fronts_move_far_is_given_up_at_once(moved, most):
+    """Its points cannot be foretold: the search that made it makes a shorter one."""
+    system, leg = System(cubic()), replace(UNIT_LEG, start=np.array([-1.0]))
+    ends = [replace(system.solve(np.array([u]), leg.controls, np.array([u ** 3 - u])),
+                    position=0.5 * (u ** 3 - u + 1.0)) for u in (-0.62, -0.53)]
+    system.fronts_moved = lambda first, last: moved
+    peak, tried = LimitPoint(system, leg, *ends), []
+    system.arc_fails = lambda load: not tried.append(load)
+    assert peak.bracketed
+    with pytest.raises(NotConverged, match="the load turns beyond"):
+        peak.locate()
+    assert len(tried) == most
+
+
 def test_a_point_of_the_arc_serves_where_no_solve_does():
     """The places of a trail are points of the branch: the last one before the place in question, or
     none beyond the leg's last."""
