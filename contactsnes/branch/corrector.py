@@ -162,12 +162,16 @@ class Corrector:
                              controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,
                                     pays(self.form, self.settings.linear_precision))
-            if (of_snes(self.snes).has_tangent and not self.contact.convex
-                and len(self.contact.grid.shape) == 2):
-                self.snes.setConvergenceTest(self.patience.test)
+            self.hasten(self.snes)
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
+
+    def hasten(self, snes):
+        """Have a SNES give up early on a rough plane (`Patience`)."""
+        if (of_snes(snes).has_tangent and not self.contact.convex
+                and len(self.contact.grid.shape) == 2):
+            snes.setConvergenceTest(self.patience.test)
 
     def run(self, form, unknown, most_iterations, snes=None):
         """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or

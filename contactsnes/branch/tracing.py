@@ -235,6 +235,7 @@ class Tracer(Corrector, Neighbours, Ends):
         if self.arc is None or self.arc[0].form is not form:
             arc = ArcLength(form, *aim)
             self.arc = arc, create_snes(arc, "" if own else "arc_")
+            self.hasten(self.arc[1])
         arc, snes = self.arc
         arc.aim(*aim)
         unknown = arc.joined(form.pack(states.onto(state, form.window), state.means[form.forced]),

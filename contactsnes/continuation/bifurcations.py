@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .points import NotConverged
-from .predictors.predictor import moved_on
+from .points import NotConverged, lagrange_weights
 
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat
@@ -251,7 +250,10 @@ def _solved(system, leg, known, position, far):
     """The point at a position between two known ones; the nearest one beyond them helps to foretell
     it."""
     nodes = sorted(sorted(known, key=lambda place: abs(place - position))[:3])
-    guess = moved_on(system, [known[place] for place in nodes], nodes, position)
+    points, weights = [known[place] for place in nodes], lagrange_weights(nodes, position)
+    guess = system.follow_edge(points, weights)
+    if guess is None:
+        guess = system.extrapolate(points, weights)
     point = system.solve(guess, leg.controls, leg.load(position))
     if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")

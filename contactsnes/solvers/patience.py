@@ -8,6 +8,8 @@ FIRST, LATER = 0.7, 0.5
 """Part of the first residual norm below which the next one has to be, and all later ones. Warm
 steps on smooth parts of a branch reduce it tenfold with each iteration; those beyond a fold wander
 about."""
+WANDERING = 3
+"""Iteration from which on the norm has to be the least so far."""
 DIVERGED = 1e4
 """PETSc's own bound of the norm over the first one."""
 
@@ -20,7 +22,7 @@ class Patience:
     """
 
     def __init__(self):
-        self.short, self._first = False, 0.0
+        self.short, self._first, self._least = False, 0.0, 0.0
 
     def test(self, snes, iteration, norms):
         """The reason to stop, or to go on.
@@ -35,7 +37,8 @@ class Patience:
         rtol, atol, stol, _ = snes.getTolerances()
         if not norm < float("inf"):
             return NOT_A_NUMBER
-        self._first = norm if iteration == 0 else self._first
+        self._first, least = (norm, norm) if iteration == 0 else (self._first, self._least)
+        self._least = min(norm, least)
         if norm <= atol:
             return reasons.CONVERGED_FNORM_ABS
         if iteration == 0:
@@ -44,5 +47,6 @@ class Patience:
             return reasons.CONVERGED_FNORM_RELATIVE
         if step < stol * size:
             return reasons.CONVERGED_SNORM_RELATIVE
-        lost = self.short and norm > (FIRST if iteration == 1 else LATER) * self._first
+        lost = self.short and (norm > (FIRST if iteration == 1 else LATER) * self._first
+                               or (iteration >= WANDERING and norm > least))
         return reasons.DIVERGED_DTOL if lost or norm > DIVERGED * self._first else reasons.ITERATING
