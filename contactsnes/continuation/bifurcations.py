@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .points import NotConverged, lagrange_weights
+from .points import NotConverged
+from .predictors.predictor import moved_on
 
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat
@@ -250,10 +251,7 @@ def _solved(system, leg, known, position, far):
     """The point at a position between two known ones; the nearest one beyond them helps to foretell
     it."""
     nodes = sorted(sorted(known, key=lambda place: abs(place - position))[:3])
-    points, weights = [known[place] for place in nodes], lagrange_weights(nodes, position)
-    guess = system.follow_edge(points, weights)
-    if guess is None:
-        guess = system.extrapolate(points, weights)
+    guess = moved_on(system, [known[place] for place in nodes], nodes, position)
     point = system.solve(guess, leg.controls, leg.load(position))
     if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")

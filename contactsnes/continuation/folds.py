@@ -7,6 +7,7 @@ import numpy as np
 from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .load_steps import SHARE
 from .points import NoFold, NotConverged, lagrange_weights
+from .predictors.predictor import moved_on
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold:
@@ -178,8 +179,7 @@ class FoldSearch:
         pair = trail[after - 1:after + 1]
         for _ in range(12):
             (before, first), (behind, second) = pair
-            guess = self.system.extrapolate([first, second],
-                                            lagrange_weights([before, behind], target))
+            guess = moved_on(self.system, [first, second], [before, behind], target)
             try:
                 point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
                 if (self.system.missed(guess, point.state) <= max(MISSED,

@@ -12,7 +12,9 @@ FOLD_TOLERANCE = 1e-8
 MOST = 50
 """Most points that a search makes: enough to halve its bracket to rounding."""
 FAILURES = 6
-"""Solves that may fail in a search; the later ones are tried nearer to what is known."""
+"""Solves that may fail in a search; the later ones are tried nearer to what is known. A single one
+where slip fronts move too far within the bracket for its points to be foretold: a shorter one
+serves better."""
 STEADY = 0.25
 """Least bend of a branch at a fold, over its largest, while an edge passes a node of a grid that
 resolves it."""
@@ -86,8 +88,9 @@ class LimitPoint:
         mode = 0
         failures = 0
         before = self.uncertainty()
+        most = 1 if self.system.fronts_moved(first[0].point, first[1].point) else FAILURES
         for _ in range(MOST):
-            if before <= 0.1 * FOLD_TOLERANCE or failures == FAILURES:
+            if before <= 0.1 * FOLD_TOLERANCE or failures == most:
                 break
             try:
                 self._narrow(self._pulled(proposals[mode](), 0.25 ** (failures // 3)))

@@ -14,13 +14,13 @@ from .precision import PATIENCE, SAFE
 from .triangle import Triangle
 
 LARGE = 2 ** 16
-"""Unknowns from which that is taken: below, PETSc's own vectors take little memory, and the way
-into Python would take time."""
+"""Unknowns from which that is taken, on planes: below, and on lines, PETSc's own vectors take
+little memory, and the way into Python would take time."""
 
 
 def set_defaults(ksp, form, single):
-    """Give a KSP our defaults: flexible GMRES, the one below where the solves are large and may be
-    in single precision.
+    """Give a KSP our defaults: flexible GMRES, the one below where the solves are those of a large
+    plane and may be in single precision.
 
     Parameters
     ----------
@@ -28,7 +28,8 @@ def set_defaults(ksp, form, single):
     form : of the equations
     single : bool, whether solves may be in single precision
     """
-    if single and form.components * form.window.total >= LARGE:
+    if (single and len(form.window.grid.shape) > 1
+        and form.components * form.window.total >= LARGE):
         ksp.setType("python")
         ksp.setPythonContext(FlexibleGMRES(form.grid, not form.contact.kernels.compiled))
     else:

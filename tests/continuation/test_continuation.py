@@ -962,6 +962,36 @@ def test_a_walk_along_the_arc_does_not_come_back_to_the_fold_that_it_left():
         steps._fold_before(trail[2][1])
 
 
+@pytest.mark.parametrize("fronts", [True, False])
+def test_between_points_of_the_arc_edges_and_fronts_are_in_between(fronts):
+    """Where these are known; else the solve begins from a sum of both states."""
+    system = System(explicit(np.sin, np.cos))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.05, 0.1, 1e-6)
+    trail = [(place, system.solve(np.zeros(1), ("displacement",), leg.load(place)))
+             for place in (0.1, 0.2, 0.3, 0.5)]
+    followed_state = np.array([np.sin(0.4) + 0.01])
+    system.follow_edge = lambda points, weights: followed_state if fronts else None
+    found = FoldSearch(system, leg, trail[:2])._natural(trail, 0.4)
+    in_place = 0.5 * (trail[2][1].state + trail[3][1].state)
+    assert system.guesses[4:] == [followed_state if fronts else in_place]
+    assert found.state == pytest.approx(np.sin(0.4)) and found.position == 0.4
+
+
+@pytest.mark.parametrize("moved, most", [(False, 6), (True, 1)])
+def test_a_bracket_in_which_fronts_move_far_is_given_up_at_once(moved, most):
+    """Its points cannot be foretold: the search that made it makes a shorter one."""
+    system, leg = System(cubic()), replace(UNIT_LEG, start=np.array([-1.0]))
+    ends = [replace(system.solve(np.array([u]), leg.controls, np.array([u ** 3 - u])),
+                    position=0.5 * (u ** 3 - u + 1.0)) for u in (-0.62, -0.53)]
+    system.fronts_moved = lambda first, last: moved
+    peak, tried = LimitPoint(system, leg, *ends), []
+    system.arc_fails = lambda load: not tried.append(load)
+    assert peak.bracketed
+    with pytest.raises(NotConverged, match="the load turns beyond"):
+        peak.locate()
+    assert len(tried) == most
+
+
 def test_a_point_of_the_arc_serves_where_no_solve_does():
     """The places of a trail are points of the branch: the last one before the place in question, or
     none beyond the leg's last."""

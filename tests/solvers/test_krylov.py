@@ -211,6 +211,15 @@ def path(kernels="auto", way="normal"):
     return list(branch), told, branch
 
 
+def test_lines_keep_that_of_petsc(monkeypatch):
+    """Their vectors are short, and the way into Python is not."""
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    branch = Branch(Scene(points=256), Load("normal_displacement=1", "normal_displacement=2"),
+                    form=Form(linear_precision="single"))
+    list(branch)
+    assert branch.corrector.snes.getKSP().getType() == "fgmres"
+
+
 @pytest.mark.parametrize("kernels", ["auto", "off"])
 @pytest.mark.parametrize("way", PATHS)
 def test_paths_are_those_of_petsc(monkeypatch, options, kernels, way):

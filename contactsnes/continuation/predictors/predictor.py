@@ -44,3 +44,15 @@ def through(system, points, places, place):
     points, places, place : as of `Predictor.state`
     """
     return system.extrapolate(points, lagrange_weights(places, place))
+
+
+def moved_on(system, points, places, place):
+    """The same in coordinates that follow edges of contact and fronts of slip, where there are any.
+
+    Parameters
+    ----------
+    system, points, places, place : as of `Predictor.state`
+    """
+    weights = lagrange_weights(places, place)
+    followed = system.follow_edge(points, weights)
+    return system.extrapolate(points, weights) if followed is None else followed
