@@ -10,14 +10,35 @@ import resource
 import select
 import signal
 
+from .streams import SIGNALS
+
 
 class Lenient(io.FileIO):
     """A new file that keeps to itself what its disk does not take: HDF5 crashes when it closes what
-    it could not write."""
+    it could not write. So it does when it is interrupted while it calls Python: within a ``with``
+    of this file, signals wait."""
 
     def __init__(self, path):
         super().__init__(path, "w+")
-        self._failure = None
+        self._failure, self._handlers, self._signals = None, {}, []
+
+    def __enter__(self):
+        with contextlib.suppress(ValueError):  # signals are the main thread's
+            for number in filter(lambda number: callable(signal.getsignal(number)), SIGNALS):
+                self._handlers[number] = signal.signal(number, self._wait)
+        return super().__enter__()
+
+    def _wait(self, number, frame):
+        self._signals.append(number)
+
+    def __exit__(self, *raised):
+        try:
+            super().__exit__(*raised)
+        finally:
+            for number, handler in self._handlers.items():
+                signal.signal(number, handler)
+            for number in self._signals[:1]:
+                self._handlers[number](number, None)
 
     def write(self, data):
         """Write everything; after a failure, nothing."""

@@ -230,6 +230,20 @@ def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
             device.check()
 
 
+def test_a_signal_waits_until_hdf5_has_closed_its_file(tmp_path):
+    """Raised where HDF5 calls Python, it is not heeded, and the next call crashes."""
+    closed = []
+    with pytest.raises(KeyboardInterrupt), streams.Interrupts():
+        with devices.Lenient(tmp_path / "x.h5") as device, h5py.File(device, "w") as file:
+            os.kill(os.getpid(), signal.SIGTERM)
+            file["x"] = np.arange(3.0)
+            closed.append(file)
+        closed.append("not reached")
+    assert len(closed) == 1 and not closed[0].id.valid
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert np.array_equal(file["x"], [0.0, 1.0, 2.0])
+
+
 # Heights
 
 
