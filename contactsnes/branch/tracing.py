@@ -17,6 +17,7 @@ from ..continuation.points import Direction, NotConverged
 from ..dynamics import jumps
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
+from ..solvers.precision import pays
 from ..solvers.snes import WARM, create_snes, kept
 from ..solvers.vectors import create_vector
 from . import coarse_motion
@@ -208,8 +209,9 @@ class Tracer(Corrector, Neighbours, Ends):
         form.linearise(form.pack(state.displacement, state.means[form.forced]))
         moved = form.load_derivative(-np.eye(form.components)[0], np.empty(form.size))
         try:
-            change = self._linear(create_snes(form, "" if asked().has_tangent else "arc_"), form,
-                                  moved, EXACT)
+            snes = create_snes(form, "" if asked().has_tangent else "arc_",
+                               packed=pays(form, self.settings.linear_precision))
+            change = self._linear(snes, form, moved, EXACT)
         except NotConverged:
             return np.nan
         tangent = contact.law.tangent(gaps(contact, state))
@@ -234,7 +236,8 @@ class Tracer(Corrector, Neighbours, Ends):
         aim = leg.start, leg.direction, first, row, length, border[1]
         if self.arc is None or self.arc[0].form is not form:
             arc = ArcLength(form, *aim)
-            self.arc = arc, create_snes(arc, "" if own else "arc_")
+            self.arc = arc, create_snes(arc, "" if own else "arc_",
+                                        packed=pays(form, self.settings.linear_precision))
             self.hasten(self.arc[1])
         arc, snes = self.arc
         arc.aim(*aim)
@@ -258,8 +261,11 @@ class Tracer(Corrector, Neighbours, Ends):
         ksp.setTolerances(rtol=tolerance, atol=1e-50)
         if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
             ksp.setType("fgmres")
-        source, change = create_vector(form, right), create_vector(form)
-        callbacks.solve(ksp, (source, change))
+        change = np.zeros(form.size)
+        vectors = create_vector(form, right), create_vector(form, change)
+        callbacks.solve(ksp, vectors)
+        for vector in vectors:
+            vector.destroy()  # at once: older petsc4py does so late
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         snes.setUseEW(forcing)
@@ -267,7 +273,6 @@ class Tracer(Corrector, Neighbours, Ends):
         if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
             raise NotConverged(
                 f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
-        change = change.getArray().copy()
         if form.grid.any(~np.isfinite(change)):
             raise NotConverged("no direction of the branch: it is infinite")
         return change

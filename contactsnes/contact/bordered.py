@@ -35,7 +35,7 @@ class ArcLength:
         self.in_displacements = form.in_displacements
         self.contact = form.contact
         self.grid = form.grid
-        self.components = form.components
+        self.components, self.window = form.components, form.window
         self.nodes = form.nodes
         self.shape = form.shape
         self.count = form.count

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 from weakref import WeakValueDictionary
 
+import numpy as np
+
 from ..grid.alternation import alternation
 from ..grid.contours import crossings
 from ..grid.cosines import Cosines
@@ -23,6 +25,21 @@ def default_cache():
     """The folder for what is kept between runs, where none is named."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(base) / "contactsnes"
+
+
+def _arrays(even, shape, count):
+    """(shape, type) of the two arrays that a transform works on; of even lines they are one."""
+    last = shape[::-1] if even else (*shape[:-1], shape[-1] // 2 + 1)
+    return ((count, *shape), float), ((count, *last), float if even else complex)
+
+
+def _first_part(memory, arrays):
+    """Arrays, (shape, type) each, on the first bytes of others; None where these are fewer."""
+    sizes = [math.prod(shape) * np.dtype(kind).itemsize for shape, kind in arrays]
+    if any(size > given.nbytes for size, given in zip(sizes, memory)):
+        return None
+    return [given.reshape(-1).view(np.uint8)[:size].view(kind).reshape(shape)
+            for size, given, (shape, kind) in zip(sizes, memory, arrays)]
 
 
 class Interpreted:
@@ -111,14 +128,15 @@ class Compiled:
         return self._kinds[even](cell, shape, count, *parities, memory=memory)
 
     def _large(self, *key):
-        """A transform that is held, or a new one: of fewer fields than a held one of its shape on
-        the memory of that, which is not at work then."""
+        """A transform that is held, or a new one: on the memory of a held one of its kind that has
+        as much, and is not at work then."""
         if key not in self._held:
             even, _, shape, count, *_ = key
-            wider = next((made for (kind, _, extent, *_), made in [*self._held.items()]
-                          if (kind, extent) == (even, shape) and made.count > count), None)
-            memory = wider and (wider.real[:count], wider.spectrum[:count])
-            self._held[key] = made = self._make(*key, memory=memory)
+            held = [made for (kind, *_), made in [*self._held.items()] if kind == even]
+            arrays = _arrays(even, shape, count)
+            memory = (_first_part((made.real, made.spectrum), arrays) for made in held)
+            made = self._make(*key, memory=next(filter(None, memory), None))
+            self._held[key] = made
             return made
         return self._held[key]
 

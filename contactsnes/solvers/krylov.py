@@ -18,17 +18,17 @@ LARGE = 2 ** 16
 little memory, and the way into Python would take time."""
 
 
-def set_defaults(ksp, form, single):
+def set_defaults(ksp, form, packed):
     """Give a KSP our defaults: flexible GMRES, the one below where the solves are those of a large
-    plane and may be in single precision.
+    plane and their vectors may be in single precision.
 
     Parameters
     ----------
     ksp : KSP
     form : of the equations
-    single : bool, whether solves may be in single precision
+    packed : bool, whether vectors may be in single precision
     """
-    if (single and len(form.window.grid.shape) > 1
+    if (packed and len(form.window.grid.shape) > 1
         and form.components * form.window.total >= LARGE):
         ksp.setType("python")
         ksp.setPythonContext(FlexibleGMRES(form.grid, not form.contact.kernels.compiled))
@@ -55,8 +55,9 @@ class FlexibleGMRES:
     """PETSc's KSP context: flexible GMRES (Saad, SIAM J. Sci. Comput. 14, 461, 1993),
     preconditioned from the right, with classical Gram-Schmidt.
 
-    A cycle whose products are in single precision keeps its vectors so, too; the next begins from
-    the residual, in double precision, as the products do then.
+    A cycle that is asked for no more of the residual it begins with than single precision holds
+    keeps its vectors so, whatever the products are in. That residual is found anew, in double
+    precision.
 
     Parameters
     ----------
@@ -99,22 +100,23 @@ class FlexibleGMRES:
         else:
             x.set(0.0)
             b.copy(vector)
-        single, size = self._trusts(ksp, b), vector.norm()
+        relative, absolute = ksp.getTolerances()[:2]
+        aim, size = max(relative * b.norm(), absolute), vector.norm()
         ksp.setIterationNumber(0)
         self._judge(ksp, 0, size)
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
-            factors = self._cycle(ksp, (vector, work), size, basis := self._basis(single))
+            basis = self._basis(aim >= SAFE * size)
+            factors = self._cycle(ksp, (vector, work), size, basis)
             if not again:
                 x.set(0.0)
             else:
                 work.destroy()  # at once: older petsc4py does so late
             basis[1].add(factors, x.getArray())
-            single, again = False, True
+            again = True
             if not ksp.getConvergedReason():
-                self.release()
-                basis = None  # the next cycle's are others
+                basis = None  # the next cycle's may be others
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
@@ -124,16 +126,11 @@ class FlexibleGMRES:
         """Ritz values of the last cycle, none of no solve."""
         return np.zeros(0) if self.triangle is None else self.triangle.ritz_values()
 
-    @staticmethod
-    def _trusts(ksp, right):
-        """Whether a solve is asked for no more than single precision holds."""
-        relative, absolute = ksp.getTolerances()[:2]
-        return relative >= SAFE or absolute >= SAFE * right.norm()
-
     def _basis(self, single):
         """(rows of the space, what the preconditioner made of them); those in single precision are
         kept for the next solve."""
         if not single:
+            self.release()
             return tuple(made(float, InDouble, self._grid) for made in (Basis, Made))
         if self._single is None:
             space = Basis(np.float32, self._products, self._grid)

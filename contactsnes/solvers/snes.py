@@ -29,7 +29,7 @@ COLD, WARM = 200, 16
 shorter."""
 
 
-def equip(snes, form, single=False):
+def equip(snes, form, single=False, packed=False):
     """Give a SNES a form's function and exact Jacobian, compiled ones where there are, and our
     defaults for its linear systems; the precision of its solves.
 
@@ -37,9 +37,10 @@ def equip(snes, form, single=False):
     ----------
     snes : SNES
     form : of the equations
-    single : bool, whether linear solves may be in single precision
+    single, packed : bools, whether products of linear solves, and their vectors, may be in single
+        precision
     """
-    set_defaults(snes.getKSP(), form, single)
+    set_defaults(snes.getKSP(), form, single or packed)
     if callbacks.available(form):
         return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),
@@ -81,7 +82,7 @@ def full_steps(database, kind):
             database.delValue(name)
 
 
-def create_snes(form, prefix="", tolerance=None, single=False):
+def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
@@ -93,13 +94,13 @@ def create_snes(form, prefix="", tolerance=None, single=False):
     form : of the equations, which gets ``precision``, ``regularised``, ``ritz`` and ``bounded``
     prefix : of the options, after the dash
     tolerance : of the residual norm, in place of -snes_atol
-    single : bool, whether linear solves may be in single precision
+    single, packed : bools, as of `equip`
     """
     database = PETSc.Options(prefix)
     snes = kept(PETSc.SNES().create(communicator(form)))
     snes.setOptionsPrefix(prefix)
     snes.appctx, form.bounded = form, database.hasName("snes_max_it")
-    form.precision = equip(snes, form, single)
+    form.precision = equip(snes, form, single, packed)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
     snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":

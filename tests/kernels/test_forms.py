@@ -11,6 +11,7 @@ from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.grid.active import Nodes
 from contactsnes.grid.boxes import Spots
+from contactsnes.grid.cell import Grid
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.windows import Window
 from contactsnes.kernels import library
@@ -286,3 +287,29 @@ def test_pseudo_inverse_is_that_of_singular_values(floor, rank):
         np.testing.assert_allclose(found, expected, atol=1e-11)
     elif not floor:
         np.testing.assert_allclose(found, np.linalg.pinv(matrix, rcond=1e-13), atol=1e-11)
+
+
+@pytest.mark.parametrize("even, wide, narrow", [(False, (300, 256), (256, 270)),
+                                                (False, (2 ** 17,), (90000,)),
+                                                (True, (257, 259), (257, 256)),
+                                                (True, (2 ** 16 + 1,), (2 ** 16,))])
+def test_large_transforms_of_other_shapes_work_on_the_same_memory(even, wide, narrow):
+    """One after the other they give what each gives on memory of its own; more fields than there
+    is memory for have their own."""
+    kernels, random = chosen(), np.random.default_rng(3)
+    cell = Grid(tuple(2 * (n - 1) if even else n for n in wide), (1.0,) * len(wide))
+    make = kernels.even if even else kernels.real
+    first, second, more = (make(cell, shape, count) for shape, count in
+                           ((wide, 1), (narrow, 1), (narrow, 3)))
+    assert np.shares_memory(first.real, second.real)
+    assert not np.shares_memory(first.real, more.real)
+    for made, shape in ((first, wide), (second, narrow), (first, wide)):
+        alone = (chosen().even if even else chosen().real)(cell, shape, 1)
+        assert not np.shares_memory(alone.real, made.real)
+        field = random.normal(size=(1, *shape))
+        for each in (made, alone):
+            each.real[...] = field
+            each.forward()
+        np.testing.assert_array_equal(made.spectrum, alone.spectrum)
+        made.backward()
+        np.testing.assert_allclose(made.real, made.gain * field, atol=1e-9 * made.gain)

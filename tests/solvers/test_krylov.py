@@ -117,6 +117,26 @@ def test_cycles_begin_anew_in_double_precision(system, options, interpreted):
     np.testing.assert_allclose(found, expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("tolerance, kinds", [(1e-4, ["Changed"]), (1e-8, ["Made", "Changed"])])
+def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monkeypatch,
+                                                           tolerance, kinds):
+    """Of what a cycle begins with: one that is to reduce it by more than single precision holds is
+    in double, the next ones, which begin with less, in single."""
+    options(ksp_gmres_restart="6")
+    own, seen = FlexibleGMRES(ALONE, True), []
+    cycle = own._cycle
+    monkeypatch.setattr(own, "_cycle", lambda *given: seen.append(type(given[-1][1]).__name__)
+                        or cycle(*given))
+    ksp, theirs = (ksp_of(system[0], context, rtol=tolerance) for context in (own, None))
+    theirs.setGMRESRestart(6)
+    (found, _), (expected, _) = (solved(each, system[1]) for each in (ksp, theirs))
+    assert seen[0] == kinds[0] and seen[-1] == "Changed" and set(seen) == set(kinds)
+    assert ksp.getIterationNumber() == theirs.getIterationNumber() > 6
+    np.testing.assert_allclose(found, expected, atol=10.0 * tolerance)
+    left = np.linalg.norm(system[0] @ found - system[1])
+    assert left <= 1.001 * tolerance * np.linalg.norm(system[1])
+
+
 def test_what_a_solve_begins_with_counts(system):
     exact = np.linalg.solve(*system)
     ksp = ksp_of(system[0], FlexibleGMRES(ALONE, True), atol=1e-3)
