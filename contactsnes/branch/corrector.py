@@ -23,6 +23,7 @@ from ..solvers.krylov import LARGE
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
+from ..solvers.ritz import stirred
 from ..solvers.snes import WARM, collect, create_snes
 from ..solvers.vectors import create_vector
 
@@ -115,7 +116,8 @@ class Corrector:
             guess = self.fitted(guess)
             form = self.form_on(guess, controls)
             form.set_load(load)
-            unknown, iterations = self.run(form, form.packed(guess), most_iterations)
+            unknown, iterations = self.run(form, stirred(form, form.packed(guess)),
+                                           most_iterations)
             state = form.state(unknown)
             if not self.covers(form, state):
                 guess = self.fitted(state, afresh=True)
@@ -162,16 +164,10 @@ class Corrector:
                              controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,
                                     pays(self.form, self.settings.linear_precision))
-            self.hasten(self.snes)
+            self.patience.watch(self.snes, self.contact)
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
-
-    def hasten(self, snes):
-        """Have a SNES give up early on a rough plane (`Patience`)."""
-        if (of_snes(snes).has_tangent and not self.contact.convex
-                and len(self.contact.grid.shape) == 2):
-            snes.setConvergenceTest(self.patience.test)
 
     def run(self, form, unknown, most_iterations, snes=None):
         """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or

@@ -238,7 +238,7 @@ class Tracer(Corrector, Neighbours, Ends):
             arc = ArcLength(form, *aim)
             self.arc = arc, create_snes(arc, "" if own else "arc_",
                                         packed=pays(form, self.settings.linear_precision))
-            self.hasten(self.arc[1])
+            self.patience.watch(self.arc[1], self.contact)
         arc, snes = self.arc
         arc.aim(*aim)
         unknown = arc.joined(form.pack(states.onto(state, form.window), state.means[form.forced]),

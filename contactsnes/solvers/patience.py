@@ -2,6 +2,8 @@
 
 from petsc4py import PETSc
 
+from .capabilities import of_snes
+from .ritz import many
 from .snes import NOT_A_NUMBER
 
 FIRST, LATER = 0.7, 0.5
@@ -23,6 +25,11 @@ class Patience:
 
     def __init__(self):
         self.short, self._first, self._least = False, 0.0, 0.0
+
+    def watch(self, snes, contact):
+        """Be the test of a SNES that has a tangent, where spots are many."""
+        if many(contact) and of_snes(snes).has_tangent:
+            snes.setConvergenceTest(self.test)
 
     def test(self, snes, iteration, norms):
         """The reason to stop, or to go on.

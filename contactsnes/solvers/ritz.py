@@ -3,9 +3,35 @@
 import numpy as np
 
 from .krylov import of_ksp
+from .vectors import communicator
 
 TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
+STIRRED = 1e-5
+"""Displacement, root mean square in ranges of the law, by which a solve of many spots begins
+elsewhere."""
+
+
+def many(contact):
+    """Whether a contact may have many spots: a plane whose gap is not convex."""
+    return not contact.convex and len(contact.grid.shape) == 2
+
+
+def stirred(form, unknown):
+    """An unknown, where spots are many with a little added, in place, of which every mode has a
+    part: a Krylov space sees what its residual has a part of, and that of equal spots has none of
+    a pattern, however unstable.
+
+    Parameters
+    ----------
+    form : of the equations
+    unknown : array of the form's size
+    """
+    if form.in_displacements and many(form.contact):
+        noise = np.random.default_rng(communicator(form).rank).standard_normal(form.count)
+        noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
+        unknown[:form.count] += noise
+    return unknown
 
 
 def ritz_values(ksp):

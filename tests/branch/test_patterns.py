@@ -1,0 +1,67 @@
+"""Patterns of an egg-box, whose equal spots are all alike in what loads move: modes that no load
+excites are told of, without certificates."""
+
+import numpy as np
+import petsc4py
+import pytest
+
+petsc4py.init([])
+
+from contactsnes import Branch, Load, Scene  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
+from contactsnes.dynamics import jumps  # noqa: E402
+from contactsnes.scene.settings import Steps  # noqa: E402
+from contactsnes.solvers import ritz  # noqa: E402
+
+POINTS, PERIOD, PITCH = 64, 12.0, 3.0
+STABLE, UNSTABLE = 0.0, -0.5
+
+
+def branch_of(file, said, start=STABLE, end=UNSTABLE):
+    """The branch of sixteen equal spots, pulled; their slope is 1, so that they attract each other
+    over the gaps between them."""
+    wave = 2 * np.pi / PITCH * np.arange(POINTS) * PERIOD / POINTS
+    np.save(file, PITCH / (2 * np.pi) * (np.cos(wave)[:, None] + np.cos(wave)))
+    scene = Scene(dimension=2, geometry="file", geometry_file=str(file), points=POINTS,
+                  period=PERIOD, normal_maugis=2.0)
+    return Branch(scene, Load(start=f"normal_displacement={start}",
+                              path=f"normal_displacement={end}"),
+                  steps=Steps(initial_step=0.1, largest_step=0.1), log=said.append)
+
+
+@pytest.fixture(params=[True, False])
+def pulled(request, tmp_path, monkeypatch):
+    """Whether solves are stirred, a branch that has lost its stability to a pattern, its points,
+    and what it said."""
+    if not request.param:
+        monkeypatch.setattr(ritz, "STIRRED", 0.0)
+    said = []
+    branch = branch_of(tmp_path / "heights.npy", said)
+    return request.param, branch, list(branch), said
+
+
+def test_a_pattern_is_told_of_where_solves_are_stirred(pulled):
+    stirred, _, points, said = pulled
+    assert any("not stable" in sentence for sentence in said) == stirred
+    assert (points[-1].softest < 0.0) == stirred
+    assert points[0].softest > 0.0 and points[-1].load[0] == UNSTABLE
+
+
+def test_motion_leaves_the_state_to_a_pattern(pulled):
+    """With inertia, from beside it by a wave as long as the cell: what is told is true."""
+    _, branch, points, _ = pulled
+    wave = 0.2 * np.cos(2 * np.pi * np.arange(POINTS) / POINTS)[:, None] * np.ones(POINTS)
+    for point, leaves in ((points[0], False), (points[-1], True)):
+        state = states.State(point.state.window, point.state.displacement
+                             + point.state.window.take(wave)[None], point.state.means)
+        end = jumps.by_inertia(branch.corrector, state, point.controls, point.load, "here")
+        moved = states.missed(branch.contact, point.state, end.state, largest=True)
+        assert moved > 1.0 if leaves else moved < 1e-4
+
+
+def test_a_first_point_that_is_not_stable_is_told_of(tmp_path):
+    said = []
+    point = next(iter(branch_of(tmp_path / "heights.npy", said, UNSTABLE, STABLE)))
+    assert point.softest < 0.0
+    assert any("the first point" in sentence and "not stable: 4 modes" in sentence
+               for sentence in said)
