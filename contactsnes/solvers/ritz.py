@@ -27,7 +27,7 @@ def stirred(form, unknown):
     form : of the equations
     unknown : array of the form's size
     """
-    if form.in_displacements and many(form.contact):
+    if form.in_displacements and form.components == 1 and many(form.contact):
         noise = np.random.default_rng(communicator(form).rank).standard_normal(form.count)
         noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
         unknown[:form.count] += noise
