@@ -7,14 +7,10 @@ grids decides; each finer one only corrects what it finds.
 
 from dataclasses import replace
 
-import numpy as np
-
 from ..contact import places, states
 from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
-from ..continuation.bifurcations import BACK
-from ..continuation.points import Leg, NoEquilibrium, NotConverged, NoWayBack
-from ..continuation.turning import turns
+from ..continuation.points import Crossing, NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
 from ..dynamics.control import rough
 from ..solvers.snes import COLD, collect
@@ -28,8 +24,13 @@ jumped is moved by more."""
 SAME = 1e-3
 """Largest way of a node, ranges of the law, from the state that lies behind a bracket to the one
 before it, up to which both are one: no fold lies in between."""
-SHORTEST = 0.2
+SHORTEST = 0.5
 """Part of a bracket below which steps on the way back through it are not halved."""
+CLOSE = 0.1
+"""The same of steps towards a fold in it."""
+NARROWER = 2
+"""How many narrower brackets in each other are tried where the state beyond one does not lead back
+to before it."""
 
 
 def reached(system, start, controls, load, where):
@@ -112,12 +113,11 @@ def _with_works(point, motion):
 
 
 def crossed(system, last, beyond, where):
-    """What lies beyond a bracket of loads: the state to which motion from a point leads under the
-    load at the bracket's end, and the end of a jump on the way there, None where there is none.
+    """What lies in a bracket of loads and beyond it: a `Crossing`.
 
-    That end is where the motion leads back to under the load of the point: a state of less energy.
-    Where nothing leads back, or to more energy, it is the end of the motion itself, under the load
-    beyond, if the branch between the two turns back (`turning.turns`).
+    Motion from a point leads under the load at the bracket's end to a state beyond a fold, if there
+    is one. Where that leads back to the point's load, to less energy, the point is next to the
+    fold; else a step of the branch nearer to it is.
 
     Parameters
     ----------
@@ -129,119 +129,141 @@ def crossed(system, last, beyond, where):
     Raises
     ------
     NoEquilibrium : where the body leaves or slides without end
-    NotConverged : where the motion does not settle, or nothing tells whether the branch turns
+    NotConverged : where the motion does not settle
+    NoWayBack : where no branch leads back, or to more energy
     """
-    ahead, end = _crossing(system, last.state, last.controls, (last.load, beyond), where)
-    if end is not None and not np.array_equal(end.load, beyond) and _gained(system.contact, last,
-                                                                            end) > 0.0:
-        # Under the load of the point it is the other state to which a body would jump.
-        raise NoWayBack("the branch beyond a refused step leads back to more energy")
-    if end is not None:
+    found = _crossing(system, last, last.load, beyond, where)
+    if found.behind is not None:
         system.log(f"a jump before {system.contact.scene.loads(last.controls, beyond)}: "
-                   f"{places.moved(system.contact, last.state, end.state)}")
-    return ahead, end
+                   f"{places.moved(system.contact, last.state, found.behind.state)}")
+    return found
 
 
-def _gained(contact, last, found):
-    """Energy that body and interface have more than before at held loads, less what these did; nan
-    where the law has no potential."""
-    before, after = (sum(stored(contact, point)) for point in (last, found))
-    moved = far_displacements(contact, found) - far_displacements(contact, last)
-    return after - before - weights(contact, len(moved)) @ (last.forces * moved)
+def _crossing(system, last, load, beyond, where):
+    """`crossed` from a point at a load, on coarser grids where these serve."""
+    controls = last.controls
 
-
-def _crossing(system, origin, controls, loads, where):
-    """`crossed` from a state, on coarser grids where these serve; ``loads`` before and beyond."""
     def motion(coarse, level):
-        near = tuple(level.load(controls, load) for load in loads)
-        ahead, end = _crossing(coarse, level.origin, controls, near, where)
-        if end is None:
-            return level.prolonged(ahead), None
-        held = loads[int(np.array_equal(end.load, near[1]))]
-        point = corrected(system, level.prolonged(end.state), controls, held)
-        same = states.missed(system.contact, origin, point.state, largest=True) < SAME
-        return level.prolonged(ahead), None if same else _with_works(point, end)
+        begin, end = level.load(controls, load), level.load(controls, beyond)
+        found = _crossing(coarse, coarse.solve(level.origin, controls, begin), begin, end, where)
+        at = load + found.begin * (beyond - load)
 
-    return (_coarsely(system, controls, origin, motion)
-            or _crossed(system, origin, controls, loads, where))
+        def fine(point):
+            return corrected(system, level.prolonged(point.state), controls, at)
+
+        before = fine(found.before) if found.begin else last
+        behind = found.behind and _lower(system, before,
+                                         _with_works(fine(found.behind), found.behind))
+        return found._replace(before=before, behind=behind, ahead=level.prolonged(found.ahead))
+
+    return (_coarsely(system, controls, last.state, motion)
+            or _crossed(system, last, load, beyond, where, NARROWER))
 
 
-def _crossed(system, origin, controls, loads, where):
-    """The same on the system's own grid."""
-    load, beyond = loads
-    ahead = jumps.settle(system, origin, controls, beyond, where, origin)
-    last, way = system.solve(origin, controls, load), Way(system, ahead, controls, loads)
-    behind = way.back()
-    same = behind and states.missed(system.contact, origin, behind.state, largest=True) < SAME
-    if behind is None or (same and not way.leads_back(last)):
-        try:
-            return ahead.state, ahead if way.turns(last) else None
-        except NotConverged:
-            # far apart: a jump that is larger than its bracket
-            behind = way.back(SHORTEST)
-        if behind is None:
+def _crossed(system, last, load, beyond, where, narrower):
+    """The same on the system's own grid, with as many narrower brackets within each other."""
+    ahead = jumps.settle(system, last.state, last.controls, beyond, where, last.state)
+
+    def told(begin, before, shortest):
+        at = load + begin * (beyond - load)
+        behind = _lower(system, before, _back(system, ahead, at, shortest))
+        return Crossing(begin, 1.0, before, behind and _with_works(behind, ahead), ahead.state)
+
+    try:
+        return told(0.0, last, 1.0)
+    except NoWayBack:
+        if not narrower:
+            raise
+    begin, end, before = _nearest(system, last, load, beyond)
+    try:
+        return told(begin, before, SHORTEST)
+    except NoWayBack:
+        # Motion may have led past more than one fold.
+        found = _crossed(system, before, load + begin * (beyond - load),
+                         load + end * (beyond - load), where, narrower - 1)
+    width = end - begin
+    return found._replace(begin=begin + width * found.begin, end=begin + width * found.end)
+
+
+def _lower(system, before, behind):
+    """A point behind a jump; None where it is the one before it.
+
+    Raises
+    ------
+    NoWayBack : where it has more energy, so that under its load it is the other state to which a
+        body would jump
+    """
+    contact = system.contact
+    if states.missed(contact, before.state, behind.state, largest=True) < SAME:
+        return None
+    kept, reached = (sum(stored(contact, point)) for point in (before, behind))
+    moved = far_displacements(contact, behind) - far_displacements(contact, before)
+    if reached - kept - weights(contact, len(moved)) @ (before.forces * moved) > 0.0:
+        raise NoWayBack("the branch beyond a refused step leads back to more energy")
+    return behind
+
+
+def _back(system, ahead, load, shortest):
+    """The point at a load on the branch of one beyond it, in steps as long as they stay on it.
+
+    Parameters
+    ----------
+    system, ahead : Corrector, and the Point
+    load : where the way ends
+    shortest : part of the way below which steps are not halved
+    """
+    known, step = [(0.0, ahead)], 1.0
+    while known[-1][0] < 1.0:
+        here = known[-1][0]
+        point = _stepped(system, known, here + step, ahead.load, load)
+        if point is not None:
+            known, step = [*known[-1:], (here + step, point)], min(2.0 * step, 1.0 - here - step)
+        elif step > shortest:
+            step *= 0.5
+        else:
             raise NoWayBack("the branch beyond a refused step does not reach back")
-        same = states.missed(system.contact, origin, behind.state, largest=True) < SAME
-    if same:
-        return ahead.state, None
-    return ahead.state, (ahead if _gained(system.contact, last, behind) > 0.0
-                         else _with_works(behind, ahead))
+    return known[-1][1]
 
 
-class Way:
-    """The way back from where motion led, under a load beyond another.
+def _nearest(system, last, begin, end):
+    """(place, refused, point): how far on the way from a point at the load ``begin`` to a load
+    ``end`` beyond a fold the branch leads, in halved steps, and the nearest place to which it does
+    not."""
+    known, refused, step = [(0.0, last)], 1.0, 0.5
+    while step > CLOSE:
+        place = known[-1][0] + step
+        point = _stepped(system, known, place, begin, end)
+        if point is None:
+            refused = place
+        else:
+            known = [*known[-1:], (place, point)]
+        step *= 0.5
+    return known[-1][0], refused, known[-1][1]
+
+
+def _stepped(system, known, place, begin, end):
+    """The stable point at a place of a way between two loads, next to those that are known; None
+    where a solve leads elsewhere.
 
     Parameters
     ----------
     system : Corrector
-    ahead : Point, where it led
-    controls, loads : what is held, and the loads at the end of the way and at its begin
+    known : [(place, Point), ...], the last two at most
+    place : of the new point
+    begin, end : arrays, the loads at places 0 and 1
     """
-
-    def __init__(self, system, ahead, controls, loads):
-        moving = int(np.argmax(np.abs(loads[1] - loads[0])))
-        self.leg = Leg(0, controls, *loads, moving, 1.0, 1.0, 1.0)
-        self.system, self.ahead = system, replace(ahead, position=1.0)
-
-    def back(self, shortest=1.0):
-        """The point at its end, reached in steps as long as they stay on the branch; None where
-        those above a part of the way do not.
-
-        Parameters
-        ----------
-        shortest : float
-        """
-        known, step, system = [(1.0, self.ahead.state)], 1.0, self.system
-        while known[-1][0] > 0.0:
-            here, last = known[-1]
-            place, guess = max(here - step, 0.0), last
-            if len(known) > 1:
-                part = (place - here) / (here - known[-2][0])
-                guess = states.combined(system.contact, [known[-2][1], last], [-part, 1.0 + part])
-            try:
-                point = system.solve(guess, self.leg.controls, self.leg.load(place))
-                lost = point.softest < 0.0 or strayed(system.contact, guess, last,
-                                                      point.state) > 0.0
-            except NotConverged:
-                lost = True
-            if not lost:
-                known = [*known[-1:], (place, point.state)]
-                step *= 2.0
-            elif step > shortest:
-                step *= 0.5
-            else:
-                return None
-        return point
-
-    def leads_back(self, last):
-        """Whether the branch's tangent at its begin leads back to the point at its end."""
-        tangent = self.system.along_tangent(self.ahead, self.leg, 1.0, -1.0)
-        return self.system.progress(self.ahead.state, last.state, tangent) >= BACK
-
-    def turns(self, last):
-        """Whether the load turns back between a point at its end and its begin; NotConverged where
-        that is not known."""
-        return turns(self.system, self.leg, replace(last, position=0.0), self.ahead)
+    here, last = known[-1]
+    guess = last.state
+    if len(known) > 1:
+        part = (place - here) / (here - known[-2][0])
+        guess = states.combined(system.contact, [known[-2][1].state, guess], [-part, 1.0 + part])
+    try:
+        point = system.solve(guess, last.controls, begin + place * (end - begin))
+    except NotConverged:
+        return None
+    lost = (point.softest < 0.0
+            or strayed(system.contact, guess, last.state, point.state) > 0.0)
+    return None if lost else point
 
 
 def _coarsely(system, controls, origin, motion):

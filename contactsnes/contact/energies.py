@@ -240,10 +240,9 @@ class PathEnergies:
     def _after_jump(self, entry, last):
         """The point behind a jump from ``last``: loads held did work, and what is not stored is
         lost."""
-        # A jump that ends at the far side of its fold's bracket is known to the bracket's width.
-        forces = 0.5 * (last.forces + entry.forces)
-        external = weights(self.contact, len(forces)) @ (forces * (entry.displacements
-                                                                   - last.displacements))
+        external = weights(self.contact,
+                           len(entry.forces)) @ (last.forces * (entry.displacements
+                                                                - last.displacements))
         point, before = entry.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"

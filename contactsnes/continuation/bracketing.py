@@ -2,26 +2,22 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from . import branching
-from .load_steps import MISSED
 from .natural import NaturalSteps, fold_kind
-from .points import NoEquilibrium, NoFold, NotConverged
-
-BRACKET = 0.25
-"""Part of a leg's first step, and of a fortieth of it, within which a refused step is taken for a
-fold, and with which the path goes on behind one."""
+from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
+from .turning import BRACKET, TurnSearch, starts
 
 
 class BracketingSteps(NaturalSteps):
     """Steps that do not locate a fold: between a point and a step beyond it that is refused, motion
     under the load of the latter tells.
 
-    It ends in an equilibrium (`system.Motion.crossed`). Where the branch leads from there to the
-    point without turning, there is no fold, and steps go on from what was found; else the point is
-    the fold, known to the length of the step, and what lies beyond it the end of the jump, under
-    the load of the point if it is there, or that of the refused step. Where motion does not tell
+    It ends in an equilibrium, which is followed back to the load of the point, or of one between
+    (`system.Motion.crossed`). Where that leads to the point itself, there is no fold, and steps go
+    on from what was found; where it leads elsewhere, the point is the fold, known to the length of
+    the step, and what was found there the end of the jump. Where no way back is found, or one to
+    more energy, the branch is followed by arc length to where its load turns
+    (`turning.TurnSearch`): a small jump, or a steep branch without one. Where no motion is found
     the fold is located. Parameters as of `LoadSteps`.
     """
 
@@ -62,31 +58,64 @@ class BracketingSteps(NaturalSteps):
         place, last = self.history[-1]
         beyond = min(place + refused, 1.0)
         try:
-            ahead, end = self.system.crossed(last, self.leg.load(beyond), f"at "
-                                             f"{self._place(beyond)}")
-            point = self._followed(beyond, ahead) if end is None else None
+            found = self.system.crossed(last, self.leg.load(beyond), f"at {self._place(beyond)}")
+        except NoWayBack as failure:
+            yield from self._by_arc(failure, error, refused)
+            return
         except (NotConverged, NoEquilibrium) as failure:
             self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
                             f"not tell what lies behind it ({failure})")
             yield from super()._fold(error, refused)
             return
-        if end is None:
-            yield from self._arrive(*self._examined(replace(point, step=beyond - place)))
-        else:
-            yield from self._left(ahead, end, beyond)
+        begin = place + found.begin * (beyond - place)
+        if found.end < 1.0:
+            beyond = place + found.end * (beyond - place)
+        if begin > place:
+            try:
+                nearer = self._examined(self._nearer(found, begin, beyond))
+            except NotConverged as failure:
+                yield from self._by_arc(failure, error, refused)
+                return
+            yield from self._arrive(*nearer)
+            if self.history[-1][0] != begin:
+                return
+        yield from (self._onward(error, found, beyond) if found.behind is None
+                    else self._left(found, beyond))
 
-    def _left(self, ahead, end, beyond):
+    def _nearer(self, found, place, beyond):
+        """The point of a `Crossing` before its jump, a fold if it has one, at the begin of a
+        bracket between two places."""
+        point = replace(found.before, leg=self.leg.number, position=place, step=beyond - place)
+        return point if found.behind is None else self._marked(point, beyond - place)
+
+    def _onward(self, error, found, beyond):
+        """Yield the point at the end of a bracket without a fold; by arc length where a step to its
+        `Crossing`'s state does not lead there."""
+        refused = beyond - self.history[-1][0]
+        try:
+            point = self._step(beyond, self.predictor, found.ahead)
+        except NotConverged as failure:
+            yield from self._by_arc(failure, error, refused)
+            return
+        yield from self._arrive(*self._examined(replace(point, step=refused)))
+
+    def _by_arc(self, failure, error, refused):
+        """What `_fold` yields, by arc length; why that is asked."""
+        self.system.log(f"{failure}: following it by arc length from "
+                        f"{self._place(self.history[-1][0])}")
+        yield from super()._fold(error, refused, TurnSearch, starts)
+
+    def _left(self, found, beyond):
         """Yield the last point as a fold, if it is not told of, the end of its jump, and the point
-        at the bracket's far side.
+        behind it at the bracket's far side.
 
         Parameters
         ----------
-        ahead, end : as of `system.Motion.crossed`
+        found : `Crossing`
         beyond : position of the far side
         """
         (place, last), moved = self.history[-1], self.system.account()
-        fold, far = self._marked(last, beyond - place), np.array_equal(end.load,
-                                                                       self.leg.load(beyond))
+        fold = self._marked(last, beyond - place)
         if self.at_fold == "stop":
             self.stopped = True
             if last.event != "fold":
@@ -95,17 +124,15 @@ class BracketingSteps(NaturalSteps):
         # Two points so near each other foretell no long step.
         step = min(max(2.0 * (beyond - place), BRACKET * self.shortest), self.leg.initial)
         where = f"at {self._place(place)}, beyond the fold ({fold.fold_kind})"
-        jump = branching.settled(self.system, self.certify, end, where)
+        jump = branching.settled(self.system, self.certify, found.behind, where)
         self.history = []
-        jump = self._accept(replace(jump, leg=self.leg.number, position=beyond if far else place,
-                                    step=step, event="jump"))
+        jump = self._accept(replace(jump, leg=self.leg.number, position=place, step=step,
+                                    event="jump"))
         if last.event != "fold":
             yield fold
         yield replace(jump, spent={name: moved[name] + jump.spent[name] for name in moved})
-        if far:
-            return
         try:
-            point = self._examined(self._step(beyond, self.predictor, ahead))
+            point = self._examined(self._step(beyond, self.predictor, found.ahead))
         except NotConverged:
             return
         yield from self._arrive(replace(point[0], step=step), point[1])
@@ -117,16 +144,6 @@ class BracketingSteps(NaturalSteps):
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
                        fold_precision=float(width), step=step, origin=self.leg.start,
                        spent=dict.fromkeys(last.spent, 0))
-
-    def _followed(self, beyond, ahead):
-        """The point at the end of a bracket without a fold, next to a state; NotConverged where a
-        solve does not lead there."""
-        last = self.history[-1][1]
-        point = self.system.solve(ahead, self.leg.controls, self.leg.load(beyond))
-        if self.system.missed(ahead, point.state) > MISSED or self.system.strayed(
-                ahead, last.state, point.state) > 0.0:
-            raise NotConverged("the solve beyond a refused step leads elsewhere than motion")
-        return point.changed(leg=self.leg.number, position=beyond)
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, what motion leads to further on: no

@@ -175,7 +175,7 @@ class NaturalSteps(LoadSteps):
         self.history = [*self.history[-3:], (point.position, point)]
         return point
 
-    def _fold(self, error, refused=np.inf):
+    def _fold(self, error, refused=np.inf, kind=FoldSearch, starts=departures.starts):
         """Find out what stops the steps before the end of a refused step; yield the fold and, by
         default, the point after the jump.
 
@@ -183,13 +183,15 @@ class NaturalSteps(LoadSteps):
         ----------
         error : NotConverged, why a step was refused
         refused : its length
+        kind : class of the search for the fold
+        starts : function as `departures.starts`, of states from which the jump's motion begins
         """
         place, last = self.history[-1]
         fold, passed = self.system.end_of_attraction(last, self.leg, place), None
         if fold is None:
-            search = FoldSearch(self.system, self.leg, self.history)
+            search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)
-            begins = [] if fold is None else departures.starts(self.system, fold, beyond)
+            begins = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
             fold = replace(fold, leg=self.leg.number, step=self.leg.initial,

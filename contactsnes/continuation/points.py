@@ -3,7 +3,7 @@ to each other."""
 
 import math
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -17,7 +17,25 @@ class NoFold(NotConverged):
 
 
 class NoWayBack(NotConverged):
-    """The branch beyond a bracket of loads does not reach back through it."""
+    """The branch beyond a bracket of loads does not lead back into it, or to more energy."""
+
+
+class Crossing(NamedTuple):
+    """What lies in a bracket of loads and beyond it.
+
+    Attributes
+    ----------
+    begin, end : float, where a narrower one lies in the bracket, 0 and 1 if it is the same
+    before : Point at its begin of the branch that leads into it
+    behind : Point after the jump there; None where that is ``before`` itself: there is no fold
+    ahead : State beyond the jump at its end
+    """
+
+    begin: float
+    end: float
+    before: object
+    behind: object
+    ahead: object
 
 
 class TooCoarse(RuntimeError):

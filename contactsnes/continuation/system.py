@@ -10,7 +10,7 @@ from typing import Any, Optional, Protocol, runtime_checkable
 
 import numpy as np
 
-from .points import Direction, Leg, Point
+from .points import Crossing, Direction, Leg, Point
 
 
 @runtime_checkable
@@ -231,24 +231,20 @@ class Motion(Protocol):
         NotConverged : where it does not settle
         """
 
-    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> tuple:
-        """(the state to which motion from a point leads under a load beyond its own, the end of a
-        jump on the way there); no point where the branch leads there without turning.
-
-        The end of the jump is under the load of the point, if what lies beyond leads back there to
-        less energy, else that of the motion, under its load.
+    def crossed(self, last: Point, beyond: np.ndarray, where: str) -> Crossing:
+        """What lies between a point and a load beyond a fold, and under that load.
 
         Parameters
         ----------
         last : Point
-        beyond : what is held during the motion
+        beyond : what is held during the motion that tells
         where : what messages say of the place
 
         Raises
         ------
         NoEquilibrium : where motion shows that there is none
         NotConverged : where the motion does not settle
-        NoWayBack : where nothing tells whether the branch turns
+        NoWayBack : where no branch leads back from there, or to more energy
         """
 
 

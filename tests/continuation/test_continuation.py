@@ -20,6 +20,7 @@ from contactsnes.continuation.natural import (
 )
 from contactsnes.continuation.path import branch
 from contactsnes.continuation.points import (
+    Crossing,
     Direction,
     Leg,
     NoEquilibrium,
@@ -277,7 +278,8 @@ class System:
     def crossed(self, last, beyond, where):
         ahead = self.settle(last.state, last.controls, beyond, where)
         behind = self.solve(ahead.state, last.controls, last.load)
-        return ahead.state, None if self.missed(last.state, behind.state) < 1e-3 else behind
+        same = self.missed(last.state, behind.state) < 1e-3
+        return Crossing(0.0, 1.0, last, None if same else behind, ahead.state)
 
     def _newton(self, residual, jacobian, guess):
         state = np.array(guess, dtype=float)
