@@ -7,7 +7,6 @@ from ..contact.force_form import FORMS
 from ..grid.transfer import refined, resampled
 from ..scene.resolution import LARGEST_RESOLUTION, resolution
 from ..solvers.capabilities import asked
-from .corrector import Corrector
 
 SMOOTH = 0.25
 """Ranges of the law by which the gap between the nodes of a grid may miss what its neighbours, by a
@@ -30,7 +29,7 @@ def coarser(system, contact, tolerance):
     if not (form.cascade and not FORMS[form.form].whole_cell and form.first == "none"
             and asked().has_tangent):
         return None
-    coarse = Corrector(contact, system.settings, system.log, tolerance)
+    coarse = system.on(contact, tolerance)
     coarse.totals = system.totals
     return coarse
 

@@ -91,6 +91,10 @@ class Corrector:
         return {**self.totals, "transforms": counter.transforms,
                 "transforms_single": counter.transforms_single, "wall_time": time.perf_counter()}
 
+    def on(self, contact, tolerance):
+        """One for another grid of the contact, whose tolerance of the residual norm may differ."""
+        return Corrector(contact, self.settings, self.log, tolerance)
+
     def account(self):
         """What was spent since the last call, by name."""
         now, before = self._spent_so_far(), self._accounted

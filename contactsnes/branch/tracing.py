@@ -20,7 +20,7 @@ from ..solvers.capabilities import asked
 from ..solvers.precision import pays
 from ..solvers.snes import WARM, create_snes, kept
 from ..solvers.vectors import create_vector
-from . import coarse_motion
+from . import coarse_motion, crossing
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
@@ -60,7 +60,11 @@ class Tracer(Corrector, Neighbours, Ends):
     examiner = None
     kicked = jumps.kicked
     settle = coarse_motion.settle
-    crossed = coarse_motion.crossed
+    crossed = crossing.crossed
+
+    def on(self, contact, tolerance):
+        """As of `Corrector`."""
+        return Tracer(contact, self.settings, self.log, tolerance)
 
     def told(self, controls, load):
         """Loads in words."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from . import branching
+from .load_steps import MISSED
 from .natural import NaturalSteps, fold_kind
 from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
 from .turning import BRACKET, TurnSearch, starts
@@ -89,15 +90,19 @@ class BracketingSteps(NaturalSteps):
         return point if found.behind is None else self._marked(point, beyond - place)
 
     def _onward(self, error, found, beyond):
-        """Yield the point at the end of a bracket without a fold; by arc length where a step to its
-        `Crossing`'s state does not lead there."""
-        refused = beyond - self.history[-1][0]
+        """Yield the point at the end of a bracket without a fold, next to its `Crossing`'s state;
+        by arc length where a solve does not lead there."""
+        place, last = self.history[-1]
         try:
-            point = self._step(beyond, self.predictor, found.ahead)
+            point = self.system.solve(found.ahead, self.leg.controls, self.leg.load(beyond))
+            if self.system.missed(found.ahead, point.state) > MISSED or self.system.strayed(
+                    found.ahead, last.state, point.state) > 0.0:
+                raise NotConverged("the solve beyond a refused step leads elsewhere than motion")
         except NotConverged as failure:
-            yield from self._by_arc(failure, error, refused)
+            yield from self._by_arc(failure, error, beyond - place)
             return
-        yield from self._arrive(*self._examined(replace(point, step=refused)))
+        yield from self._arrive(*self._examined(point.changed(
+            leg=self.leg.number, position=beyond, step=beyond - place)))
 
     def _by_arc(self, failure, error, refused):
         """What `_fold` yields, by arc length; why that is asked."""

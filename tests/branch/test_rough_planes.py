@@ -9,7 +9,7 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes import Branch, Load, Scene  # noqa: E402
-from contactsnes.branch import coarse_motion  # noqa: E402
+from contactsnes.branch import coarse_motion, crossing  # noqa: E402
 from contactsnes.branch.coarser import resolving  # noqa: E402
 from contactsnes.branch.departure import Departure  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
@@ -66,18 +66,18 @@ def pressed(request, heights, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         if request.param != "bracketed":
             refused = {"narrowed": 1, "nested": 2, "turned": np.inf}[request.param]
-            patch.setattr(coarse_motion, "_crossed", without_ways_back(patch, refused))
+            patch.setattr(crossing, "_crossed", without_ways_back(patch, refused))
         points = list(branch)
     assert any("by arc length" in sentence for sentence in said) == (request.param == "turned")
     return branch, points, said
 
 
 def without_ways_back(patch, number):
-    """`coarse_motion._crossed` that finds no way back so many times at first."""
-    crossed, back, tried = coarse_motion._crossed, coarse_motion._back, []
+    """`crossing._crossed` that finds no way back so many times at first."""
+    crossed, back, tried = crossing._crossed, crossing._back, []
 
     def counted(*given):
-        if given[-1] == coarse_motion.NARROWER:
+        if given[-1] == crossing.NARROWER:
             tried.clear()
         return crossed(*given)
 
@@ -87,7 +87,7 @@ def without_ways_back(patch, number):
             raise NoWayBack("the branch beyond a refused step does not reach back")
         return back(*given)
 
-    patch.setattr(coarse_motion, "_back", refused)
+    patch.setattr(crossing, "_back", refused)
     return counted
 
 
