@@ -4,11 +4,12 @@ compact one, say."""
 from itertools import zip_longest
 
 import numpy as np
+import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
 from ..grid.contours import first_largest
-from .projection import Space, joined, lengths, projected, real
+from .projection import Space, joined, lengths, projected
 
 ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4;
@@ -19,27 +20,27 @@ FALSE = 0.02
 """Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a
 projection of it may have negative eigenvalues that J itself has not, with residuals of a quarter of
 them."""
-WARM, COLD = (4,), (12, 12)
-"""Products of the sequences from noise that a search begins with, where modes of a point nearby are
-known and where none are: two modes with nearly the same eigenvalue look like one to a single
-sequence."""
-STEPS = 120
-NOISE = 0.3
+BASIS = 3
+LONGER = 4
+PATIENCE = 8
+RUNS = 40
+NOISE = 0.003
 MOST = 16
-"""Most steps of a search, the noise over what its sequence begins with otherwise, and vectors of a
-symmetry beyond which the projection begins anew from its modes."""
+"""Products of a run of ARPACK; how many times as many it has for a first point, and after so many
+runs: next to a fold short ones stall; most runs, the part of noise in their starts, and vectors of
+a symmetry beyond which the projection begins anew from its modes."""
 
 
 def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
     """Unstable modes (real part negative) and the first stable ones of J with preconditioner P:
     `Modes` of each symmetry.
 
-    J's own modes are those of its projection on vectors that are split by symmetry: those to begin
-    with; Krylov sequences, with a part of noise, of 1 - P^-1 (J - s), s the leading eigenvalue as
-    far as it is known, an operator that has no large eigenvalues (Golub and Ye 2002, SIAM J. Sci.
-    Comput. 24, 312); and one by one, until residuals say that the signs are certain and the leading
-    one is accurate, P^-1 (J x - s x) of the modes x that do not do yet (Davidson's method, Morgan
-    and Scott 1986, SIAM J. Sci. Stat. Comput. 7, 817).
+    ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as
+    far as it is known: that operator has no large eigenvalues, and where s is an eigenvalue of J it
+    has the same mode. J's own modes are those of its projection on all vectors that ARPACK
+    multiplied (the inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci.
+    Comput. 24, 312), split by symmetry. Again, from these, until residuals say that the signs are
+    certain and the leading one is accurate.
 
     Parameters
     ----------
@@ -68,32 +69,33 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     modes = joined(space.modes())
     raise NotConverged("the modes of the point were not found: eigenvalue "
                        f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
-                       f"{STEPS} steps")
+                       f"{RUNS} runs of ARPACK")
 
 
 def _searched(space, start, accurate, number, neutral):
-    """The modes of a space that grows by sequences and steps, None where residuals stay large;
+    """The modes of a space that grows by runs of ARPACK, None where residuals stay large;
     parameters as of `leading_modes`."""
     random, size = np.random.default_rng(1), space.operator.size
-    wanted = accurate, number, neutral
     space.begin(start)
-    for turn, count in enumerate(WARM if start else COLD):
-        noise = random.standard_normal(size) if space.grid is None else space.operator.noise(turn)
-        noise /= lengths(noise, space.grid)
-        found = space.ritz() if start else []
-        ahead = _ahead(space, found, wanted)
-        shift = _shift(found, number) if start else 0.0
-        _krylov(space, shift, noise if ahead is None else ahead + NOISE * noise, count)
-    for _ in range(STEPS):
-        found = space.ritz()
-        if not _loose(found, wanted).any():
-            modes = space.modes()
-            if not _loose(modes, wanted).any():
-                return modes
-        ahead = _ahead(space, found, wanted)
-        space.product(noise if ahead is None else ahead)
+    # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
+    # to a single run.
+    cold = 0 if start else 2
+    vectors, shift = (_ahead(space, joined(space.modes()), accurate, number) if start
+                      else ([], 0.0))
+    for run in range(RUNS):
+        noise = random.standard_normal(size) if space.grid is None else space.operator.noise(run)
+        begin = sum(vectors, (NOISE if vectors else 1.0) / lengths(noise, space.grid) * noise)
+        longer = run < cold or run >= PATIENCE
+        _krylov(space, shift, begin, BASIS * LONGER if longer else BASIS)
+        if run + 1 < cold:
+            continue
+        found = space.modes()
+        modes = joined(found)
+        if _settled(modes, accurate, number, neutral):
+            return found
+        vectors, shift = _ahead(space, modes, accurate, number)
         if space.largest > MOST:
-            space.begin(summed(space.modes()))
+            space.begin(summed(found))
     return None
 
 
@@ -116,61 +118,80 @@ def oriented(vector, operator=None):
 def summed(found):
     """Sums of modes of different symmetries, which can be told apart again: so that one vector
     carries one of each."""
-    return [sum(vectors) for vectors in zip_longest(*(real(part.vectors, part.grid)
+    return [sum(vectors) for vectors in zip_longest(*(_real(part.vectors, part.grid)
                                                       for part in found),
                                                     fillvalue=0.0)]
 
 
-def _ahead(space, found, wanted):
-    """The step P^-1 (J x - s x) from the modes that are not good enough, of length 1, or None where
-    there are none; parameters as of `_loose`."""
-    by_symmetry = np.split(_loose(found, wanted), np.cumsum([len(part.values) for part in found]))
-    defects = [space.defects(part, loose) for part, loose in zip(found, by_symmetry) if loose.any()]
-    if not defects:
-        return None
-    step = space.operator.precondition(sum(defects))
-    return step / lengths(step, space.grid)
+def _real(vectors, grid):
+    """Real and imaginary parts of vectors, a list without what vanishes."""
+    parts = [part for vector in vectors for part in (vector.real, vector.imag)]
+    return [part for part in parts if (part.any() if grid is None else grid.any(part))]
 
 
-def _krylov(space, shift, begin, count):
-    """Have a space grow by a Krylov sequence of 1 - P^-1 (J - shift): by as many vectors, made
-    orthonormal as they come, or fewer where these are no longer new."""
-    vector = begin
-    for _ in range(count):
-        if not space.product(vector):
-            return
-        vector, image = space.newest()
-        vector = vector - space.operator.precondition(image - shift * vector)
+def _ahead(space, modes, accurate, number):
+    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
+    the one that counts."""
+    loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
+    steps = [space.operator.precondition(residual)
+             for residual in _real(modes.defects[loose], space.grid)]
+    shift = modes.values[min(number, len(modes.values) - 1)].real
+    return [step / lengths(step, space.grid) for step in steps], min(shift, 0.5)
 
 
-def _loose(found, wanted):
-    """Which modes are not good enough, for the signs of all eigenvalues or for the leading ones.
+def _krylov(space, shift, begin, basis):
+    """ARPACK's search for modes of P^-1 (J - shift), to a loose tolerance of its own: ``space``
+    keeps all products on the way."""
+    operator = space.operator
+
+    def product(vector):
+        return vector - operator.precondition(space.product(vector) - shift * vector)
+
+    if space.grid is not None:
+        _arnoldi(product, begin, basis, space.grid)
+        return
+    size, linalg = operator.size, scipy.sparse.linalg
+    try:
+        linalg.eigs(linalg.LinearOperator((size, size), matvec=product, dtype=float), k=1,
+                    which="LR", v0=begin, ncv=basis, tol=0.1, maxiter=1,
+                    return_eigenvectors=False)
+    except (linalg.ArpackNoConvergence, linalg.ArpackError):
+        pass  # what it has tried serves as well
+
+
+def _arnoldi(product, begin, count, grid):
+    """As many products as a run of ARPACK has, of its vectors: ARPACK knows no other processes.
 
     Parameters
     ----------
-    found : `Modes` or `Ritz` of each symmetry; the answer has all one after the other
-    wanted : accurate, number, neutral, as of `leading_modes`
+    product : function (vector) -> vector
+    begin : vector
+    count : int
+    grid : Grid that sums over processes
     """
-    if not found:
-        return np.zeros(0, bool)
-    values, residuals, certain = (np.concatenate([getattr(part, name) for part in found])
-                                  for name in ("values", "residuals", "certain"))
-    accurate, number, neutral = wanted
-    share = np.where(values.real < 0.0, FALSE, 0.5)
-    loose = certain & (residuals >= np.maximum(share * np.abs(values.real), neutral))
-    if accurate is not None:
-        first = np.argsort(values.real, kind="stable")[:number + 1]
-        size = np.clip(4.0 * np.abs(values[first]), 1.0, 2.2)
-        loose[first] |= residuals[first] > accurate * size
-    return loose
+    basis, vector = np.empty((0, len(begin))), begin
+    for _ in range(count):
+        for _ in range(2):
+            vector = vector - grid.together(basis @ vector) @ basis
+        length = lengths(vector, grid)
+        if length == 0.0:
+            return
+        basis = np.concatenate([basis, [vector / length]])
+        vector = product(basis[-1])
 
 
-def _shift(found, number):
-    """The eigenvalue of a number, or 1/2 where that is smaller."""
-    values = np.sort(np.concatenate([part.values.real for part in found]))
-    return min(values[:number + 1][-1], 0.5)
+def _settled(modes, accurate, number, neutral):
+    """Whether residuals are small enough for the signs of all eigenvalues, and for the one that
+    counts."""
+    share = np.where(modes.values.real < 0.0, FALSE, 0.5)
+    signs = np.all((modes.residuals < np.maximum(share * np.abs(modes.values.real),
+                                                 neutral))[modes.certain])
+    return signs and (accurate is None
+                      or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values),
+                                                                       1.0, 2.2))[:number + 1]))
 
 
 def _all_modes(operator):
     """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
-    return projected(np.array([operator.apply(one) for one in np.eye(operator.size)]), 1)
+    unit = np.eye(operator.size)
+    return projected(unit, np.array([operator.apply(one) for one in unit]), 1)

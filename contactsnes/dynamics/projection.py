@@ -1,16 +1,12 @@
 """Modes of the projection of an operator on a space that grows, for each symmetry."""
 
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 from .sectors import Sectors, Together
-
-MOST = 16
-"""Vectors of a symmetry that there is room for at first."""
 
 
 def together(grid, parts):
@@ -94,152 +90,81 @@ class Space:
         return max(sector.count for sector in self._sectors)
 
     def product(self, vector):
-        """Hold a vector and its product with J; whether a part of it was new."""
+        """J vector, kept."""
         image = self.operator.apply(vector)
-        scale = lengths(vector, self.grid)
-        grown = [sector.append(part, its, scale) for sector, part, its in
-                 zip(self._sectors, self._by.parts(vector), self._by.parts(image))]
-        self._grown = [number for number, new in enumerate(grown) if new]
-        return bool(self._grown)
-
-    def newest(self):
-        """Sums, over symmetries, of the vectors that came last, of length 1 in each, and of their
-        images."""
-        return [sum(self._by.whole(number, self._sectors[number].rows[of, -1])
-                    for number in self._grown) for of in (0, 1)]
-
-    def ritz(self):
-        """`Ritz` of the projection of J on the space, for each symmetry that occurs."""
-        return [ritz(sector.products[0], sector.products[1], self._certain, number)
-                for number, sector in enumerate(self._sectors) if sector.count]
+        for sector, part, its in zip(self._sectors, self._by.parts(vector), self._by.parts(image)):
+            sector.append(part, its, lengths(vector, self.grid))
+        return image
 
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
-        return [self._whole(found) for found in self.ritz()]
+        return [self._whole(number, projected(sector.basis, sector.images, self._certain,
+                                              self.grid))
+                for number, sector in enumerate(self._sectors) if sector.count]
 
-    def _whole(self, found):
+    def _whole(self, number, found):
         """Modes of a symmetry whose vectors are whole."""
-        vectors, moved = self._sectors[found.symmetry].combined(found.coefficients)
-        whole = partial(self._by.whole, found.symmetry)
-        return Modes(found.values, whole(vectors),
-                     whole(moved - found.values[:, None] * vectors), found.certain, self.grid)
-
-    def defects(self, found, loose):
-        """The sum of J x - s x over some modes of a `Ritz`, of which each, or its real and
-        imaginary part, has length 1."""
-        sector = self._sectors[found.symmetry]
-        vectors, moved = sector.combined(found.coefficients[loose])
-        rows = real(moved - found.values[loose, None] * vectors, self.grid)
-        return self._by.whole(found.symmetry, sum(row / lengths(row, self.grid) for row in rows))
+        return replace(found, vectors=self._by.whole(number, found.vectors),
+                       defects=self._by.whole(number, found.defects))
 
 
 class _Sector:
-    """Orthonormal vectors of one symmetry and their images, rows of arrays that grow, and the
-    products of these.
+    """Orthonormal vectors of one symmetry and their images, rows of arrays that grow.
 
     Images are kept as such, not as sums of the products they come from: where vectors are nearly
     dependent, such sums cancel.
     """
 
     def __init__(self, size, grid=None):
-        self._rows, self.count, self._grid = np.empty((2, MOST, size)), 0, grid
-        self._products = np.empty((2, MOST, MOST))
+        self._rows, self.count, self._grid = np.empty((2, 8, size)), 0, grid
 
     @property
-    def rows(self):
-        """The vectors and their images, array (2, count, size)."""
-        return self._rows[:, :self.count]
+    def basis(self):
+        """The vectors, rows."""
+        return self._rows[0, :self.count]
 
     @property
-    def products(self):
-        """Products of vectors, and of images, with images, array (2, count, count)."""
-        return self._products[:, :self.count, :self.count]
+    def images(self):
+        """Their images, rows."""
+        return self._rows[1, :self.count]
 
     def append(self, vector, image, scale):
-        """Append a vector, made orthonormal to the others, and its image, but not what is hardly
-        new; whether it was."""
-        norm, (basis, images) = lengths(vector, self._grid), self.rows
-        taken = np.zeros(self.count)
+        """Append a vector, made orthonormal to the others, and its image; not what is hardly
+        new."""
+        norm, taken = lengths(vector, self._grid), np.zeros(self.count)
         # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
         for _ in range(2):
-            before, parts = norm, together(self._grid, basis @ vector)
-            vector, taken = vector - parts @ basis, taken + parts
+            before, parts = norm, together(self._grid, self.basis @ vector)
+            vector, taken = vector - parts @ self.basis, taken + parts
             norm = lengths(vector, self._grid)
             if norm > 0.5 * before:
                 break
-        if not norm > 1e-6 * scale:
-            return False
-        if self.count == self._rows.shape[1]:
-            self._grow()
-        place = self.count
-        np.divide(vector, norm, out=self._rows[0, place])
-        np.subtract(image, taken @ images, out=self._rows[1, place])
-        self._rows[1, place] /= norm
-        self.count += 1
-        self._multiply(place)
-        return True
-
-    def _multiply(self, place):
-        """Products of the vector and the image that came last."""
-        (basis, images), image = self.rows, self._rows[1, place]
-        rows = np.array([basis @ image, images @ self._rows[0, place], images @ image])
-        first, last, both = together(self._grid, rows)
-        products = self.products
-        products[0, :, place], products[0, place] = first, last
-        products[1, :, place], products[1, place] = both, both
-
-    def _grow(self):
-        """Have room for more vectors."""
-        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-        products = np.empty((2, *2 * (2 * self.count,)))
-        products[:, :self.count, :self.count] = self._products
-        self._products = products
-
-    def combined(self, coefficients):
-        """Sums of the vectors, and of the images, rows."""
-        return [_combined(coefficients, rows) for rows in self.rows]
+        image = image - taken @ self.images
+        if norm > 1e-6 * scale:
+            if self.count == self._rows.shape[1]:
+                self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
+            self._rows[:, self.count] = vector / norm, image / norm
+            self.count += 1
 
 
-@dataclass(frozen=True)
-class Ritz:
-    """Modes of a projection on orthonormal vectors: eigenvalues, coefficients of the vectors as
-    rows, and |J x - s x| up to rounding, which stands for less than 1e-7 of |J x|; ``certain`` as
-    of `Modes`, and the number of their symmetry."""
-
-    values: np.ndarray
-    coefficients: np.ndarray
-    residuals: np.ndarray
-    certain: np.ndarray
-    symmetry: int
-
-
-def ritz(projection, squares, certain, symmetry=0):
-    """`Ritz` of a projection.
+def projected(basis, images, certain, grid=None):
+    """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
     ----------
-    projection : array, products of orthonormal vectors with their images under J
-    squares : array, products of the images
+    basis : orthonormal vectors, rows
+    images : J times these, rows
     certain : int, modes after the unstable ones that are to be accurate
-    symmetry : int
+    grid : Grid that sums over processes, where vectors are shared out among some
     """
-    values, coefficients = scipy.linalg.eig(projection, check_finite=False)
+    values, coefficients = scipy.linalg.eig(together(grid, basis @ images.T))
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)
     kept = kept[:certain + 1]
-    values, coefficients = values[kept], coefficients[:, kept].T
-    moved = np.einsum("ki,ij,kj->k", coefficients.conj(), squares, coefficients).real
-    return Ritz(values, coefficients, np.sqrt(np.maximum(moved - np.abs(values) ** 2, 0.0)),
-                np.arange(len(kept)) < certain, symmetry)
-
-
-def projected(images, certain):
-    """`Modes` of a matrix whose columns are the rows ``images``; certain as of `ritz`."""
-    found = ritz(images.T, images @ images.T, certain)
-    moved = _combined(found.coefficients, images)
-    return Modes(found.values, found.coefficients,
-                 moved - found.values[:, None] * found.coefficients, found.certain)
+    vectors, moved = (_combined(coefficients[:, kept].T, rows) for rows in (basis, images))
+    return Modes(values[kept], vectors, moved - values[kept, None] * vectors,
+                 np.arange(len(kept)) < certain, grid)
 
 
 def _combined(coefficients, rows):
@@ -249,12 +174,6 @@ def _combined(coefficients, rows):
     found = np.empty((len(coefficients), rows.shape[1]), complex)
     found.real, found.imag = coefficients.real @ rows, coefficients.imag @ rows
     return found
-
-
-def real(vectors, grid=None):
-    """Real and imaginary parts of vectors, a list without what vanishes."""
-    parts = [part for vector in vectors for part in (vector.real, vector.imag)]
-    return [part for part in parts if (part.any() if grid is None else grid.any(part))]
 
 
 def joined(parts):

@@ -84,36 +84,6 @@ def test_modes_nearby_are_a_good_beginning():
     assert spent[None] <= spent[3e-4] < cold[2] - cold[0]
 
 
-@pytest.mark.parametrize("moved", [0.0, 0.02, 0.2])
-def test_an_instability_that_no_mode_nearby_tells_of_is_found(moved):
-    """One mode of many jumps from 0.3 to below zero; the search begins from others alone."""
-    missed = 0
-    for seed in range(12):
-        before = Dense([0.3, 0.07, 0.1] + LARGE, seed=seed)
-        near = joined(leading_modes(before)).vectors[:2].real
-        near += moved / np.sqrt(before.size) * np.random.default_rng(seed).standard_normal(
-            near.shape)
-        for planted in (-0.1, -0.5):
-            operator = Dense([planted, 0.07, 0.1] + LARGE, seed=seed)
-            found = joined(leading_modes(operator, start=list(near), accurate=None))
-            missed += found.unstable != 1
-    assert missed <= 2, "of 24"
-
-
-@pytest.mark.parametrize("leading", [[-0.2, 0.05], [0.1 + 0.5j], [-0.1 + 3.0j, 0.02]])
-def test_residuals_of_a_projection_are_known_without_its_modes(leading):
-    operator = Dense(leading + LARGE)
-    space = Space(operator)
-    for vector in np.random.default_rng(3).standard_normal((20, operator.size)):
-        space.product(operator.precondition(vector))
-    for told, made in zip(space.ritz(), space.modes()):
-        np.testing.assert_array_equal(told.values, made.values)
-        np.testing.assert_allclose(told.residuals, made.residuals, rtol=1e-9)
-        for value, vector, defect in zip(made.values, made.vectors, made.defects):
-            np.testing.assert_allclose(operator.matrix @ vector - value * vector, defect,
-                                       atol=1e-10)
-
-
 def test_small_problems_are_dense():
     operator = Dense([-0.5, 0.2, 7.0], size=20)
     modes = joined(leading_modes(operator))

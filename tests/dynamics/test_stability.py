@@ -299,8 +299,8 @@ def test_a_rough_projection_does_not_certify_an_instability():
     eigenvalue of -0.8, with this residual, where the least one is 0.07."""
     def settled(value, residual):
         defects = np.array([[residual, 0.0]])
-        found = projection.Modes(np.array([value + 0j]), np.eye(1, 2), defects, np.array([True]))
-        return not modes._loose([found], (None, 0, modes.NEUTRAL)).any()
+        return modes._settled(projection.Modes(np.array([value + 0j]), np.eye(1, 2), defects,
+                                          np.array([True])), None, 0, modes.NEUTRAL)
 
     assert settled(0.8, 0.21) and not settled(-0.8, 0.21)
     assert settled(-0.8, 0.01)
