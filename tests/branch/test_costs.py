@@ -134,9 +134,8 @@ print((held("VmHWM") - before) / 8 / 512 ** 2, jumps)
     (1, "normal_displacement=1.1; tangential_displacement_x=0.2", 6.0, 3, 80.0),
     (0.3, "normal_displacement=0.36", 2.0, 1, 40.0)])
 def test_memory_of_a_rough_plane(start, path, slope, components, most):
-    """Where the law acts on all nodes, in arrays of these: measured 24, 70, and 37 where linear
-    solves are long and a spot jumps (37, 94 and 62 by NumPy's forms); more is told, for solves of
-    20 iterations, and of 50."""
+    """Where the law acts on all nodes, in arrays of these: measured 24, 71, and 34 where linear
+    solves are long and a spot jumps; more is told, for solves of 20 iterations, and of 50."""
     arguments = [f"normal_displacement={start}", path, str(slope)]
     done = subprocess.run([sys.executable, "-c", ROUGH, *arguments], capture_output=True,
                           text=True, timeout=300, check=True)
