@@ -120,7 +120,7 @@ class BracketingSteps(NaturalSteps):
         beyond : position of the far side
         """
         (place, last), moved = self.history[-1], self.system.account()
-        fold = self._marked(last, beyond - place)
+        fold = replace(self._marked(last, beyond - place), spent=dict.fromkeys(moved, 0))
         if self.at_fold == "stop":
             self.stopped = True
             if last.event != "fold":
@@ -147,8 +147,7 @@ class BracketingSteps(NaturalSteps):
         moving = self.leg.moving
         width = abs(step * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
-                       fold_precision=float(width), step=step, origin=self.leg.start,
-                       spent=dict.fromkeys(last.spent, 0))
+                       fold_precision=float(width), step=step, origin=self.leg.start)
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, what motion leads to further on: no
@@ -171,7 +170,7 @@ class BracketingSteps(NaturalSteps):
             self.system.log(f"{reason}: the path goes on {where}, where motion from its last "
                             "point leads; the load of that jump is known to this step only")
             spent = self.system.account()
-            fold = self._marked(last, beyond - place)
+            fold = replace(self._marked(last, beyond - place), spent=dict.fromkeys(spent, 0))
             self.history = []
             point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
                             event="jump")

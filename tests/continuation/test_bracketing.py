@@ -216,6 +216,19 @@ def test_an_interrupted_path_goes_on_as_if_it_had_not_been():
         assert rest[-1].state[0] == pytest.approx(whole[-1].state[0], abs=1e-9)
 
 
+@pytest.mark.parametrize("kind", [System, Narrow, Late])
+@pytest.mark.parametrize("at_fold", ["jump", "stop"])
+def test_a_path_goes_on_before_a_fold_from_points_of_a_file(kind, at_fold):
+    """Of these nothing is known of what they took."""
+    whole, _ = bracketed(kind(cubic()), [-1.875, 2.0], [-1.5], at_fold=at_fold)
+    number = events_at(whole, "fold")
+    kept = [replace(point, spent={}) for point in whole[max(0, number - 4):number]]
+    rest, error = bracketed(kind(cubic()), [-1.875, 2.0], [-1.5], resumed=kept, at_fold=at_fold)
+    assert error is None and events(rest) == events(whole)
+    assert rest[-1].state[0] == pytest.approx(whole[-1].state[0], abs=1e-9)
+    assert all(point.spent["nonlinear_iterations"] >= 0 for point in rest)
+
+
 def test_a_path_that_ended_at_a_fold_goes_on_with_its_jump():
     stopped, _ = bracketed(System(cubic()), [-1.875, 2.0], [-1.5], at_fold="stop")
     rest, error = bracketed(System(cubic()), [-1.875, 2.0], [-1.5], resumed=stopped[-4:])
