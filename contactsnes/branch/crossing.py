@@ -73,9 +73,8 @@ def _crossing(system, last, load, beyond, where):
         except NotConverged as error:
             # The finer grid's fold may lie before that place.
             raise NoWayBack(f"the branch ends within a refused step ({error})") from None
-        behind = found.behind and _lower(system, before,
-                                         with_works(fine(found.behind, BESIDE),
-                                                     found.behind))
+        behind = found.behind and _lower(system, before, with_works(fine(found.behind, BESIDE),
+                                                                    found.behind))
         return found._replace(before=before, behind=behind, ahead=level.prolonged(found.ahead))
 
     return (coarsely(system, controls, last.state, motion)
@@ -195,6 +194,5 @@ def _stepped(system, known, place, begin, end):
         point = system.solve(guess, last.controls, begin + place * (end - begin))
     except NotConverged:
         return None
-    lost = (point.softest < 0.0
-            or strayed(system.contact, guess, last.state, point.state) > 0.0)
+    lost = point.softest < 0.0 or strayed(system.contact, guess, last.state, point.state) > 0.0
     return None if lost else point

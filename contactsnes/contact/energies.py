@@ -146,9 +146,9 @@ def line_rule(places, first, rule):
     first : number of the place from which on
     rule : (places, shares) of Gauss and Legendre's of as many points
     """
-    points, shares = rule
+    abscissas, shares = rule
     half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
-    along, basis, slopes = (places[first] + half * (1.0 + points)).tolist(), [], []
+    along, basis, slopes = (places[first] + half * (1.0 + abscissas)).tolist(), [], []
     # (few numbers: floats are faster than arrays)
     for j, own in enumerate(places):
         others = [(other, 1.0 / (own - other)) for i, other in enumerate(places) if i != j]
@@ -240,9 +240,7 @@ class PathEnergies:
     def _after_jump(self, entry, last):
         """The point behind a jump from ``last``: loads held did work, and what is not stored is
         lost."""
-        external = weights(self.contact,
-                           len(entry.forces)) @ (last.forces * (entry.displacements
-                                                                - last.displacements))
+        external = self._weights @ (last.forces * (entry.displacements - last.displacements))
         point, before = entry.point, last.point
         left = external - (point.elastic_energy - before.elastic_energy)
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"

@@ -1,4 +1,5 @@
-"""Where the load of a branch turns, found by arc length to one of its steps: not located."""
+"""Whether the load of a branch turns between two of its points, and where, found by arc length to
+one of its steps: not located."""
 
 from dataclasses import replace
 
