@@ -11,7 +11,8 @@ from ..contact import places, states
 from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
 from ..dynamics.control import rough
-from ..solvers.snes import COLD, collect
+from ..solvers.snes import COLD
+from ..solvers.vectors import collect
 from .coarser import coarser, finer_state, resolving
 from .departure import Departure
 

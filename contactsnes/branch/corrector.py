@@ -24,8 +24,8 @@ from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
-from ..solvers.snes import WARM, collect, create_snes
-from ..solvers.vectors import create_vector
+from ..solvers.snes import WARM, create_snes
+from ..solvers.vectors import collect, create_vector
 
 
 def _names(cls):

@@ -17,7 +17,7 @@ from .operators import Jacobian
 from .precision import Precision
 from .regularised import NewtonOptions, regularise
 from .ritz import Ritz
-from .vectors import communicator, create_operator, create_vector
+from .vectors import collect, communicator, create_operator, create_vector
 
 NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
     or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
@@ -165,12 +165,6 @@ def kept(thing):
     with its frames, for instance."""
     _alive[id(thing)] = thing
     return thing
-
-
-def collect():
-    """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
-    problem's size."""
-    getattr(PETSc, "garbage_cleanup", lambda: None)()
 
 
 @atexit.register

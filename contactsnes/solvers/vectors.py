@@ -4,9 +4,26 @@ are."""
 from petsc4py import PETSc
 
 
+_first = []
+"""An object of several processes, for as long as they run."""
+
+
 def communicator(form):
     """The processes that a form's nodes belong to."""
-    return form.grid.comm if form.grid.shared else PETSc.COMM_SELF
+    if not form.grid.shared:
+        return PETSc.COMM_SELF
+    if not _first:
+        # PETSc gives its own communicator up with the last object on it, which Python's garbage
+        # may keep longer on one process than on others; those would then wait to make it anew.
+        _first.append(PETSc.Vec().createMPI((0, PETSc.DETERMINE), comm=form.grid.comm))
+    return form.grid.comm
+
+
+def collect():
+    """Destroy what is not used any more: older petsc4py does so late where there are several
+    processes, and forms hold memory of the problem's size."""
+    if _first:
+        PETSc.garbage_cleanup()
 
 
 def create_vector(form, array=None):

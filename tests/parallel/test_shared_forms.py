@@ -1,7 +1,7 @@
 """Compiled forms of several processes against NumPy's of one, row by row."""
 
 import pytest
-from ranks import SIZES, program, together
+from ranks import SIZES, Started, program, together
 
 from contactsnes.kernels import library
 
@@ -113,3 +113,27 @@ def test_compiled_forms_of_several_processes_are_numpys_of_one(size, tmp_path):
     done = program(size, PROGRAM, tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("alike") == size
+
+
+GARBAGE = """
+from contactsnes.contact.forms import DisplacementForm
+from contactsnes.contact.problem import Contact
+from contactsnes.grid.slabs import Slabs
+from contactsnes.scene.settings import Scene
+from contactsnes.solvers.vectors import collect, create_vector
+from mpi4py import MPI
+
+scene = Scene(points=(16, 16), period=8.0, dimension=2, geometry="sphere")
+contact = Contact(scene, grid=Slabs(scene.shape, scene.periods, MPI.COMM_WORLD))
+vector = create_vector(DisplacementForm(contact, contact.grid.whole, ("normal_displacement",)))
+if MPI.COMM_WORLD.rank:
+    vector.destroy()
+collect()
+print("goes on")
+"""
+
+
+@together
+def test_processes_need_not_lose_an_object_at_the_same_time(tmp_path):
+    done = Started(2, ["-c", GARBAGE], tmp_path, {}).ended(60.0)
+    assert (done.returncode, done.stdout.count("goes on")) == (0, 2), done.stderr
