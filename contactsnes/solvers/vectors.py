@@ -3,7 +3,6 @@ are."""
 
 from petsc4py import PETSc
 
-
 _first = []
 """An object of several processes, for as long as they run."""
 
