@@ -74,9 +74,8 @@ def shared():
     if os.environ.get("CONTACTSNES_KERNELS") == "off":
         raise Unavailable("CONTACTSNES_KERNELS is off")
     library = load()
-    pointers(library).execute = pointer(fftw(), "fftw_execute")
-    pointers(library).execute_single = pointer(fftw(), "fftwf_execute")
-    pointers(library).execute_rows = pointer(fftw(), "fftwf_execute_dft")
+    for name, function in EXECUTE.items():
+        setattr(pointers(library), name, pointer(fftw(), function))
     for name, arguments in CALLS.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)
@@ -112,6 +111,12 @@ def reason():
         return str(error)
     return None
 
+
+EXECUTE = {"execute": "fftw_execute", "execute_single": "fftwf_execute",
+           "execute_rows": "fftwf_execute_dft", "to_half": "fftw_execute_dft_r2c",
+           "to_half_single": "fftwf_execute_dft_r2c", "to_row": "fftw_execute_dft_c2r",
+           "to_row_single": "fftwf_execute_dft_c2r"}
+"""What executes FFTW's plans, by its names here."""
 
 _pointer, _long, _double = ctypes.c_void_p, ctypes.c_long, ctypes.c_double
 CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],

@@ -8,6 +8,12 @@
    IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980); their waves stay in the order of his FFT:
    even numbers upwards, then odd ones downwards. Closed rows (REDFT00) by an FFT of all of their period. */
 
+/* A row where it stands, if FFTW finds it aligned as the one that was planned, or that one. */
+static REAL *OF(aligned)(const Line *l, REAL *x)
+{
+    return (size_t)x % 16 ? l->row : x;
+}
+
 CLONES static void OF(open_forward)(const Line *l, REAL *x)
 {
     const long n = l->points;
@@ -20,16 +26,18 @@ CLONES static void OF(open_forward)(const Line *l, REAL *x)
         z[2 * k] = u * c + v * s;
         z[2 * k + 1] = u * s - v * c;
     }
-    EXECUTE(l->to_row);
-    memcpy(x, l->row, n * sizeof *x);
+    REAL *row = OF(aligned)(l, x);
+    TO_ROW(l->to_row, z, row);
+    if (row != x) memcpy(x, row, n * sizeof *x);
 }
 
 CLONES static void OF(open_backward)(const Line *l, REAL *x)
 {
     const long n = l->points;
     const REAL *restrict z = l->half, *restrict w = l->turn;
-    memcpy(l->row, x, n * sizeof *x);
-    EXECUTE(l->to_half);
+    REAL *row = OF(aligned)(l, x);
+    if (row != x) memcpy(row, x, n * sizeof *x);
+    TO_HALF(l->to_half, row, l->half);
     x[0] = 2 * z[0];
     for (long k = 1; k <= n / 2; k++) { /* 2 Re and -2 Im of exp(-i pi k / 2n) V_k */
         const REAL c = w[2 * k], s = w[2 * k + 1], re = z[2 * k], im = z[2 * k + 1];

@@ -480,7 +480,6 @@ class Counter:
 def count_compiled(monkeypatch, count):
     """Have every plan that the compiled kernels execute counted, a row's as its points."""
     shapes, pointers = {}, library.pointers(library.shared())
-    kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
     real, line = transforms.Real.__init__, transforms.Line.__init__
 
     def made_real(self, grid, shape, number, memory=None):
@@ -491,17 +490,20 @@ def count_compiled(monkeypatch, count):
         line(self, points, closed, single)
         shapes.update(dict.fromkeys((self._plans.to_row, self._plans.to_half), (1, points)))
 
-    def counting(execute, number):
-        def counted(plan):
+    def counting(name, number):
+        kind = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * (3 if name.startswith("to_") else 1))
+        execute = kind(getattr(pointers, name))
+
+        def counted(plan, *memory):
             shape = shapes[plan]
             count.add(np.broadcast_to(number, shape), range(1, len(shape)))
-            execute(plan)
+            execute(plan, *memory)
 
         return kind(counted)
 
-    count.callbacks = {name: counting(kind(getattr(pointers, name)), number)
-                       for name, number in (("execute", np.float64(0.0)),
-                                            ("execute_single", np.float32(0.0)))}
+    count.callbacks = {f"{name}{end}": counting(f"{name}{end}", number)
+                       for name in ("execute", "to_half", "to_row")
+                       for end, number in (("", np.float64(0.0)), ("_single", np.float32(0.0)))}
     monkeypatch.setattr(transforms.Real, "__init__", made_real)
     monkeypatch.setattr(transforms.Line, "__init__", made_line)
     for name, callback in count.callbacks.items():  # kept as long as the count
