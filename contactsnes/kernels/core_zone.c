@@ -31,20 +31,6 @@ static long continued(long k, long n, int wraps, int mirrors)
     return k < 0 ? 0 : n - 1;
 }
 
-/* Running mean of 2 reach + 1 numbers along a row. */
-static void mean_along(const double *from, double *to, long n, long reach, int wraps, int mirrors)
-{
-    const double width = 2 * reach + 1;
-    double sum = 0.0;
-    for (long k = -reach; k <= reach; k++) sum += from[continued(k, n, wraps, mirrors)];
-    to[0] = sum / width;
-    for (long k = 1; k < n; k++) {
-        sum += from[continued(k + reach, n, wraps, mirrors)]
-            - from[continued(k - reach - 1, n, wraps, mirrors)];
-        to[k] = sum / width;
-    }
-}
-
 enum { ACROSS = 16, ALONG = 8 }; /* columns, and rows, of a box that are blurred side by side */
 
 typedef float Across __attribute__((vector_size(ACROSS * sizeof(float)), aligned(sizeof(float))));
@@ -247,21 +233,55 @@ CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double l
     }
 }
 
-/* Weights of the core of a box of a line, 0 to 1, blurred. */
-CLONES static void smooth_line(const Zone *z, const double *tangent, double level, int even, double *out)
+/* Sums of 2 reach + 1 numbers along a line of n, from one node to before another: the others hold zero. */
+static void sums_of_line(const long *restrict from, long *restrict to, long n, long reach, int wraps,
+                         int mirrors, long low, long high)
 {
-    const long n = z->form->response->shape[1];
-    double *mask = z->mask, *blur = z->blur;
+    const long inner = low > reach ? low : reach + 1, outer = high < n - reach ? high : n - reach;
+    long sum = 0, k = low;
+    for (long j = low - reach; j < low + reach; j++) sum += from[continued(j, n, wraps, mirrors)];
+    while (k < high) {
+        for (; k < high && (k < inner || k >= outer); k++) {
+            to[k] = sum += from[continued(k + reach, n, wraps, mirrors)];
+            sum -= from[continued(k - reach, n, wraps, mirrors)];
+        }
+        for (; k < outer && k >= inner; k++) {
+            to[k] = sum += from[k + reach];
+            sum -= from[k - reach];
+        }
+    }
+}
+
+/* Weights of the core of a box of a line, 0 to 1, blurred; the first node that has one and the last, if
+   they lie beyond what is known of others. */
+CLONES static void smooth_line(const Zone *z, const double *restrict tangent, double level, int even,
+                               double *restrict out, long *first, long *last)
+{
+    const long n = z->form->response->shape[1], reach = z->reach[1], margin = 3 * reach;
+    const double gain = 1.0 / cube(2 * reach + 1);
+    long *mask = (long *)z->mask, *blur = (long *)z->blur, low = 0, high = n;
+    while (high > 0 && !(tangent[high - 1] > level)) high--;
+    while (low < high && !(tangent[low] > level)) low++;
+    if ((low < margin || high > n - margin) && z->wraps[1]) low = 0, high = n;
+    low = low < margin ? 0 : low - margin;
+    high = high < n - margin ? high + margin : n;
+    memset(blur, 0, n * sizeof *blur);
     for (long k = 0; k < n; k++) mask[k] = tangent[k] > level;
-    for (int turn = 0; turn < 3 && z->reach[1]; turn++) {
-        mean_along(mask, blur, n, z->reach[1], (int)z->wraps[1], even);
-        double *swap = mask;
+    for (int turn = 0; turn < 3 && reach; turn++) {
+        sums_of_line(mask, blur, n, reach, (int)z->wraps[1], even, low, high);
+        long *swap = mask;
         mask = blur;
         blur = swap;
     }
-    for (long k = 0; k < n; k++)
-        /* running sums leave rounding where they have passed the last value */
-        out[k] = fabs(mask[k]) < 1e-12 ? 0.0 : mask[k] < 1.0 ? mask[k] : 1.0;
+    memset(out, 0, n * sizeof *out);
+    for (long k = low; k < high; k++) {
+        const double weight = mask[k] * gain;
+        out[k] = weight < 1e-12 ? 0.0 : weight < 1.0 ? weight : 1.0;
+    }
+    while (high > low && !(out[high - 1] > 0.0)) high--;
+    while (low < high && !(out[low] > 0.0)) low++;
+    *first = low < *first && low < high ? low : *first;
+    *last = high - 1 > *last && low < high ? high - 1 : *last;
 }
 
 CLONES static double largest(const double *restrict x, long n)
@@ -316,12 +336,7 @@ CLONES static void find_line(Zone *z, Block *b, const double *tangent, double le
     for (long box = 0; box < boxes; box++) {
         /* they stay there until the block has taken them: what is written never lies beyond */
         double *weight = b->into + box * n;
-        smooth_line(z, tangent + box * n, level, even, weight);
-        for (long k = 0; k < n; k++)
-            if (weight[k] > 0.0) {
-                if (k < first) first = k;
-                if (k > last) last = k;
-            }
+        smooth_line(z, tangent + box * n, level, even, weight, &first, &last);
     }
     b->first[0] = 0;
     b->extent[0] = 1;
