@@ -38,12 +38,14 @@ CLONES static void OF(open_backward)(const Line *l, REAL *x)
     REAL *row = OF(aligned)(l, x);
     if (row != x) memcpy(row, x, n * sizeof *x);
     TO_HALF(l->to_half, row, l->half);
-    x[0] = 2 * z[0];
-    for (long k = 1; k <= n / 2; k++) { /* 2 Re and -2 Im of exp(-i pi k / 2n) V_k */
+    REAL *restrict upwards = x, *restrict downwards = x; /* which do not meet before the middle */
+    upwards[0] = 2 * z[0];
+    for (long k = 1; k < (n + 1) / 2; k++) { /* 2 Re and -2 Im of exp(-i pi k / 2n) V_k */
         const REAL c = w[2 * k], s = w[2 * k + 1], re = z[2 * k], im = z[2 * k + 1];
-        x[n - k] = 2 * (s * re - c * im);
-        x[k] = 2 * (c * re + s * im);
+        upwards[k] = 2 * (c * re + s * im);
+        downwards[n - k] = 2 * (s * re - c * im);
     }
+    if (n % 2 == 0) upwards[n / 2] = 2 * (w[n] * z[n] + w[n + 1] * z[n + 1]);
 }
 
 /* by its mirror image: shorter FFTs have been made of half as many points, but lose digits */
