@@ -186,32 +186,35 @@ def _follow_spots(contact, states, weights):
     return ahead if followed else None
 
 
-def carried(contact, change, origin, state):
-    """A small change of one state as one of another: moved with the edge of contact where it is one
-    spot, to the other's window.
+def carried(contact, changes, origin, state):
+    """Small changes of one state as those of another: moved with the edge of contact where it is
+    one spot, to the other's window.
 
     Parameters
     ----------
     contact : Contact
-    change : State, the small change
-    origin : State that it is a change of
-    state : State that it is wanted for
+    changes : list of State on one window, the small changes
+    origin : State that they are changes of
+    state : State that they are wanted for
     """
-    fixed = State(state.window, onto(change, state.window), change.means)
-    window = state.window
+    if not changes:
+        return []
+    window, count = state.window, state.components
+    together = State(changes[0].window, np.concatenate([change.displacement for change in changes]),
+                     np.zeros(count * len(changes)))
+    fixed = onto(together, window)
+    fixed = fixed.copy() if fixed is together.displacement else fixed
     known = (None if isinstance(window, Nodes) or contact.grid.shared
              else followed_places(contact, [origin, state]))
-    if known is None:
-        return fixed
-    part, _ = _near_part(contact, window, normal_gap(contact, state))
-    places = known[0] + nodes_between(window, origin.window)[:, None]
-    change = State(change.window, change.displacement.copy(), change.means)
-    change.displacement[0] -= contact.gap_on(change.window)
-    change = wider(change, window)
-    window.box(fixed.displacement)[(slice(None), *part)] = _stretched(contact, change, window,
-                                                                      places, known[1], part,
-                                                                      widened=True)
-    return fixed
+    if known is not None:
+        part, _ = _near_part(contact, window, normal_gap(contact, state))
+        places = known[0] + nodes_between(window, origin.window)[:, None]
+        together.displacement[0] -= contact.gap_on(together.window)
+        together = wider(together, window)
+        window.box(fixed)[(slice(None), *part)] = _stretched(contact, together, window, places,
+                                                             known[1], part, widened=True)
+    return [State(window, field, change.means)
+            for field, change in zip(fixed.reshape(len(changes), count, -1), changes)]
 
 
 def _near_boxes(gap):

@@ -17,11 +17,16 @@ half-plane, whose response to a force has no end, is that of a cell with the per
 
 import numpy as np
 
+from ..contact.even_form import EvenForm
 from ..contact.forms import DisplacementForm
+from ..contact.problem import APPROACH, DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..contact.symmetry import EVEN
 from ..grid.parity import UNEVEN
-from ..solvers.core_zone import CoreOptions, CoreZone
+from ..kernels.modes import CompiledMotion
+from ..kernels.zones import CompiledZone
+from ..solvers.core_zone import CoreOptions
+from ..solvers.preconditioners import zone
 
 LONG = 1000.0
 """Period, beta, of the cell whose response stands for that of a half-plane."""
@@ -31,103 +36,134 @@ class Overdamped:
     """J of overdamped motion at a state, its preconditioner, and mirror images of vectors.
 
     A vector is [(v + w) / root, w of the components whose mean can move], as in
-    `forms.DisplacementForm`.
+    `forms.DisplacementForm`. The form has a force row for each such component: what its mean is
+    pulled by.
 
     Parameters
     ----------
     contact, window, controls : as of `forms.DisplacementForm`
     options : CoreOptions of the preconditioner
+    parities : None, or those of the fields that it is for, as of `even_form.EvenForm`: at the nodes
+        of half a line or a quarter of a plane
     """
 
-    def __init__(self, contact, window, controls, options=CoreOptions()):
-        self.form, self.options = DisplacementForm(contact, window, controls), options
-        form = self.form
-        compliance = form.rigid_compliance.copy()
-        free = np.isin(np.arange(form.components), form.forced)
-        self._inner = (_inner_compliance(contact, compliance) if contact.isolated
-                       else np.zeros(form.components))
-        self.means = np.flatnonzero(free | ((compliance != 0.0) & (not contact.isolated)))
-        self._stiffness = np.array([0.0 if free[i] else 1.0 / compliance[i] for i in self.means])
-        self._mass = contact.mean_mass(form.components)[self.means]
-        self._free = free[self.means]
-        self.size = form.count + len(form.grid.held(self.means))
-        self.shared = form.grid if form.grid.shared else None
-        self.zone = None
+    def __init__(self, contact, window, controls, options=CoreOptions(), parities=None):
+        compliance = contact.rigid_compliance(len(controls))
+        compliance[[control == APPROACH for control in controls]] = 0.0
+        free = np.array([control == FORCE for control in controls])
+        moving = free | ((compliance != 0.0) & (not contact.isolated))
+        rows = [FORCE if moves else DISPLACEMENT for moves in moving]
+        self.form = (DisplacementForm(contact, window, rows) if parities is None
+                     else EvenForm(contact, window, rows, parities))
+        self.plain = own = getattr(self.form, "half", self.form)
+        inner = (_inner_compliance(contact, compliance) if contact.isolated
+                 else np.zeros(len(controls)))
+        # (odd components have no mean)
+        own.rigid_compliance[...] = inner * [-1 not in signs for signs in
+                                             parities or ((),) * len(controls)]
+        self.means = np.array(own.forced, dtype=int)
+        mass, held = contact.mean_mass(len(controls))[self.means], ~free[self.means]
+        own.drag[self.means[held]] = own.grid.size / compliance[self.means[held]]
+        self._row = own.row_scale[self.means] * own.grid.size * mass
+        self._push = 1.0 + inner[self.means] * mass
+        self.window, self.components, self.size = window, len(controls), own.size
+        self.shared = own.grid if own.grid.shared else None
+        self._options, kernel = options, None if self.shared else self.form.kernel
+        self._zone = CompiledZone(kernel, options) if kernel else None
+        self.kernel = CompiledMotion(self._zone, self._row, self._push) if kernel else None
+        self.occupied = None if parities is None else self._occupied()
 
-    def linearise(self, state, load):
-        """Take the law's tangent at a state on the window, and make the preconditioner from it."""
-        form = self.form
-        form.set_load(load)
-        form.linearise(form.pack(state.displacement, state.means[form.forced]))
-        self.zone = CoreZone(form, self.options)
+    def _occupied(self):
+        """Mask of the entries of vectors on a half that have a meaning: an odd component vanishes
+        in the middle, and where the cell closes on itself."""
+        half = self.plain.window
+        known = half.fold(half.unfold(np.ones(self.plain.shape)))
+        return np.append(known.reshape(-1) != 0.0, np.ones(len(self.means), dtype=bool))
+
+    @property
+    def kernels(self):
+        """What the library has for each part of vectors, or None."""
+        return [self.kernel] if self.kernel else None
+
+    @property
+    def products(self):
+        """Number of products so far."""
+        return self.form.products
+
+    def linearise(self, state, like=None):
+        """Take the law's tangent at a state on the window, or that of another one of these at the
+        same nodes, and make the preconditioner from it."""
+        if like is None:
+            means = np.zeros(len(self.means))
+            self.form.linearise(self.form.scaled(self.plain.pack(self._once(state), means))
+                                if self.plain is not self.form
+                                else self.form.pack(state.displacement, means))
+        else:
+            np.copyto(self.plain.tangent, like.plain.tangent)
+        if self.kernel:
+            self._zone.set_up()
+        else:
+            self._zone = zone(self.form, self._options)
+
+    def _once(self, state):
+        """Displacements of a state at the nodes of the half."""
+        half = self.plain.window
+        return (state.once if state.half is not None and state.half.full == half.full
+                else half.fold(state.displacement))
 
     def apply(self, vector):
         """J vector: two transforms of the padded window a component."""
-        form, result = self.form, np.empty(self.size)
-        form.count_product()
-        field = vector[:form.count].reshape(form.shape)
-        means = self._means(vector)
-        work = form.stiffen(field, form.work)
-        total = form.grid.sum(work) * form.root / form.grid.size
-        form.convolution.apply(work, work)
-        rates = (self._stiffness * means + total[self.means]) / self._mass
-        shift = self._inner * total / form.root
-        shift[self.means] += (rates - means) / form.root
-        out = result[:form.count].reshape(form.shape)
-        np.add(field, work, out=out)
-        out += shift[:, None]
-        result[form.count:] = form.grid.held(rates)
+        if self.kernel:
+            return self.kernel.apply(vector)
+        result = self.form.apply_jacobian(vector, np.empty(self.size))
+        if len(self.means):
+            rates = self.form.scalars(result) / self._row
+            self._shift(result, self._push * rates)
+            result[self.form.count:] = self.form.grid.held(rates)
         return result
 
     def precondition(self, vector):
         """About J^-1 vector, by the preconditioner of the form: two transforms of the core a
         component."""
-        form = self.form
-        field = vector[:form.count].reshape(form.shape)
-        rates = self._means(vector)
-        right, out = np.zeros(form.size), np.empty(form.size)
-        source = right[:form.count].reshape(form.shape)
-        source[...] = field
-        balance = self._mass * rates
-        # What pulls a mean that is held by a spring moves it at once by its compliance.
-        held = np.divide(balance, self._stiffness, out=np.zeros_like(balance), where=~self._free)
-        source[self.means] += ((held - rates) / form.root)[:, None]
-        right[form.count:] = form.grid.held(form.row_scale[form.forced] * form.grid.size
-                                            * balance[self._free])
-        self.zone.apply(right, out)
-        result = np.empty(self.size)
-        result[:form.count] = out[:form.count]
-        moved = result[:form.count].reshape(form.shape)
-        total = form.grid.sum(form.stiffen(moved,
-                                           form.work))[self.means] * form.root / form.grid.size
-        means = np.divide(balance - total, self._stiffness, out=np.zeros_like(balance),
-                          where=~self._free)
-        means[self._free] = (form.scalars(out) + self._inner[self.means][self._free]
-                             * balance[self._free])
-        result[form.count:] = form.grid.held(means)
-        return result
+        if self.kernel:
+            return self.kernel.precondition(vector)
+        if len(self.means):
+            vector, rates = vector.copy(), self.form.scalars(vector)
+            self._shift(vector, -self._push * rates)
+            vector[self.form.count:] = self.form.grid.held(self._row * rates)
+        return self._zone.apply(vector, np.empty(self.size))
+
+    def _shift(self, vector, means):
+        """Add uniform displacements, of the components whose mean can move, to a vector."""
+        field = vector[:self.form.count].reshape(self.form.shape)
+        for i, mean in zip(self.means, means):
+            field[i] += mean / self.form.root
 
     def vector(self, mode):
         """The vector of a mode as a state: displacements on the window and means, ranges of the
-        law."""
-        return np.append(mode.displacement / self.form.root,
-                         self.form.grid.held(mode.means[self.means]))
+        law; of one on the nodes of a half, that of its part of these parities."""
+        means, field = mode.means[self.means], mode.displacement
+        if self.plain is self.form:
+            return self.form.pack(field, means)
+        return self.form.scaled(self.plain.pack(self._own_part(field), means))
+
+    def _own_part(self, field):
+        """The part of a field (components, nodes of the window) that has these parities, at the
+        nodes of the half."""
+        for axis, signs in enumerate(np.transpose(self.form.parities)):
+            field = 0.5 * (field + mirrored(self.window, field, axis, signs))
+        return self.plain.window.fold(field)
 
     def state(self, vector):
         """The mode as a state, of a real vector."""
-        means = np.zeros(self.form.components)
-        means[self.means] = self._means(vector)
-        return State(self.form.window, vector[:self.form.count].reshape(self.form.shape)
-                     * self.form.root, means)
-
-    def _means(self, vector):
-        """The means that can move of a vector."""
-        return self.form.grid.scalars(vector[self.form.count:], len(self.means))
+        means = np.zeros(self.components)
+        means[self.means] = self.form.scalars(vector)
+        return State(self.window, self.form.displacement(vector), means)
 
     def noise(self, seed):
         """A vector of random numbers, the same however its nodes are shared out."""
-        form, window = self.form, self.form.window
-        field = window.take(form.grid.noise(form.components, seed))
+        form = self.form
+        field = self.window.take(form.grid.noise(form.components, seed))
         return np.append(field, form.grid.held(np.ones(len(self.means))))
 
     def first_largest(self, vector):

@@ -1,10 +1,10 @@
 """Modes of smallest real part of an operator that has a good preconditioner: the identity plus a
 compact one, say."""
 
+from functools import lru_cache
 from itertools import zip_longest
 
 import numpy as np
-import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
@@ -20,32 +20,34 @@ FALSE = 0.02
 """Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a
 projection of it may have negative eigenvalues that J itself has not, with residuals of a quarter of
 them."""
-BASIS = 3
-LONGER = 4
+SHORT, LONG = 3, 12
 PATIENCE = 8
 RUNS = 40
 NOISE = 0.003
 MOST = 16
-"""Products of a run of ARPACK; how many times as many it has for a first point, and after so many
-runs: next to a fold short ones stall; most runs, the part of noise in their starts, and vectors of
-a symmetry beyond which the projection begins anew from its modes."""
+"""Products of a run, and of one for a first point or after so many runs: next to a fold short ones
+stall; most runs, the part of noise in their starts, and vectors of a symmetry beyond which the
+projection begins anew from its modes."""
+APART = 7919
+"""Places by which the noise of a run is moved from that of the one before."""
 
 
 def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
     """Unstable modes (real part negative) and the first stable ones of J with preconditioner P:
     `Modes` of each symmetry.
 
-    ARPACK looks for the modes of P^-1 (J - s) of smallest real part, s the leading eigenvalue as
-    far as it is known: that operator has no large eigenvalues, and where s is an eigenvalue of J it
-    has the same mode. J's own modes are those of its projection on all vectors that ARPACK
-    multiplied (the inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci.
-    Comput. 24, 312), split by symmetry. Again, from these, until residuals say that the signs are
-    certain and the leading one is accurate.
+    Modes are those of the projection of J on a space, for each symmetry, that grows by runs of
+    Arnoldi's method on 1 - P^-1 (J - s), s the leading eigenvalue as far as it is known: that
+    operator has no large eigenvalues, and where s is an eigenvalue of J it has the same mode (the
+    inverse-free preconditioned Krylov method of Golub and Ye 2002, SIAM J. Sci. Comput. 24, 312).
+    A run begins with P^-1 (J x - s x) of modes x that are not accurate and with noise, without what
+    the space holds; there are runs until residuals say that the signs are certain and the leading
+    mode is accurate.
 
     Parameters
     ----------
-    operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and ``mirror`` (vector,
-        symmetry)
+    operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and what `projection.Space`
+        asks for; entries of vectors that have no meaning are those that are not ``occupied``
     axes : symmetries, second arguments of ``mirror``, under which J does not change
     start : list of vectors to begin with, each a sum of modes of a point nearby that differ in
         symmetry
@@ -69,33 +71,30 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     modes = joined(space.modes())
     raise NotConverged("the modes of the point were not found: eigenvalue "
                        f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
-                       f"{RUNS} runs of ARPACK")
+                       f"{RUNS} runs")
 
 
 def _searched(space, start, accurate, number, neutral):
-    """The modes of a space that grows by runs of ARPACK, None where residuals stay large;
-    parameters as of `leading_modes`."""
-    random, size = np.random.default_rng(1), space.operator.size
+    """The modes of a space that grows by runs, None where residuals stay large; parameters as of
+    `leading_modes`."""
     space.begin(start)
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
     # to a single run.
-    cold = 0 if start else 2
-    vectors, shift = (_ahead(space, joined(space.modes()), accurate, number) if start
-                      else ([], 0.0))
+    cold, among = 0 if start else 2, range(len(space.by.lengths))
+    found = space.found()
     for run in range(RUNS):
-        noise = random.standard_normal(size) if space.grid is None else space.operator.noise(run)
-        begin = sum(vectors, (NOISE if vectors else 1.0) / lengths(noise, space.grid) * noise)
-        longer = run < cold or run >= PATIENCE
-        _krylov(space, shift, begin, BASIS * LONGER if longer else BASIS)
+        ahead, shift = _ahead(space, found, among, accurate, number) if run >= cold else ([], 0.0)
+        noise = _noise(space, run)
+        begin = space.only(among, sum(ahead, (NOISE if ahead else 1.0) * noise))
+        space.run(shift, begin, LONG if run < cold or run >= PATIENCE else SHORT)
         if run + 1 < cold:
             continue
-        found = space.modes()
-        modes = joined(found)
-        if _settled(modes, accurate, number, neutral):
-            return found
-        vectors, shift = _ahead(space, modes, accurate, number)
+        found = space.found()
+        among = _loose(found, accurate, number, neutral)
+        if not among:
+            return [space.whole(*one) for one in found.items()]
         if space.largest > MOST:
-            space.begin(summed(found))
+            space.begin(summed([space.whole(*one) for one in found.items()]))
     return None
 
 
@@ -129,69 +128,94 @@ def _real(vectors, grid):
     return [part for part in parts if (part.any() if grid is None else grid.any(part))]
 
 
-def _ahead(space, modes, accurate, number):
-    """Steps P^-1 (J x - s x) of unit length, from modes that are not accurate yet, and the shift of
-    the one that counts."""
-    loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
-    steps = [space.operator.precondition(residual)
-             for residual in _real(modes.defects[loose], space.grid)]
-    shift = modes.values[min(number, len(modes.values) - 1)].real
-    return [step / lengths(step, space.grid) for step in steps], min(shift, 0.5)
-
-
-def _krylov(space, shift, begin, basis):
-    """ARPACK's search for modes of P^-1 (J - shift), to a loose tolerance of its own: ``space``
-    keeps all products on the way."""
+def _noise(space, run):
+    """Noise of length 1 to begin a run with, other noise in each."""
     operator = space.operator
-
-    def product(vector):
-        return vector - operator.precondition(space.product(vector) - shift * vector)
-
     if space.grid is not None:
-        _arnoldi(product, begin, basis, space.grid)
-        return
-    size, linalg = operator.size, scipy.sparse.linalg
-    try:
-        linalg.eigs(linalg.LinearOperator((size, size), matvec=product, dtype=float), k=1,
-                    which="LR", v0=begin, ncv=basis, tol=0.1, maxiter=1,
-                    return_eigenvectors=False)
-    except (linalg.ArpackNoConvergence, linalg.ArpackError):
-        pass  # what it has tried serves as well
+        noise = operator.noise(run)
+        return noise / lengths(noise, space.grid)
+    noise = np.roll(_random(operator.size), run * APART)
+    occupied = _occupied(operator)
+    if occupied is not None:
+        noise[~occupied] = 0.0
+    return noise / lengths(noise)
 
 
-def _arnoldi(product, begin, count, grid):
-    """As many products as a run of ARPACK has, of its vectors: ARPACK knows no other processes.
+@lru_cache(maxsize=1)
+def _random(size):
+    """Random numbers, which are asked for at each point."""
+    return np.random.default_rng(1).standard_normal(size)
+
+
+def _occupied(operator):
+    """Mask of the entries of vectors that have a meaning, or None: all."""
+    return getattr(operator, "occupied", None)
+
+
+def _ahead(space, found, among, accurate, number):
+    """Steps P^-1 (J x - s x) of unit length, from modes of some symmetries that are not accurate
+    yet, and the shift of the one that counts.
 
     Parameters
     ----------
-    product : function (vector) -> vector
-    begin : vector
-    count : int
-    grid : Grid that sums over processes
+    space : Space
+    found : {number of a symmetry: Modes}
+    among : numbers of symmetries
+    accurate, number : as of `leading_modes`
     """
-    basis, vector = np.empty((0, len(begin))), begin
-    for _ in range(count):
-        for _ in range(2):
-            vector = vector - grid.together(basis @ vector) @ basis
-        length = lengths(vector, grid)
-        if length == 0.0:
-            return
-        basis = np.concatenate([basis, [vector / length]])
-        vector = product(basis[-1])
+    steps = []
+    for symmetry in among:
+        if symmetry in found:
+            modes = found[symmetry]
+            loose = modes.certain & (modes.residuals > 0.1 * (accurate or ACCURATE))
+            steps += [space.operator.precondition(space.by.whole(symmetry, defect))
+                      for defect in _real(modes.defects[loose], space.grid)]
+    values = np.sort(np.concatenate([modes.values.real for modes in found.values()]))
+    return ([step / lengths(step, space.grid) for step in steps],
+            min(values[min(number, len(values) - 1)], 0.5))
 
 
-def _settled(modes, accurate, number, neutral):
-    """Whether residuals are small enough for the signs of all eigenvalues, and for the one that
-    counts."""
+def _loose(found, accurate, number, neutral):
+    """Numbers of symmetries of which a residual is too large for the sign of an eigenvalue, or for
+    the mode that counts.
+
+    Parameters
+    ----------
+    found : {number of a symmetry: Modes}
+    accurate, number, neutral : as of `leading_modes`
+    """
+    values = np.sort(np.concatenate([modes.values.real for modes in found.values()]))
+    last = values[min(number, len(values) - 1)]
+    return [symmetry for symmetry, modes in found.items()
+            if _uncertain(modes, neutral) or (accurate is not None
+                                              and _inaccurate(modes, accurate, last))]
+
+
+def _uncertain(modes, neutral):
+    """Whether a residual leaves a sign open."""
     share = np.where(modes.values.real < 0.0, FALSE, 0.5)
-    signs = np.all((modes.residuals < np.maximum(share * np.abs(modes.values.real),
-                                                 neutral))[modes.certain])
-    return signs and (accurate is None
-                      or np.all((modes.residuals <= accurate * np.clip(4.0 * np.abs(modes.values),
-                                                                       1.0, 2.2))[:number + 1]))
+    allowed = np.maximum(share * np.abs(modes.values.real), neutral)
+    return not np.all((modes.residuals < allowed)[modes.certain])
+
+
+def _inaccurate(modes, accurate, last):
+    """Whether a mode up to an eigenvalue, or one that may be by its residual, has one that is too
+    large.
+
+    Parameters
+    ----------
+    modes : Modes
+    accurate : as of `leading_modes`
+    last : float, real part
+    """
+    allowed, least = accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2), modes.values.real
+    counts = (least <= last) | (modes.certain & (least - modes.residuals <= last))
+    return not np.all((modes.residuals <= allowed)[counts])
 
 
 def _all_modes(operator):
     """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
-    unit = np.eye(operator.size)
-    return projected(unit, np.array([operator.apply(one) for one in unit]), 1)
+    unit, occupied = np.eye(operator.size), _occupied(operator)
+    unit = unit if occupied is None else unit[occupied]
+    images = np.array([operator.apply(one) for one in unit])
+    return projected(unit, images, unit @ images.T, 1)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from ..continuation.bifurcations import NEUTRAL
 from .sectors import Sectors, Together
@@ -64,17 +63,19 @@ class Space:
 
     Parameters
     ----------
-    operator : with ``size``, ``apply`` and ``mirror`` and, where vectors are shared out among
-        processes, the grid that sums over them, ``shared``
+    operator : with ``size``, ``apply`` and, where it is for vectors that are split, ``lengths``,
+        ``parts`` and ``whole`` (as `sectors.Sectors`) or ``mirror``; where vectors are shared out
+        among processes, the grid that sums over them, ``shared``
     axes : symmetries, second arguments of ``mirror``, under which J does not change
     """
 
     def __init__(self, operator, axes=()):
         self.operator, self.grid = operator, getattr(operator, "shared", None)
-        self._by = Sectors(operator, axes) if axes else Together(operator.size)
+        self.by = (Sectors(operator, axes) if axes else operator if hasattr(operator, "parts")
+                   else Together(operator.size))
         # the edges of contact have one each where no symmetry tells them apart
-        self._certain = 1 if axes else 2
-        self._sectors = [_Sector(self._by.length, self.grid) for _ in range(self._by.count)]
+        self._certain = 2 if len(self.by.lengths) == 1 else 1
+        self._sectors = [_Sector(length, self.grid) for length in self.by.lengths]
 
     def begin(self, vectors):
         """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
@@ -82,82 +83,164 @@ class Space:
         for sector in self._sectors:
             sector.count = 0
         for vector in vectors:
-            self.product(vector)
+            self.run(0.0, vector, 1)
 
     @property
     def largest(self):
         """Most vectors of a symmetry."""
         return max(sector.count for sector in self._sectors)
 
+    def run(self, shift, begin, count):
+        """Hold the vectors of a run of Arnoldi's method on 1 - P^-1 (J - shift).
+
+        Parameters
+        ----------
+        shift : float
+        begin : vector, overwritten
+        count : int, products
+        """
+        kernels = None if isinstance(self.by, Sectors) else getattr(self.operator, "kernels", None)
+        if kernels:
+            size = lengths(begin)
+            for sector, part, kernel in zip(self._sectors, self.by.parts(begin), kernels):
+                if lengths(part) > 1e-6 * size:
+                    sector.run(kernel, shift, part, count)
+            return
+        basis, vector = np.empty((count, len(begin))), begin
+        for place in range(count):
+            known = basis[:place]
+            for _ in range(2 if place else 0):
+                vector = vector - together(self.grid, known @ vector) @ known
+            length = lengths(vector, self.grid)
+            if length == 0.0:
+                return
+            own = np.divide(vector, length, out=basis[place])
+            image = self.product(own)
+            if place + 1 < count:
+                vector = own - self.operator.precondition(image - shift * own)
+
     def product(self, vector):
         """J vector, kept."""
-        image = self.operator.apply(vector)
-        for sector, part, its in zip(self._sectors, self._by.parts(vector), self._by.parts(image)):
-            sector.append(part, its, lengths(vector, self.grid))
+        image, least = self.operator.apply(vector), 1e-6 * lengths(vector, self.grid)
+        for sector, part, its in zip(self._sectors, self.by.parts(vector), self.by.parts(image)):
+            sector.append(part, its, least)
         return image
+
+    def only(self, among, vector):
+        """What a vector has of some symmetries, by their numbers."""
+        if len(among) == len(self._sectors):
+            return vector
+        parts = self.by.parts(vector)
+        return sum(self.by.whole(number, parts[number]) for number in among)
+
+    def found(self):
+        """{number of a symmetry that occurs: modes of J projected on its vectors, as parts}."""
+        return {number: sector.modes(self._certain)
+                for number, sector in enumerate(self._sectors) if sector.count}
 
     def modes(self):
         """Modes of J projected on the space, for each symmetry that occurs."""
-        return [self._whole(number, projected(sector.basis, sector.images, self._certain,
-                                              self.grid))
-                for number, sector in enumerate(self._sectors) if sector.count]
+        return [self.whole(number, found) for number, found in self.found().items()]
 
-    def _whole(self, number, found):
+    def whole(self, number, found):
         """Modes of a symmetry whose vectors are whole."""
-        return replace(found, vectors=self._by.whole(number, found.vectors),
-                       defects=self._by.whole(number, found.defects))
+        return replace(found, vectors=self.by.whole(number, found.vectors),
+                       defects=self.by.whole(number, found.defects))
 
 
 class _Sector:
-    """Orthonormal vectors of one symmetry and their images, rows of arrays that grow.
-
-    Images are kept as such, not as sums of the products they come from: where vectors are nearly
-    dependent, such sums cancel.
+    """Orthonormal vectors of one symmetry and their images, rows of an array that grows, and the
+    products of the first with the second.
     """
 
     def __init__(self, size, grid=None):
-        self._rows, self.count, self._grid = np.empty((2, 8, size)), 0, grid
+        self._rows, self._products, self.count = np.empty((2, 8, size)), np.empty((8, 8)), 0
+        self._grid = grid
 
-    @property
-    def basis(self):
-        """The vectors, rows."""
-        return self._rows[0, :self.count]
+    def _make_room(self, more):
+        """Have room for more vectors."""
+        room = len(self._products)
+        while self.count + more > room:
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
+            self._products = np.pad(self._products, (0, room))
+            room *= 2
 
-    @property
-    def images(self):
-        """Their images, rows."""
-        return self._rows[1, :self.count]
+    def append(self, vector, image, least):
+        """Append a vector of which more than ``least`` is new, with its image.
 
-    def append(self, vector, image, scale):
-        """Append a vector, made orthonormal to the others, and its image; not what is hardly
-        new."""
-        norm, taken = lengths(vector, self._grid), np.zeros(self.count)
-        # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
-        for _ in range(2):
-            before, parts = norm, together(self._grid, self.basis @ vector)
-            vector, taken = vector - parts @ self.basis, taken + parts
-            norm = lengths(vector, self._grid)
-            if norm > 0.5 * before:
-                break
-        image = image - taken @ self.images
-        if norm > 1e-6 * scale:
-            if self.count == self._rows.shape[1]:
-                self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-            self._rows[:, self.count] = vector / norm, image / norm
-            self.count += 1
+        Parameters
+        ----------
+        vector, image : arrays
+        least : float
+        """
+        self._make_room(1)
+        self.count += hold(self._rows, self._products, self.count, (vector, image), least,
+                           self._grid)
+
+    def run(self, kernel, shift, begin, count):
+        """Append the vectors of a run in the library.
+
+        Parameters
+        ----------
+        kernel : kernels.modes.CompiledMotion
+        shift, begin, count : as of `Space.run`
+        """
+        self._make_room(count)
+        self.count = kernel.run(shift, begin, count, (self._rows, self._products, self.count))
+
+    def modes(self, certain):
+        """`Modes` of the projection, those after the unstable ones that are ``certain`` to be
+        accurate."""
+        held = slice(0, self.count)
+        return projected(*self._rows[:, held], self._products[held, held], certain, self._grid)
 
 
-def projected(basis, images, certain, grid=None):
+def hold(rows, products, count, pair, least, grid=None):
+    """Append a vector, made orthonormal to others, with its image; whether it was new.
+
+    Images are kept as such, not as sums of the products they come from: where vectors are nearly
+    dependent, such sums cancel.
+
+    Parameters
+    ----------
+    rows : array (2, room, size), whose first ``count`` rows are orthonormal vectors and their
+        images; overwritten
+    products : array (room, room), products of the first with the second, overwritten
+    count : int
+    pair : (vector, image)
+    least : length of what is left of a vector that is not new
+    grid : Grid that sums over processes, where vectors are shared out among some
+    """
+    (basis, images), (vector, image) = rows[:, :count], pair
+    norm, taken = lengths(vector, grid), np.zeros(count)
+    # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
+    for _ in range(2):
+        before, parts = norm, together(grid, basis @ vector)
+        vector, taken = vector - parts @ basis, taken + parts
+        norm = lengths(vector, grid)
+        if norm > 0.5 * before:
+            break
+    if not norm > least:
+        return False
+    basis, images = rows[:, :count + 1]
+    basis[-1], images[-1] = vector / norm, (image - taken @ images[:-1]) / norm
+    products[:count + 1, count], products[count, :count + 1] = together(
+        grid, np.array([basis @ images[-1], images @ basis[-1]]))
+    return True
+
+
+def projected(basis, images, products, certain, grid=None):
     """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
     ----------
     basis : orthonormal vectors, rows
     images : J times these, rows
+    products : array, products of the first with the second
     certain : int, modes after the unstable ones that are to be accurate
     grid : Grid that sums over processes, where vectors are shared out among some
     """
-    values, coefficients = scipy.linalg.eig(together(grid, basis @ images.T))
+    values, coefficients = np.linalg.eig(products)
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)

@@ -30,9 +30,9 @@ class Sectors:
         self._parities = scipy.linalg.hadamard(self.count).astype(float)
 
     @property
-    def length(self):
-        """Numbers of a part."""
-        return len(self._weights)
+    def lengths(self):
+        """Numbers of each part."""
+        return [len(self._weights)] * self.count
 
     def parts(self, vector):
         """The parts of a vector, rows."""
@@ -55,10 +55,8 @@ class Together:
     size : int, of vectors
     """
 
-    count = 1
-
     def __init__(self, size):
-        self.length = size
+        self.lengths = [size]
 
     def parts(self, vector):
         """The vector alone, a list."""

@@ -18,6 +18,7 @@ from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
 from .linearised import Overdamped, symmetries
 from .modes import ACCURATE, leading_modes, oriented, summed
+from .parted import Parted
 from .projection import joined
 
 CERTIFIED = ("stable: all eigenvalues of the discrete problem on this "
@@ -61,7 +62,7 @@ class Stability:
         self.contact = system.contact
         self.kind = kind
         self.options = read(CoreOptions, system.prefix)
-        self._operator = self._last = None
+        self._operator = self._key = self._last = None
         self._silent = told
 
     def __call__(self, point):
@@ -112,9 +113,9 @@ class Stability:
     def _leave_symmetry(self, modes):
         """Take no state for even any more where an unstable mode is not."""
         symmetry = self.system.symmetry
-        parities = symmetry.parities(self._operator.form.components)
+        parities = symmetry.parities(self._operator.components)
         if parities and any(value.real < 0.0
-                            and asymmetry(self._operator.form.window,
+                            and asymmetry(self._operator.window,
                                           self._operator.state(vector.real).displacement,
                                           parities) > EVEN
                             for value, vector in zip(modes.values, modes.vectors)):
@@ -129,28 +130,46 @@ class Stability:
         accurate : residual; None where signs alone are asked for
         number : of the last mode that is to be accurate, 0 for the leading one
         """
-        scattered = self.system.symmetry.scatters(len(point.controls))
-        state = point.state if scattered else states.fitted(self.contact, point.state)
-        axes = []
-        if len(state.window.parts) == 1 and not (scattered or self.contact.grid.shared):
-            window = centred(state.window)
-            even = State(window, states.onto(state, window), state.means)
-            axes = symmetries(self.contact, even)
-            state = even if axes else state
-        operator = self._operator
-        if (operator is None or operator.form.window != state.window
-            or operator.form.controls != tuple(point.controls)):
-            operator = self._operator = Overdamped(self.contact, state.window, point.controls,
-                                                   self.options)
-        operator.linearise(state, point.load)
-        products = operator.form.products
+        state, axes = self._known(point.state, len(point.controls))
+        operator = self._linearised(state, point.controls, axes)
+        products = operator.products
         fold = point.event == "fold"
         start = self._start(state) + self._tangents(point, state.window)
-        found = leading_modes(operator, axes, start, accurate and max(accurate, FLAT) if fold
-                              else accurate, number, FLAT if fold else NEUTRAL)
-        self.system.totals["jacobian_products"] += operator.form.products - products
+        found = leading_modes(operator, () if isinstance(operator, Parted) else axes, start,
+                              accurate and max(accurate, FLAT) if fold else accurate, number,
+                              FLAT if fold else NEUTRAL)
+        self.system.totals["jacobian_products"] += operator.products - products
         self._last = state, [operator.state(vector) for vector in summed(found)]
         return joined(found)
+
+    def _known(self, state, components):
+        """The state on the window that the law needs, centred where mirrors leave it as it is, and
+        the `linearised.symmetries` of that."""
+        scattered = self.system.symmetry.scatters(components)
+        state = state if scattered else states.fitted(self.contact, state)
+        if len(state.window.parts) > 1 or scattered or self.contact.grid.shared:
+            return state, []
+        if state.half is not None:
+            return state, [(axis, tuple(float(signs[axis]) for signs in state.half.parities)
+                            if state.half.parities else (1.0,) * components)
+                           for axis in range(len(state.window.shape))]
+        window = centred(state.window)
+        even = State(window, states.onto(state, window), state.means)
+        axes = symmetries(self.contact, even)
+        return even if axes else state, axes
+
+    def _linearised(self, state, controls, axes):
+        """J at a state whose symmetries are ``axes``, at fields of each symmetry apart where these
+        are all that a window can have."""
+        apart = len(axes) == len(state.window.shape)
+        key = state.window, tuple(controls), tuple(axes) if apart else None
+        if self._key != key:
+            made = (self.contact, state.window, controls)
+            self._operator = (Parted(*made, axes, self.options) if apart
+                              else Overdamped(*made, self.options))
+            self._key = key
+        self._operator.linearise(state)
+        return self._operator
 
     def _tangents(self, point, window):
         """The branch's directions at a fold on a window, vectors: the null mode, or next to it."""
@@ -163,4 +182,5 @@ class Stability:
         if self._last is None or len(self._last[0].displacement) != len(state.displacement):
             return []
         origin, modes = self._last
-        return [self._operator.vector(carried(self.contact, mode, origin, state)) for mode in modes]
+        return [self._operator.vector(mode)
+                for mode in carried(self.contact, modes, origin, state)]

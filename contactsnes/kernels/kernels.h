@@ -138,6 +138,12 @@ struct Zone { /* CoreZone, of a form or of a form under arc length */
     double *columns, *mask, *blur, *sums, *column, slope, inverse[MOST * MOST];
 };
 
+typedef struct { /* J of overdamped motion, from a form whose rows are of components whose mean can move */
+    Form *form;
+    Zone *zone;
+    double row[MOST], push[MOST]; /* what its rows are over the means' rates; displacements over these */
+} Overdamped;
+
 typedef struct {
     Form *form;
     Arc *arc;

@@ -13,7 +13,7 @@ from . import structures
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "transforms.c", "packed.c",
            "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c", "steps.c", "krylov.c",
-           "points.c", "petsc.c", "laws.c", "library.c")
+           "modes.c", "points.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -141,6 +141,9 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "linearise": [_pointer, _pointer], "set_up": [_pointer],
          **dict.fromkeys(("arc_residual", "arc_product", "arc_transposed"),
                          [_pointer, _pointer, _pointer, _pointer]),
+         "hold": [*[_long] * 3, *[_pointer] * 5, _double],
+         "overdamped_product": [_pointer] * 3, "overdamped_precondition": [_pointer] * 3,
+         "arnoldi": [_pointer, _double, _pointer, _long, _pointer, _long, *[_pointer] * 3],
          "motion_evaluate": [_pointer], "motion_move": [_pointer, _double],
          "motion_advance": [_pointer, _double, _pointer, _double, _pointer, _double],
          "motion_damped": [_pointer, _double, _double, _pointer, _pointer, _pointer],

@@ -156,6 +156,13 @@ class Zone(ctypes.Structure):
                 ("inverse", c_double * (MOST * MOST))]
 
 
+class Overdamped(ctypes.Structure):
+    """Linearised overdamped motion."""
+
+    _fields_ = [("form", POINTER(Form)), ("zone", POINTER(Zone)), ("row", c_double * MOST),
+                ("push", c_double * MOST)]
+
+
 class System(ctypes.Structure):
     """What PETSc calls back with."""
 
@@ -177,6 +184,6 @@ class Libraries(ctypes.Structure):
 
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Columns, Form,
-                                            Motion, Arc, Circle, Block, Blur, Zone, System,
-                                            Libraries)}
+                                            Motion, Arc, Circle, Block, Blur, Zone, Overdamped,
+                                            System, Libraries)}
 """By the name that kernels.h gives them."""

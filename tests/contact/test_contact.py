@@ -504,6 +504,7 @@ def count_compiled(monkeypatch, count):
     count.callbacks = {f"{name}{end}": counting(f"{name}{end}", number)
                        for name in ("execute", "to_half", "to_row")
                        for end, number in (("", np.float64(0.0)), ("_single", np.float32(0.0)))}
+    transforms.line.cache_clear()  # plans of other tests are not known here
     monkeypatch.setattr(transforms.Real, "__init__", made_real)
     monkeypatch.setattr(transforms.Line, "__init__", made_line)
     for name, callback in count.callbacks.items():  # kept as long as the count

@@ -1,0 +1,95 @@
+"""Overdamped motion linearised at a state that mirrors leave as it is: J on fields that are even
+and on fields that are odd, each at the nodes of half a line or a quarter of a plane."""
+
+from itertools import product
+
+import numpy as np
+
+from ..contact.states import State
+from ..grid.contours import first_largest
+from ..solvers.core_zone import CoreOptions
+from .linearised import Overdamped
+
+
+class Parted:
+    """J and its preconditioner as of `linearised.Overdamped`, for vectors that consist of the parts
+    that differ in symmetry, one after the other.
+
+    Lengths and products of vectors are those of whole fields. A part that is zero costs nothing.
+
+    Parameters
+    ----------
+    contact, window, controls : as of `linearised.Overdamped`, the window centred
+    axes : for each direction (direction, sign of each component) of a mirror image that leaves the
+        state as it is
+    options : CoreOptions of the preconditioner
+    """
+
+    shared = None
+
+    def __init__(self, contact, window, controls, axes, options=CoreOptions()):
+        signs = np.array([signs for _, signs in axes], dtype=int).T
+        self.window, self.components = window, len(controls)
+        self._each = [Overdamped(contact, window, controls, options,
+                                 tuple(map(tuple, (signs * turned).tolist())))
+                      for turned in product((1, -1), repeat=len(axes))]
+        self.lengths = [one.size for one in self._each]
+        ends = np.cumsum([0, *self.lengths]).tolist()
+        self._places, self.size = [slice(*ends) for ends in zip(ends, ends[1:])], ends[-1]
+        kernels = [one.kernel for one in self._each]
+        self.kernels = kernels if all(kernels) else None
+        self.occupied = np.concatenate([one.occupied for one in self._each])
+
+    @property
+    def products(self):
+        """Number of products so far, those of all parts as one."""
+        return -(-sum(one.products for one in self._each) // len(self._each))
+
+    def linearise(self, state):
+        """Take the law's tangent at a state, and make the preconditioners from it."""
+        first, *others = self._each
+        first.linearise(state)
+        for one in others:
+            one.linearise(state, first)
+
+    def apply(self, vector):
+        """J vector."""
+        return self._by_part("apply", vector)
+
+    def precondition(self, vector):
+        """About J^-1 vector."""
+        return self._by_part("precondition", vector)
+
+    def _by_part(self, name, vector):
+        """What a method of the parts makes of a vector."""
+        result = np.zeros(self.size)
+        for one, place in zip(self._each, self._places):
+            if vector[place].any():
+                result[place] = getattr(one, name)(vector[place])
+        return result
+
+    def vector(self, mode):
+        """The vector of a mode as a state."""
+        return np.concatenate([one.vector(mode) for one in self._each])
+
+    def state(self, vector):
+        """The mode as a state, of a real vector."""
+        found = [one.state(own) for one, own in zip(self._each, self.parts(vector))]
+        return State(self.window, sum(state.displacement for state in found),
+                     sum(state.means for state in found))
+
+    def first_largest(self, vector):
+        """The largest size of a vector's displacements, with the sign of the first about as
+        large."""
+        displacement = self.state(vector).displacement.reshape(-1)
+        return displacement[first_largest(displacement)]
+
+    def parts(self, vector):
+        """The parts of a vector."""
+        return [vector[place] for place in self._places]
+
+    def whole(self, number, rows):
+        """Vectors (..., size) of a part (..., its length) by its number."""
+        found = np.zeros((*rows.shape[:-1], self.size), rows.dtype)
+        found[..., self._places[number]] = rows
+        return found

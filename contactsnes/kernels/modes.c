@@ -1,0 +1,140 @@
+/* Overdamped motion linearised at a state (dynamics.linearised), and runs of Arnoldi's method that look for
+   its modes. */
+#include "kernels.h"
+#include <math.h>
+#include <string.h>
+
+enum { PIECE = 1024 };
+
+CLONES static double inner(const double *restrict x, const double *restrict y, long n)
+{
+    double sum = 0.0;
+    for (long i = 0; i < n; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+/* x -= y factor */
+CLONES static void subtract(double *restrict x, double factor, const double *restrict y, long n)
+{
+    for (long i = 0; i < n; i++) x[i] -= factor * y[i];
+}
+
+/* part[k] = inner product of row k and x */
+static void inner_with_rows(long count, long size, const double *rows, const double *x, double *part)
+{
+    for (long k = 0; k < count; k++) part[k] = 0.0;
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        for (long k = 0; k < count; k++) part[k] += inner(rows + k * size + from, x + from, n);
+    }
+}
+
+/* x -= sum over k of part[k] times row k */
+static void subtract_rows(long count, long size, const double *rows, const double *part, double *x)
+{
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        for (long k = 0; k < count; k++) subtract(x + from, part[k], rows + k * size + from, n);
+    }
+}
+
+/* Appends a vector, made orthonormal to `count` others, with its image, and the products of vectors with
+   images, a matrix with rows for `room`; whether more than `least` of it was new (projection.hold). Vector
+   and image may stand where they are to be. */
+int hold(long count, long size, long room, double *basis, double *images, double *products, const double *vector,
+         const double *image, double least)
+{
+    double *own = basis + count * size, *moved = images + count * size, *part = products + count * room;
+    if (own != vector) {
+        memcpy(own, vector, size * sizeof *own);
+        memcpy(moved, image, size * sizeof *own);
+    }
+    double norm = sqrt(inner(own, own, size));
+    /* twice is enough, once where much is left */
+    for (int pass = 0; pass < 2 && count; pass++) {
+        const double before = norm;
+        inner_with_rows(count, size, basis, own, part);
+        subtract_rows(count, size, basis, part, own);
+        subtract_rows(count, size, images, part, moved);
+        norm = sqrt(inner(own, own, size));
+        if (norm > 0.5 * before) break;
+    }
+    if (!(norm > least)) return 0;
+    for (long i = 0; i < size; i++) {
+        own[i] /= norm;
+        moved[i] /= norm;
+    }
+    inner_with_rows(count + 1, size, images, own, part);
+    for (long k = 0; k <= count; k++) products[k * room + count] = inner(basis + k * size, moved, size);
+    return 1;
+}
+
+/* Adds uniform displacements to the components whose mean can move. */
+static void shift_means(const Overdamped *o, const double *mean, double *x)
+{
+    const Form *f = o->form;
+    const long n = f->nodes;
+    for (long row = 0; row < f->forced_count; row++) {
+        double *field = x + f->forced[row] * n;
+        const double moved = mean[row] / f->root;
+        for (long i = 0; i < n; i++) field[i] += f->scale ? moved * f->scale[i] : moved;
+    }
+}
+
+/* out = J x */
+int overdamped_product(const Overdamped *o, const double *x, double *out)
+{
+    const Form *f = o->form;
+    double *rate = out + f->components * f->nodes, moved[MOST];
+    int status = product(o->form, x, out);
+    for (long row = 0; row < f->forced_count; row++) {
+        rate[row] /= o->row[row];
+        moved[row] = o->push[row] * rate[row];
+    }
+    shift_means(o, moved, out);
+    return status;
+}
+
+/* out = about J^-1 x, which is overwritten */
+int overdamped_precondition(const Overdamped *o, double *x, double *out)
+{
+    const Form *f = o->form;
+    double *rate = x + f->components * f->nodes, moved[MOST];
+    for (long row = 0; row < f->forced_count; row++) {
+        moved[row] = -o->push[row] * rate[row];
+        rate[row] *= o->row[row];
+    }
+    shift_means(o, moved, x);
+    return precondition(o->zone, x, out);
+}
+
+/* A run of `count` products on 1 - P^-1 (J - shift) from `begin`, which is overwritten; its vectors are
+   appended to `*held` others as `hold` does, for all of which there is room. */
+int arnoldi(const Overdamped *o, double shift, double *begin, long count, long *held, long room, double *basis,
+            double *images, double *products)
+{
+    const Form *f = o->form;
+    const long size = f->components * f->nodes + f->forced_count;
+    double *rows = basis + *held * size, *moved = images + *held * size, *part = products + *held * room;
+    long made = 0;
+    for (; made < count; made++) {
+        double *own = rows + made * size, *image = moved + made * size;
+        for (int pass = 0; pass < 2 && made; pass++) {
+            inner_with_rows(made, size, rows, begin, part);
+            subtract_rows(made, size, rows, part, begin);
+        }
+        const double norm = sqrt(inner(begin, begin, size));
+        if (norm == 0.0) break;
+        for (long i = 0; i < size; i++) own[i] = begin[i] / norm;
+        int status = overdamped_product(o, own, image);
+        if (status) return status;
+        if (made + 1 == count) continue;
+        double *right = image + size; /* the next image is not made yet */
+        for (long i = 0; i < size; i++) right[i] = image[i] - shift * own[i];
+        if ((status = overdamped_precondition(o, right, begin))) return status;
+        for (long i = 0; i < size; i++) begin[i] = own[i] - begin[i];
+    }
+    for (long k = 0; k < made; k++)
+        *held += hold(*held, size, room, basis, images, products, rows + k * size, moved + k * size, 1e-6);
+    return 0;
+}
