@@ -176,7 +176,7 @@ class Contact:
                       for (i, j), symbol in blocks.items()}
             # (on planes, transforms that are kept take memory)
             make = self.kernels.real if self.scene.dimension == 1 else None
-            self._operators[key] = Operator(self.grid, scaled, make)
+            self._operators[key] = Operator(self.grid, scaled, make, self._operators.values())
         return self._operators[key]
 
     def _circle(self, component, components, shape, even=False, count=1, signs=None):

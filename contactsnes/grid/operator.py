@@ -16,10 +16,11 @@ class Operator:
     grid : Grid
     symbols : {(i, j): half spectrum} on the cell
     make : what makes transforms, as `cell.Transform`; None: as the grid has it
+    others : operators on the cell, which may have kernels of the same blocks
     """
 
-    def __init__(self, grid, symbols, make=None):
-        self.grid, self._make = grid, make or grid.transform
+    def __init__(self, grid, symbols, make=None, others=()):
+        self.grid, self._make, self._others = grid, make or grid.transform, others
         self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
         self._kernels = {}
 
@@ -27,11 +28,18 @@ class Operator:
         """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
         0."""
         if key not in self._kernels:
-            plan = self._make(self.grid, self.grid.shape, 1)
-            plan.spectrum[0] = self.blocks[key]
-            plan.backward()
-            self._kernels[key] = plan.real[0].copy()
+            known = (other._kernels[key] for other in self._others if key in other._kernels
+                     and not self.grid.any(other.blocks[key] != self.blocks[key]))
+            found = next(known, None)
+            self._kernels[key] = self._transformed(key) if found is None else found
         return self._kernels[key]
+
+    def _transformed(self, key):
+        """Kernel of a block, by a transform."""
+        plan = self._make(self.grid, self.grid.shape, 1)
+        plan.spectrum[0] = self.blocks[key]
+        plan.backward()
+        return plan.real[0].copy()
 
     def kernel_at(self, key, lags):
         """(first row and number of rows, kernel there) of this process's part of the lags of a

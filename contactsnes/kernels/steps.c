@@ -55,29 +55,40 @@ CLONES static void filter_lines(double *restrict c, long count, double *restrict
         for (long n = 0; n < count; n++) c[l * count + n] = turned[n * LINES + l];
 }
 
-static long mirrored(long k, long count)
-{
-    if (k < 0) k = -k;
-    return k > count - 1 ? 2 * (count - 1) - k : k;
-}
+enum { AT_ONCE = 128 }; /* places whose weights are found side by side */
 
 INLINE void interpolate(long outer, long count, long wide, const double *values, long wanted,
                         const double *restrict places, double *out)
 {
-    for (long p = 0; p < wanted; p++) {
-        const double end = (double)(count - 1), low = places[p] > 0.0 ? places[p] : 0.0;
-        const double place = low < end ? low : end;
-        const long whole = (long)place, first = whole < count - 2 ? whole : count - 2;
-        const double t = place - (double)first, left = 1.0 - t, square = t * t;
-        const double a = left * left * left / 6.0, b = (4.0 + square * (3.0 * t - 6.0)) / 6.0;
-        const double c = (1.0 + 3.0 * t * (1.0 + t - square)) / 6.0, d = square * t / 6.0;
-        const long before = mirrored(first - 1, count), after = mirrored(first + 2, count);
+    double weight[4][AT_ONCE];
+    int node[4][AT_ONCE]; /* mirrored at the ends */
+    const double end = (double)(count - 1);
+    const int last = (int)count - 2;
+    for (long from = 0; from < wanted; from += AT_ONCE) {
+        const long n = wanted - from < AT_ONCE ? wanted - from : AT_ONCE;
+        for (long p = 0; p < n; p++) {
+            const double low = places[from + p] > 0.0 ? places[from + p] : 0.0;
+            const double place = low < end ? low : end;
+            const int whole = (int)place, first = whole < last ? whole : last;
+            const double t = place - (double)first, left = 1.0 - t, square = t * t;
+            weight[0][p] = left * left * left / 6.0;
+            weight[1][p] = (4.0 + square * (3.0 * t - 6.0)) / 6.0;
+            weight[2][p] = (1.0 + 3.0 * t * (1.0 + t - square)) / 6.0;
+            weight[3][p] = square * t / 6.0;
+            node[0][p] = first > 0 ? first - 1 : 1;
+            node[1][p] = first;
+            node[2][p] = first + 1;
+            node[3][p] = first < last ? first + 2 : last;
+        }
         for (long o = 0; o < outer; o++) {
             const double *restrict rows = values + o * count * wide;
-            const double *restrict r = rows + before * wide, *restrict s = rows + first * wide;
-            const double *restrict u = s + wide, *restrict v = rows + after * wide;
-            double *restrict x = out + (o * wanted + p) * wide;
-            for (long i = 0; i < wide; i++) x[i] = a * r[i] + b * s[i] + c * u[i] + d * v[i];
+            double *restrict x = out + (o * wanted + from) * wide;
+            for (long p = 0; p < n; p++)
+                for (long i = 0; i < wide; i++)
+                    x[p * wide + i] = weight[0][p] * rows[node[0][p] * wide + i]
+                        + weight[1][p] * rows[node[1][p] * wide + i]
+                        + weight[2][p] * rows[node[2][p] * wide + i]
+                        + weight[3][p] * rows[node[3][p] * wide + i];
         }
     }
 }
