@@ -5,34 +5,51 @@
 #include <math.h>
 #include <string.h>
 
-enum { SOME = 256 }; /* nodes at a time */
+enum { SOME = 256, LANES = 8 }; /* nodes at a time, and numbers side by side */
 
 static double greater(double a, double b)
 {
     return a > b ? a : b;
 }
 
-/* Softening of the gap and of the slip along its own direction at a node; `tangent` (m, m, n) from it on. */
-static double softening(long m, long n, const double *tangent, const double *slip, double size,
-                        double normal, double sharp)
+/* The largest of some numbers, unless one is known that is larger. */
+CLONES static double largest_of(double known, const double *restrict x, long n)
 {
-    double opening = 0.0, weakening = 0.0, slipping = 0.0;
-    const double first = tangent[0] * normal * normal;
-    if (m == 1) return -first;
-    for (long i = 1; i < m; i++) {
-        /* (without slip every direction is alike; to one side or the other nothing changes) */
-        const double e = m == 2 ? 1.0 : size > 0.0 ? slip[i * n] / size : sqrt(0.5);
-        opening += tangent[i * n] * e;
-        weakening += tangent[i * m * n] * e;
-        for (long j = 1; j < m; j++) {
-            const double f = m == 2 ? 1.0 : size > 0.0 ? slip[j * n] / size : sqrt(0.5);
-            slipping += e * tangent[(i * m + j) * n] * f;
+    double most[LANES];
+    long k = 0;
+    for (long l = 0; l < LANES; l++) most[l] = known;
+    for (; k + LANES <= n; k += LANES)
+        for (long l = 0; l < LANES; l++) most[l] = x[k + l] > most[l] ? x[k + l] : most[l];
+    for (; k < n; k++) known = greater(x[k], known);
+    for (long l = 0; l < LANES; l++) known = greater(most[l], known);
+    return known;
+}
+
+/* Softening of the gap and of the slip along its own direction at each of some nodes: of a tangent (m, m, n),
+   slips (m, n), whose first are none, and their sizes. */
+CLONES static void softening(long m, long n, const double *restrict tangent, const double *restrict slip,
+                             const double *restrict size, double normal, double sharp, double *restrict out)
+{
+    double opening[SOME], weakening[SOME], slipping[SOME];
+    for (long k = 0; k < n; k++) opening[k] = weakening[k] = slipping[k] = 0.0;
+    for (long i = 1; i < m; i++)
+        for (long k = 0; k < n; k++) {
+            /* (without slip every direction is alike; to one side or the other nothing changes) */
+            const double e = m == 2 ? 1.0 : size[k] > 0.0 ? slip[i * n + k] / size[k] : sqrt(0.5);
+            opening[k] += tangent[i * n + k] * e;
+            weakening[k] += tangent[i * m * n + k] * e;
+            for (long j = 1; j < m; j++) {
+                const double f = m == 2 ? 1.0 : size[k] > 0.0 ? slip[j * n + k] / size[k] : sqrt(0.5);
+                slipping[k] += e * tangent[(i * m + j) * n + k] * f;
+            }
         }
+    for (long k = 0; k < n; k++) {
+        const double first = tangent[k] * normal * normal, last = slipping[k] * sharp * sharp;
+        const double half = 0.5 * (first - last);
+        const double root = half * half + opening[k] * weakening[k] * normal * normal * sharp * sharp;
+        const double soft = sqrt(root < 0.0 ? 0.0 : root) - 0.5 * (first + last);
+        out[k] = m == 1 ? -first : root >= 0.0 && soft > 0.0 ? soft : 0.0;
     }
-    slipping *= sharp * sharp;
-    const double half = 0.5 * (first - slipping);
-    const double root = half * half + opening * weakening * normal * normal * sharp * sharp;
-    return root >= 0.0 ? greater(sqrt(root) - 0.5 * (first + slipping), 0.0) : 0.0;
 }
 
 CLONES static double weighted_squares(const double *restrict x, const double *restrict weight, long n)
@@ -45,6 +62,52 @@ CLONES static double weighted_squares(const double *restrict x, const double *re
     return sum;
 }
 
+typedef struct { /* of at most SOME nodes: gaps and tractions (m, n), the tangent (m, m, n), sizes of slip and
+                    of shear traction, the largest of what is asked of each */
+    double gap[MOST * SOME], traction[MOST * SOME], tangent[MOST * MOST * SOME], slip[SOME], drag[SOME];
+    double each[SOME];
+} Nodes;
+
+/* Sizes of slips and shear tractions. */
+CLONES static void find_sizes(long m, long n, Nodes *restrict a)
+{
+    for (long k = 0; k < n; k++) a->slip[k] = a->drag[k] = 0.0;
+    for (long i = 1; i < m; i++)
+        for (long k = 0; k < n; k++) {
+            a->slip[k] += a->gap[i * n + k] * a->gap[i * n + k];
+            a->drag[k] += a->traction[i * n + k] * a->traction[i * n + k];
+        }
+    for (long k = 0; k < n; k++) {
+        a->slip[k] = sqrt(a->slip[k]);
+        a->drag[k] = sqrt(a->drag[k]);
+    }
+}
+
+/* Adds to sums: nodes in contact, those that stick; tractions, and tractions times displacements, by
+   component. */
+CLONES static void add_sums(long m, long n, const Nodes *restrict a, const double *restrict displacement,
+                            long apart, const double *restrict weight, const double *limits, double *sums)
+{
+    double touching = 0.0, sticking = 0.0;
+    for (long k = 0; k < n; k++) {
+        const double w = weight ? weight[k] : 1.0;
+        touching += a->gap[k] < limits[0] ? w : 0.0;
+        sticking += a->gap[k] < limits[0] && !(a->slip[k] > limits[1]) ? w : 0.0;
+    }
+    sums[0] += touching;
+    sums[1] += sticking;
+    for (long i = 0; i < m; i++) {
+        double total = 0.0, work = 0.0;
+        for (long k = 0; k < n; k++) {
+            const double t = (weight ? weight[k] : 1.0) * a->traction[i * n + k];
+            total += t;
+            work += t * displacement[i * apart + k];
+        }
+        sums[2 + i] += total;
+        sums[2 + m + i] += work;
+    }
+}
+
 /* Numbers of displacements (m, nodes): lowest normal gap, largest slip in contact,
    largest pressure, largest shear traction, steepest softening; nodes in contact, those that stick;
    sums of tractions and of tractions times displacements by component. limits: gap of contact, slip at
@@ -52,45 +115,32 @@ CLONES static double weighted_squares(const double *restrict x, const double *re
 void survey(const Law *law, long m, long nodes, const double *displacement, const double *initial_gap,
             const double *weight, const double *limits, double *numbers, double *traction)
 {
-    double at[MOST * SOME], t[MOST * SOME], tangent[MOST * MOST * SOME];
-    double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0, count = 0.0;
-    double sticking = 0.0, sums[2 * MOST] = {0};
+    Nodes a;
+    double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0;
+    double sums[2 + 2 * MOST] = {0};
     for (long from = 0; from < nodes; from += SOME) {
         const long n = nodes - from < SOME ? nodes - from : SOME;
         for (long i = 0; i < m; i++) {
             const double *restrict u = displacement + i * nodes + from;
-            for (long k = 0; k < n; k++) at[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
+            for (long k = 0; k < n; k++) a.gap[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
         }
-        evaluate(law, m, n, at, t, tangent);
-        for (long i = 0; i < m; i++) memcpy(traction + i * nodes + from, t + i * n, n * sizeof *t);
-        double part[2 * MOST] = {0};
-        for (long k = 0; k < n; k++) {
-            const double w = weight ? weight[from + k] : 1.0;
-            double slip = 0.0, drag = 0.0;
-            for (long i = 1; i < m; i++) {
-                slip += at[i * n + k] * at[i * n + k];
-                drag += t[i * n + k] * t[i * n + k];
-            }
-            slip = sqrt(slip);
-            lowest = at[k] < lowest || at[k] != at[k] ? at[k] : lowest;
-            pressure = greater(-t[k], pressure);
-            shear = greater(drag, shear);
-            steepest = greater(softening(m, n, tangent + k, at + k, slip, limits[2], limits[3]), steepest);
-            if (at[k] < limits[0]) {
-                count += w;
-                slipped = greater(slip, slipped);
-                if (!(slip > limits[1])) sticking += w;
-            }
-            for (long i = 0; i < m; i++) {
-                part[i] += w * t[i * n + k];
-                part[m + i] += w * t[i * n + k] * displacement[i * nodes + from + k];
-            }
-        }
-        for (long i = 0; i < 2 * m; i++) sums[i] += part[i];
+        evaluate(law, m, n, a.gap, a.traction, a.tangent);
+        for (long i = 0; i < m; i++)
+            memcpy(traction + i * nodes + from, a.traction + i * n, n * sizeof *traction);
+        find_sizes(m, n, &a);
+        softening(m, n, a.tangent, a.gap, a.slip, limits[2], limits[3], a.each);
+        steepest = largest_of(steepest, a.each, n);
+        shear = largest_of(shear, a.drag, n);
+        for (long k = 0; k < n; k++) a.each[k] = -a.traction[k];
+        pressure = largest_of(pressure, a.each, n);
+        for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < limits[0] ? a.slip[k] : 0.0;
+        slipped = largest_of(slipped, a.each, n);
+        for (long k = 0; k < n; k++) lowest = a.gap[k] < lowest || a.gap[k] != a.gap[k] ? a.gap[k] : lowest;
+        add_sums(m, n, &a, displacement + from, nodes, weight ? weight + from : 0, limits, sums);
     }
-    const double found[] = {lowest, slipped, pressure, sqrt(shear), steepest, count, sticking};
+    const double found[] = {lowest, slipped, pressure, shear, steepest};
     memcpy(numbers, found, sizeof found);
-    memcpy(numbers + 7, sums, 2 * m * sizeof *sums);
+    memcpy(numbers + 5, sums, (2 + 2 * m) * sizeof *sums);
 }
 
 /* Of two fields (m, nodes): the largest difference where the law acts on either (normal gap below
@@ -145,9 +195,43 @@ typedef struct { /* as contactsnes/contact/acceptance.py has them, in `_limits` 
 } Limits;
 
 /* How far a node may end from its prediction after a way of its own. */
-static double allowed(const Limits *l, double way)
+static inline double allowed(const Limits *l, double way)
 {
     return l->strays + l->share * (way < l->longest ? way : l->longest);
+}
+
+typedef struct { /* of at most SOME nodes: normal gaps at first, at last and the closest of the end and its
+                    prediction; largest way of a component, and how far one ends beyond a part of what is
+                    allowed; sums of squares of both */
+    double first[SOME], last[SOME], closest[SOME], way[SOME], aside[SOME], gone[SOME], missed[SOME];
+} Ways;
+
+/* The ways of nodes from one on. */
+CLONES static void ways(long m, long nodes, long from, long n, const double *foretold, const double *ended,
+                        const double *began, const double *restrict initial_gap, const Limits *l, double part,
+                        Ways *restrict w)
+{
+    for (long k = 0; k < n; k++) {
+        const double g = initial_gap[from + k], there = ended[from + k], expected = foretold[from + k];
+        w->first[k] = began[from + k] + g;
+        w->last[k] = there + g;
+        w->closest[k] = (expected < there ? expected : there) + g;
+        w->way[k] = w->gone[k] = w->missed[k] = 0.0;
+        w->aside[k] = -INFINITY;
+    }
+    for (long i = 0; i < m; i++) {
+        const long at = i * nodes + from;
+        const double *restrict a = began + at, *restrict b = ended + at, *restrict f = foretold + at;
+        for (long k = 0; k < n; k++) {
+            const double change = fabs(b[k] - a[k]);
+            const double off = w->closest[k] < l->reach ? fabs(b[k] - f[k]) : 0.0;
+            const double beyond = off - part * allowed(l, change);
+            w->way[k] = change > w->way[k] ? change : w->way[k];
+            w->aside[k] = beyond > w->aside[k] ? beyond : w->aside[k];
+            w->gone[k] += change * change;
+            w->missed[k] += off * off;
+        }
+    }
 }
 
 /* Whether slip sticks somewhere on a straight way between two ends that slide. */
@@ -161,13 +245,35 @@ static int through_sticking(long m, long nodes, const double *began, const doubl
         along -= a * (b - a);
         way += (b - a) * (b - a);
     }
+    if (!(first > peak * peak && last > peak * peak)) return 0;
     double part = along / greater(way, 1e-300);
     part = part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part;
     for (long i = 1; i < m; i++) {
         const double x = began[i * nodes] + part * (ended[i * nodes] - began[i * nodes]);
         least += x * x;
     }
-    return first > peak * peak && last > peak * peak && least < peak * peak;
+    return least < peak * peak;
+}
+
+/* Adds to sums of `strays`, from the third on: what nodes count there by their ways. */
+CLONES static void count_nodes(const Ways *restrict w, const double *restrict weight, long n, const Limits *l,
+                         double *restrict sums)
+{
+    double held = 0.0, opened = 0.0, made = 0.0, closed = 0.0, near = 0.0, missed = 0.0, acting = 0.0;
+    double gone = 0.0;
+    for (long k = 0; k < n; k++) {
+        const double own = weight ? weight[k] : 1.0, first = w->first[k], last = w->last[k];
+        held += first < l->held ? own : 0.0;
+        opened += first < l->held && last > l->open ? own : 0.0;
+        made += last < l->held ? own : 0.0;
+        closed += last < l->held && first > l->open ? own : 0.0;
+        near += w->closest[k] < l->reach ? own : 0.0;
+        missed += own * w->missed[k];
+        acting += (first < last ? first : last) < l->reach ? own : 0.0;
+        gone += (first < last ? first : last) < l->reach ? own * w->gone[k] : 0.0;
+    }
+    const double found[] = {held, opened, made, closed, 0.0, near, missed, acting, gone};
+    for (long i = 0; i < 9; i++) sums[i] += found[i];
 }
 
 /* numbers: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
@@ -178,44 +284,44 @@ void strays(long m, long nodes, const double *foretold, const double *ended, con
             const double *initial_gap, const double *weight, const Limits *l, double *numbers)
 {
     double beyond = -l->strays, moved = 0.0, sums[9] = {0};
-    for (long k = 0; k < nodes; k++) {
-        const double w = weight ? weight[k] : 1.0, first = began[k] + initial_gap[k];
-        const double last = ended[k] + initial_gap[k];
-        const double closest = (foretold[k] < ended[k] ? foretold[k] : ended[k]) + initial_gap[k];
-        double way = 0.0, aside = -INFINITY, missed = 0.0, gone = 0.0;
-        for (long i = 0; i < m; i++) {
-            const double change = fabs(ended[i * nodes + k] - began[i * nodes + k]);
-            const double off = closest < l->reach ? fabs(ended[i * nodes + k] - foretold[i * nodes + k]) : 0.0;
-            way = greater(change, way);
-            aside = greater(off - allowed(l, change), aside);
-            missed += off * off;
-            gone += change * change;
-        }
-        beyond = greater(aside, beyond);
-        if (closest < l->reach) {
-            sums[5] += w;
-            sums[6] += w * missed;
-        }
-        if ((first < last ? first : last) < l->reach) {
-            moved = greater(way, moved);
-            sums[7] += w;
-            sums[8] += w * gone;
-        }
-        if (first < l->held) {
-            sums[0] += w;
-            if (last > l->open) sums[1] += w;
-        }
-        if (last < l->held) {
-            sums[2] += w;
-            if (first > l->open) sums[3] += w;
-        }
-        if (m > 1 && first < l->contact && last < l->contact
-            && through_sticking(m, nodes, began + k, ended + k, l->peak))
-            sums[4] += w;
+    Ways w;
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        ways(m, nodes, from, n, foretold, ended, began, initial_gap, l, 1.0, &w);
+        count_nodes(&w, weight ? weight + from : 0, n, l, sums);
+        beyond = largest_of(beyond, w.aside, n);
+        for (long k = 0; k < n; k++)
+            if ((w.first[k] < w.last[k] ? w.first[k] : w.last[k]) >= l->reach) w.way[k] = 0.0;
+        moved = largest_of(moved, w.way, n);
+        for (long k = 0; k < n && m > 1; k++)
+            if (w.first[k] < l->contact && w.last[k] < l->contact
+                && through_sticking(m, nodes, began + from + k, ended + from + k, l->peak))
+                sums[4] += weight ? weight[from + k] : 1.0;
     }
     numbers[0] = beyond;
     numbers[1] = moved;
     memcpy(numbers + 2, sums, sizeof sums);
+}
+
+typedef struct { /* nodes that are asked for their works: gaps and changes by component, and weights in each
+                    of the sets they are in */
+    long held;
+    double gap[MOST * SOME], change[MOST * SOME], share[3][SOME];
+} Asked;
+
+/* Adds sums over the sets. */
+CLONES static void add_works(const Asked *restrict a, const double *restrict found, double *restrict numbers)
+{
+    for (long set = 0; set < 3; set++) {
+        double released = 0.0, springs = 0.0;
+        for (long h = 0; h < a->held; h++) {
+            const double w = a->share[set][h];
+            released += w > 0.0 ? w * found[h] : 0.0;
+            springs += w > 0.0 ? w * found[a->held + h] : 0.0;
+        }
+        numbers[set] += released;
+        numbers[3 + set] += springs;
+    }
 }
 
 /* numbers: what nodes release on the straight way of a step over linear springs, and what these do
@@ -226,44 +332,36 @@ void releases(const Law *law, long m, long nodes, const double *foretold, const 
               long count, const double *places, const double *shares, const Limits *l, double moved,
               double *numbers)
 {
-    double gap[MOST * SOME], change[MOST * SOME], found[2 * SOME];
-    unsigned char sets[SOME];
-    long node[SOME], held = 0;
+    double found[2 * SOME];
+    Asked a;
+    Ways w;
     memset(numbers, 0, 6 * sizeof *numbers);
-    for (long k = 0; k <= nodes; k++) {
-        if (k < nodes) {
-            const double g = initial_gap[k];
-            const double closest = (foretold[k] < ended[k] ? foretold[k] : ended[k]) + g;
-            const int near = (began[k] < ended[k] ? began[k] : ended[k]) + g < l->reach;
-            double way = 0.0;
-            int off = 0;
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        ways(m, nodes, from, n, foretold, ended, began, initial_gap, l, l->doubtful, &w);
+        a.held = 0;
+        for (long k = 0; k < n; k++) {
+            const int near = (w.first[k] < w.last[k] ? w.first[k] : w.last[k]) < l->reach;
+            const int off = w.aside[k] > 0.0;
+            if (!near && !off) continue;
+            const double own = weight ? weight[from + k] : 1.0;
+            a.share[0][a.held] = off ? own : 0.0;
+            a.share[1][a.held] = near ? own : 0.0;
+            a.share[2][a.held] = near && w.way[k] > 0.5 * moved ? own : 0.0;
             for (long i = 0; i < m; i++) {
-                const double change = fabs(ended[i * nodes + k] - began[i * nodes + k]);
-                way = greater(change, way);
-                off |= closest < l->reach && fabs(ended[i * nodes + k] - foretold[i * nodes + k])
-                                                 > l->doubtful * allowed(l, change);
+                const double begin = began[i * nodes + from + k];
+                a.gap[i * SOME + a.held] = i ? begin : w.first[k];
+                a.change[i * SOME + a.held] = ended[i * nodes + from + k] - begin;
             }
-            if (near || off) {
-                sets[held] = (unsigned char)(off | near << 1 | (near && way > 0.5 * moved) << 2);
-                node[held++] = k;
-            }
+            a.held++;
         }
-        if (held < SOME && k < nodes) continue;
-        for (long i = 0; i < m; i++)
-            for (long h = 0; h < held; h++) {
-                const double from = began[i * nodes + node[h]];
-                gap[i * held + h] = from + (i ? 0.0 : initial_gap[node[h]]);
-                change[i * held + h] = ended[i * nodes + node[h]] - from;
-            }
-        works(law, m, held, gap, change, parts, count, places, shares, l->trifle, found);
-        for (long h = 0; h < held; h++)
-            for (long set = 0; set < 3; set++)
-                if (sets[h] >> set & 1) {
-                    const double w = weight ? weight[node[h]] : 1.0;
-                    numbers[set] += w * found[h];
-                    numbers[3 + set] += w * found[held + h];
-                }
-        held = 0;
+        if (!a.held) continue;
+        for (long i = 1; i < m; i++) {
+            memmove(a.gap + i * a.held, a.gap + i * SOME, a.held * sizeof *a.gap);
+            memmove(a.change + i * a.held, a.change + i * SOME, a.held * sizeof *a.change);
+        }
+        works(law, m, a.held, a.gap, a.change, parts, count, places, shares, l->trifle, found);
+        add_works(&a, found, numbers);
     }
 }
 
@@ -342,7 +440,7 @@ long crossings(long count, const double *values, double level, long most, double
 
 enum { REACH = 4 }; /* of the eighth difference */
 
-enum { LANES = 8, CHUNK = 64 };
+enum { CHUNK = 64 };
 
 static const double DIFFERENCE[] = {70.0, -56.0, 28.0, -8.0, 1.0};
 

@@ -208,18 +208,33 @@ CLONES int followed(long components, long nodes, long lines, const double *const
 
 enum { SOME = 256, FEW = 16 }; /* nodes at a time, places at most */
 
+/* Adds what some nodes release on their way, and what linear springs do, of one component. */
+CLONES static void add_works(long n, long count, const double *restrict way, double part,
+                             const double *const *traction, const double *restrict shares, double trifle,
+                             double *restrict released, double *restrict springs)
+{
+    double sum[SOME];
+    for (long k = 0; k < n; k++) sum[k] = 0.0;
+    for (long p = 0; p < count; p++)
+        for (long k = 0; k < n; k++) sum[k] += shares[p] * traction[p][k];
+    for (long k = 0; k < n; k++) {
+        const double weighted = part * way[k], change = fabs(traction[1][k] - traction[0][k]);
+        released[k] += sum[k] * weighted;
+        springs[k] += (change > trifle ? change : trifle) * fabs(weighted);
+    }
+}
+
 /* works (2, nodes): what each node releases on the straight way from gap by change (components, nodes),
    and what linear springs do, by a quadrature: shares of the tractions at places, the first two of
    which are the ends. `parts`: weights of the components. */
-void works(const Law *law, long components, long nodes, const double *gap, const double *change,
-           const double *parts, long count, const double *places, const double *shares, double trifle,
-           double *found)
+CLONES void works(const Law *law, long components, long nodes, const double *gap, const double *change,
+                  const double *parts, long count, const double *places, const double *shares, double trifle,
+                  double *found)
 {
     double at[MOST * SOME], traction[FEW][MOST * SOME];
     memset(found, 0, 2 * nodes * sizeof *found);
     for (long from = 0; from < nodes; from += SOME) {
         const long n = nodes - from < SOME ? nodes - from : SOME;
-        double *restrict released = found + from, *restrict springs = found + nodes + from;
         for (long p = 0; p < count; p++) {
             for (long i = 0; i < components; i++)
                 for (long k = 0; k < n; k++)
@@ -228,16 +243,10 @@ void works(const Law *law, long components, long nodes, const double *gap, const
             evaluate(law, components, n, at, traction[p], 0);
         }
         for (long i = 0; i < components; i++) {
-            const double *restrict way = change + i * nodes + from;
-            for (long k = 0; k < n; k++) {
-                const double weighted = parts[i] * way[k];
-                const double change_of_traction = fabs(traction[1][i * n + k] - traction[0][i * n + k]);
-                double sum = 0.0;
-                for (long p = 0; p < count; p++) sum += shares[p] * traction[p][i * n + k];
-                released[k] += sum * weighted;
-                springs[k] += (change_of_traction > trifle ? change_of_traction : trifle)
-                    * fabs(weighted);
-            }
+            const double *of[FEW];
+            for (long p = 0; p < count; p++) of[p] = traction[p] + i * n;
+            add_works(n, count, change + i * nodes + from, parts[i], of, shares, trifle, found + from,
+                      found + nodes + from);
         }
     }
 }

@@ -636,6 +636,21 @@ def test_memory_of_form_and_preconditioner(count, most):
     assert sum(held.values()) < most, held
 
 
+@pytest.mark.parametrize("body", BODIES)
+def test_the_kernel_of_a_block_is_found_once_whatever_the_number_of_components(body):
+    contact = contact_of(2, body)
+    first = contact.operator(1).kernel((0, 0))
+    before = contact.grid.counter.transforms
+    assert contact.operator(2).kernel((0, 0)) is first
+    assert contact.grid.counter.transforms == before
+    # Blocks that differ have kernels of their own, each by an FFT of NumPy.
+    for key, block in contact.operator(2).blocks.items():
+        np.testing.assert_allclose(contact.operator(2).kernel(key),
+                                   np.fft.irfft(block) * contact.grid.size, atol=1e-14)
+    stiff = contact.operator(2, "stiffness")
+    assert stiff.kernel((0, 0)) is not first
+
+
 def test_forms_of_old_windows_are_released():
     """A run over many windows keeps the memory of one or two: petsc4py 3.18 frees what Python drops
     only when told to."""
