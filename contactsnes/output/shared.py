@@ -57,9 +57,19 @@ class SharedArchive:
         return kept or states
 
     def _in_first(self, act):
-        """Act in the first process; what has come of the archive is known to all."""
+        """Act in the first process; what has come of the archive is known to all, after a failure
+        as well: what waits in the journal survives it."""
         def acted():
-            act()
-            return self._kept.points, self._kept.complete, self._kept.path, self._kept.runs
+            error = None
+            try:
+                act()
+            except Exception as raised:
+                if self._kept is None:
+                    raise
+                error = raised
+            kept = self._kept
+            return error, (kept.points, kept.complete, kept.path, kept.runs)
 
-        self.points, self.complete, self.path, self.runs = world.first(acted)
+        error, (self.points, self.complete, self.path, self.runs) = world.first(acted)
+        if error is not None:
+            raise error
