@@ -8,6 +8,7 @@ from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .load_steps import SHARE
 from .points import NoFold, NotConverged, lagrange_weights
 from .predictors.predictor import moved_on
+from .second_points import neighboured
 
 SHORT = 1.0 / 40.0
 """Steps that had to be cut below this part of a leg, or below its initial one, look like a fold:
@@ -22,9 +23,6 @@ that falls linearly vanishes after more than two further steps of that length.""
 AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
-
-WITHIN = 0.1
-"""Part of a refused step within which a neighbour is looked for where none is farther away."""
 
 
 class FoldSearch:
@@ -110,26 +108,12 @@ class FoldSearch:
         return arc, slope + 2.0 * curvature * arc
 
     def trail(self, refused=np.inf):
-        """The last two points, made by a tiny tangent step where the leg has only begun."""
+        """The last two points, made by a tiny step where the leg has only begun."""
         if len(self.history) > 1:
             return [(position, point) for position, point in self.history[-2:]]
         here, last = self.history[-1]
         step = max(self.leg.smallest, 1e-3 * self.initial)
-        # Backwards, since the trouble may be nearer than the step; there may be more behind.
-        for tiny in (-step, step):
-            try:
-                neighbour = self._tiny(last, here, tiny)
-            except NotConverged:
-                continue
-            return [neighbour, (here, last)] if tiny < 0.0 else [(here, last), neighbour]
-        return [self._tiny(last, here, -min(step, WITHIN * refused)), (here, last)]
-
-    def _tiny(self, last, here, step):
-        """Place and point of a step along the tangent from the only point."""
-        guess = self.system.along_tangent(last, self.leg, here, step)
-        place = here + step
-        return place, replace(self.system.solve(guess, self.leg.controls, self.leg.load(place)),
-                              position=place)
+        return neighboured(self.system, self.leg, here, last, step, refused)
 
     def _ahead(self, trail, length):
         """The point at a given arc length beyond the last two."""

@@ -915,8 +915,10 @@ def test_a_load_that_turns_without_its_slope_is_a_fold_on_a_plateau_only(drop, s
 @pytest.mark.parametrize("room, refused, behind", [(1.0, np.inf, True), (1e-6, 4e-6, True),
                                                    (1e-6, np.inf, None)])
 def test_the_neighbour_of_an_only_point_is_as_near_as_what_was_refused(room, refused, behind):
-    system = System(explicit(lambda load: load, np.ones_like),
-                    fails=lambda load: abs(load - 0.5) > room)
+    def far(load):
+        return abs(load - 0.5) > room
+
+    system = System(explicit(lambda load: load, np.ones_like), fails=far, arc_fails=far)
     last = system.solve(np.array([0.5]), UNIT_LEG.controls, np.array([0.5]))
     search = FoldSearch(system, UNIT_LEG, [(0.5, last)])
     if behind is None:
@@ -926,6 +928,19 @@ def test_the_neighbour_of_an_only_point_is_as_near_as_what_was_refused(room, ref
     (before, _), (here, _) = search.trail(refused)
     assert here == 0.5 and 0.0 < here - before <= room
 
+
+@pytest.mark.parametrize("begin", [-0.5, 0.0, 0.95])
+def test_a_point_between_folds_nearer_than_any_step_of_the_load_has_a_neighbour(begin):
+    """As behind a jump from one fold of a grid to the next."""
+    rise = 1e-7
+    system = System(curve(lambda u: 0.5 + rise * (1.5 * u - 0.5 * u ** 3),
+                          lambda u: 1.5 * rise * (1.0 - u ** 2)),
+                    fails=lambda load: abs(load - 0.5) > rise)
+    place = 0.5 + rise * (1.5 * begin - 0.5 * begin ** 3)
+    last = system.solve(np.array([begin]), UNIT_LEG.controls, np.array([place]))
+    fold, beyond, _ = FoldSearch(system, UNIT_LEG, [(place, last)]).search(NotConverged("a step"))
+    assert fold.position == pytest.approx(0.5 + rise, rel=1e-9)
+    assert fold.state[0] == pytest.approx(1.0, abs=1e-3) and beyond[0] > 1.0
 
 
 def test_a_peak_is_where_the_slope_turns_whatever_loads_say():
