@@ -11,7 +11,6 @@ from ..contact import places, states
 from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
 from ..dynamics.control import rough
-from ..solvers.snes import COLD
 from ..solvers.vectors import collect
 from .coarser import coarser, finer_state, resolving
 from .departure import Departure
@@ -19,6 +18,10 @@ from .departure import Departure
 CORRECTED = 0.3
 """Ranges of the law by which a finer grid may move a node where the law acts: a spot that has
 jumped is moved by more."""
+
+BESIDE = 12
+"""Iterations of Newton's method from a coarser grid's state, next to which there may be none on the
+finer one."""
 
 
 def reached(system, start, controls, load, where):
@@ -53,7 +56,7 @@ def reached(system, start, controls, load, where):
     return jumps.settle(system, start(system.contact), controls, load, where)
 
 
-def corrected(system, state, controls, load, most=COLD):
+def corrected(system, state, controls, load, most=BESIDE):
     """The stable point next to a state from a coarser grid; NotConverged where there is none.
 
     Parameters

@@ -188,7 +188,8 @@ class Corrector:
         newton = of_snes(snes).has_tangent
         self.patience.short = warm = most_iterations == WARM
         step_from_afar(form, not warm)
-        turned, form.precision.allowed = form.precision.turned, trusted(form, warm)
+        near = most_iterations is not None and most_iterations <= WARM
+        turned, form.precision.allowed = form.precision.turned, trusted(form, near)
         if newton and most_iterations and not form.bounded:
             snes.setTolerances(max_it=most_iterations)
         if not known(form.grid, unknown):

@@ -12,7 +12,7 @@ from ..continuation.points import Crossing, Leg, NotConverged, NoWayBack
 from ..continuation.turning import turns
 from ..dynamics import jumps
 from ..solvers.snes import WARM
-from .coarse_motion import coarsely, corrected, with_works
+from .coarse_motion import BESIDE, coarsely, corrected, with_works
 
 SAME = 1e-3
 """Largest way of a node, ranges of the law, from the state that lies behind a bracket to the one
@@ -21,9 +21,6 @@ SHORTEST = 0.5
 """Part of a bracket below which steps on the way back through it are not halved."""
 CLOSE = 0.1
 """The same of steps towards a fold in it."""
-BESIDE = 12
-"""Iterations of Newton's method from the coarser grid's state behind a jump, which there may be
-none of on the finer one."""
 NARROWER = 2
 """How many narrower brackets in each other are tried where the state beyond one does not lead back
 to before it."""

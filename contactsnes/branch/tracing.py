@@ -18,6 +18,7 @@ from ..dynamics import jumps
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.precision import pays
+from ..solvers.ritz import many
 from ..solvers.snes import WARM, create_snes, kept
 from ..solvers.vectors import create_vector
 from . import coarse_motion, crossing
@@ -240,8 +241,9 @@ class Tracer(Corrector, Neighbours, Ends):
         aim = leg.start, leg.direction, first, row, length, border[1]
         if self.arc is None or self.arc[0].form is not form:
             arc = ArcLength(form, *aim)
+            quick = pays(form, self.settings.linear_precision)
             self.arc = arc, create_snes(arc, "" if own else "arc_",
-                                        packed=pays(form, self.settings.linear_precision))
+                                        single=quick and many(self.contact), packed=quick)
             self.patience.watch(self.arc[1], self.contact)
         arc, snes = self.arc
         arc.aim(*aim)

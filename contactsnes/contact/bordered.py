@@ -14,8 +14,6 @@ class ArcLength:
     F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
                                                     unknown is [x, s].
 
-    Its products are in double precision: what it finds is a fold, or is to be exact.
-
     Parameters
     ----------
     form : DisplacementForm
@@ -26,13 +24,11 @@ class ArcLength:
     rate : how much of that a unit of s is
     """
 
-    has_single = False
-
     def __init__(self, form, start, direction, anchor, tangent, length, rate=0.0):
         self.form = form
         self.aim(start, direction, anchor, tangent, length, rate)
         self.name = form.name
-        self.in_displacements = form.in_displacements
+        self.in_displacements, self.has_single = form.in_displacements, form.has_single
         self.contact = form.contact
         self.grid = form.grid
         self.components, self.window = form.components, form.window
@@ -119,18 +115,29 @@ class ArcLength:
         self.form.linearise(self.inner(unknown))
         self.form.load_derivative(self.direction, self.load_column)
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector."""
+    def apply_jacobian(self, vector, out, *single):
+        """out = J vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of its size; out is filled and returned
+        single : True for transforms in single precision, if the form has them
+        """
         if self.kernel:
-            return self.kernel.apply_jacobian(vector, out)
-        self.form.apply_jacobian(self.inner(vector), self.inner(out))
+            return self.kernel.apply_jacobian(vector, out, *single)
+        self.form.apply_jacobian(self.inner(vector), self.inner(out), *single)
         return self._bordered(vector, self.load_column, self.tangent, out)
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector."""
+    def apply_transpose(self, vector, out, *single):
+        """out = J^T vector.
+
+        Parameters
+        ----------
+        vector, out, single : as of `apply_jacobian`
+        """
         if self.kernel:
-            return self.kernel.apply_transpose(vector, out)
-        self.form.apply_transpose(self.inner(vector), self.inner(out))
+            return self.kernel.apply_transpose(vector, out, *single)
+        self.form.apply_transpose(self.inner(vector), self.inner(out), *single)
         return self._bordered(vector, self.tangent, self.load_column, out)
 
     def _bordered(self, vector, column, row, out):

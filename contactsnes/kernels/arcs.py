@@ -47,14 +47,26 @@ class CompiledArc:
              self.reference, address(unknown), address(out))
         return out
 
-    def apply_jacobian(self, vector, out):
-        """out = J vector."""
+    def apply_jacobian(self, vector, out, single=False):
+        """out = J vector.
+
+        Parameters
+        ----------
+        vector, out, single : as of `bordered.ArcLength`
+        """
+        self.kernel.set_precision(single)
         call(self.kernel.library.arc_product, self.kernel.grid.counter, self.kernel.reference,
              self.reference, address(vector), address(out))
         return out
 
-    def apply_transpose(self, vector, out):
-        """out = J^T vector."""
+    def apply_transpose(self, vector, out, single=False):
+        """out = J^T vector.
+
+        Parameters
+        ----------
+        vector, out, single : as of `bordered.ArcLength`
+        """
+        self.kernel.set_precision(single)
         call(self.kernel.library.arc_transposed, self.kernel.grid.counter, self.kernel.reference,
              self.reference, address(vector), address(out))
         return out

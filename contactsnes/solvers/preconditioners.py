@@ -82,19 +82,33 @@ class EvenCoreZone(CoreZone):
 
 class ArcElimination:
     """Preconditioner of a form under arc length: that of the form, the load eliminated by its Schur
-    complement."""
+    complement.
 
-    def __init__(self, form, options=CoreOptions()):
+    Parameters
+    ----------
+    form : ArcLength, linearised
+    options : CoreOptions
+    single : bool, whether it is set up in single precision, if the form has that
+    """
+
+    def __init__(self, form, options=CoreOptions(), single=False):
         self.form = form
-        self.inner = KINDS.get(type(form.form), CoreZone)(form.form, options, 1e-5)
+        kind, asked = KINDS.get(type(form.form), CoreZone), (True,) if single else ()
+        self.inner = kind(form.form, options, 1e-5, *asked)
         self.count = form.form.size
-        self.column = self.inner.apply(form.load_column, np.empty(self.count))
+        self.column = self.inner.apply(form.load_column, np.empty(self.count), *asked)
         self.slope = form.grid.inner(form.tangent, self.column) - form.rate
 
-    def apply(self, vector, out):
-        """out = M^-1 vector, arrays of the form's size."""
+    def apply(self, vector, out, *single):
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled and returned
+        single : True for transforms in single precision, if the form has them
+        """
         form, inner = self.form, out[:self.count]
-        self.inner.apply(vector[:self.count], inner)
+        self.inner.apply(vector[:self.count], inner, *single)
         slope = self.slope if abs(self.slope) > 1e-300 else 1.0
         position = (form.grid.inner(form.tangent, inner) - form.position(vector)) / slope
         inner -= position * self.column

@@ -208,6 +208,26 @@ def test_compiled_arc_length_is_numpys(name, count, part, kind, control):
     agree(*found)
 
 
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("name, count, part, kind, control",
+                         [case for case in CASES if case[2] != "strip" and case[3] != "half"])
+def test_products_of_arc_length_in_single_precision(name, count, part, kind, control, compiled):
+    """The row and the column of the length are in double."""
+    form, unknown = form_of(compiled, name, count, part, kind, control)
+    arc = arc_of(form)
+    vector = np.random.default_rng(5).normal(size=arc.size)
+    arc.linearise(np.append(unknown, 0.4))
+    products = [arc.apply_jacobian, arc.apply_transpose]
+    if not compiled:
+        products.append(interpreted_zone(arc).apply)
+    for product in products:
+        exact, before = product(vector, np.empty(arc.size)), form.grid.transforms
+        found = product(vector, np.empty(arc.size), True)
+        error = np.abs(found - exact).max() / np.abs(exact).max()
+        assert 1e-10 < error < SINGLE and form.grid.transforms == before
+    assert form.grid.transforms_single > 0.0
+
+
 def arc_form(arc):
     """The arc, with what `results` asks of a form."""
     half = getattr(arc.form, "half", arc.form)

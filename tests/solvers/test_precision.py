@@ -149,7 +149,7 @@ def test_a_solve_from_afar_is_in_double_precision(kernels):
     assert first == 0.0 < second
 
 
-def test_arc_length_is_in_double_precision():
+def test_arc_length_of_one_contact_is_in_double_precision():
     """Its SNES multiplies in double, also after solves of the same form that did not."""
     load = Load(start="normal_displacement=1", path="normal_displacement=-6")
     points, branch = run(LINE, load, at_fold="stop", type="arclength")
