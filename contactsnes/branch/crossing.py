@@ -1,6 +1,7 @@
 """What lies in a bracket of loads that a step did not pass: motion beyond it, and the way back, on
 coarser grids where these serve."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from ..contact import places, states
 from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
 from ..continuation.points import Crossing, Leg, NotConverged, NoWayBack
-from ..continuation.turning import turns
+from ..continuation.turning import sides, way
 from ..dynamics import jumps
 from ..solvers.snes import WARM
 from .coarse_motion import BESIDE, coarsely, corrected, with_works
@@ -92,28 +93,42 @@ def _crossed(system, last, load, beyond, where, narrower):
     except NoWayBack:
         if not narrower:
             raise
-    if not _turns(system, last, ahead):
-        return Crossing(0.0, 1.0, last, None, ahead.state)
+    found = _along(system, last, ahead)
+    if found is not None:
+        return found
     begin, end, before = _nearest(system, last, load, beyond)
-    try:
-        return told(begin, before)
-    except NoWayBack:
-        # Motion may have led past more than one fold.
-        found = _crossed(system, before, load + begin * (beyond - load),
-                         load + end * (beyond - load), where, narrower - 1)
+    if begin > 0.0:
+        with suppress(NoWayBack):
+            return told(begin, before)
+    # Motion may have led past more than one fold.
+    found = _crossed(system, before, load + begin * (beyond - load), load + end * (beyond - load),
+                     where, narrower - 1)
     width = end - begin
     return found._replace(begin=begin + width * found.begin, end=begin + width * found.end)
 
 
-def _turns(system, last, ahead):
-    """Whether the load turns back on the way from a point to one beyond it; NoWayBack where that is
-    not known."""
-    moving = int(np.argmax(np.abs(ahead.load - last.load)))
-    leg = Leg(0, last.controls, last.load, ahead.load, moving, 1.0, 1.0, 1.0)
+def _along(system, last, ahead):
+    """What the branch between a point and one beyond it tells of their bracket: a `Crossing`; None
+    where it tells nothing, or of more than one fold."""
     try:
-        return turns(system, leg, replace(last, position=0.0), replace(ahead, position=1.0))
-    except NotConverged as error:
-        raise NoWayBack(f"the branch beyond a refused step does not reach back ({error})") from None
+        leg, known, turned = _way(system, last, ahead)
+        if not turned:
+            return Crossing(0.0, 1.0, last, None, ahead.state)
+        before, behind = sides(system, leg, known)
+        behind = _lower(system, before, behind)
+        if behind is not None and _way(system, behind, ahead)[2]:
+            return None
+    except (NotConverged, NoWayBack):
+        return None
+    return Crossing(before.position, 1.0, before, behind and with_works(behind, ahead),
+                    ahead.state)
+
+
+def _way(system, first, last):
+    """The leg from one point to another, and the `way` between both."""
+    moving = int(np.argmax(np.abs(last.load - first.load)))
+    leg = Leg(0, first.controls, first.load, last.load, moving, 1.0, 1.0, 1.0)
+    return leg, *way(system, leg, replace(first, position=0.0), replace(last, position=1.0))
 
 
 def _lower(system, before, behind):

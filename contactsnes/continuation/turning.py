@@ -1,5 +1,5 @@
-"""Whether the load of a branch turns between two of its points, and where, found by arc length to
-one of its steps: not located."""
+"""Whether the load of a branch turns between two of its points, what lies on both sides of the fold
+there, and where it is, by arc length to one of its steps: not located."""
 
 from dataclasses import replace
 
@@ -19,11 +19,16 @@ STEEP = 0.2
 """Slope of the load along a way, over its mean, from which on it surely rises."""
 MOST = 9
 """Places of a way at which the branch is solved for at most."""
+TRIES = 3
+"""Places next to a fold, or behind it, that are tried."""
+ABOVE = 0.7
+"""Part of a fall of the load above whose low a point before the fold has to be: behind the fold is
+less energy there, and the fold is near."""
 
 
-def turns(system, leg, first, last):
-    """Whether the load turns back on the branch between two points, of which the second lies
-    beyond the first.
+def way(system, leg, first, last):
+    """({part of the chord: Point}, bool): the branch between two points, of which the second lies
+    beyond the first, as far as it takes to know whether the load turns back on it, and that.
 
     The branch is solved for at places on the chord between the two, where the load is one more
     unknown: a half, the quarters, and where the polynomial through all of them is flattest.
@@ -42,38 +47,129 @@ def turns(system, leg, first, last):
     parts = [0.75, 0.25, 0.5]
     while len(known) < MOST:
         if min(np.diff([known[part].position for part in sorted(known)])) <= 0.0:
-            return True
+            return known, True
         part, slope = _flattest(known)
         if not parts and slope > STEEP * (last.position - first.position):
-            return False
+            return known, False
         part = parts.pop() if parts else part
         nearest = min(known, key=lambda other: abs(other - part))
         if abs(nearest - part) < NEAR:
-            return system.direction(known[nearest], chord, leg).rate <= 0.0
-        known[part] = _between(system, leg, chord, known, part)
+            return known, system.direction(known[nearest], chord, leg).rate <= 0.0
+        known[part] = _between(system, leg, known, part)
     raise NotConverged("the load neither rises nor turns")
 
 
-def _between(system, leg, chord, known, part):
-    """The point at a part of a chord, foretold by the four nearest that are known."""
-    near = sorted(sorted(known, key=lambda other: abs(other - part))[:4])
-    weights = lagrange_weights(near, part)
-    points = [known[other] for other in near]
-    guess = system.extrapolate(points, weights)
-    position = float(weights @ [point.position for point in points])
+def _chord(known):
+    """The states at the ends of a way."""
+    return known[0.0].state, known[1.0].state
+
+
+def _between(system, leg, known, part):
+    """The point at a part of the chord, foretold by those that are known."""
+    chord = _chord(known)
+    guess, position = _foretold(system, known, part)
     point = system.solve_arc(chord, part * system.chord_length(*chord), guess, position, leg)
     if system.missed(guess, point.state) > SHARE * system.missed(*chord):
         raise NotConverged("a solve between two points strayed from the branch")
     return point
 
 
+def _foretold(system, known, part):
+    """State and position at a part of the chord by the four nearest points that are known."""
+    near = _nearest(known, part)
+    weights, points = lagrange_weights(near, part), [known[other] for other in near]
+    return (system.extrapolate(points, weights),
+            float(weights @ [point.position for point in points]))
+
+
+def _nearest(known, part):
+    """Places of the four nearest points that are known, in order."""
+    return sorted(sorted(known, key=lambda other: abs(other - part))[:4])
+
+
+def _polynomial(known, places):
+    """The polynomial through the positions of points at places."""
+    return np.polynomial.Polynomial.fit(places, [known[place].position for place in places],
+                                        len(places) - 1)
+
+
 def _flattest(known):
     """Where the polynomial through positions at places is flattest, and its slope there."""
-    places = sorted(known)
-    slope = np.polynomial.Polynomial.fit(places, [known[part].position for part in places],
-                                         len(places) - 1).deriv()
+    slope = _polynomial(known, sorted(known)).deriv()
     parts = np.linspace(0.0, 1.0, 129)
     return min(zip(parts.tolist(), slope(parts).tolist()), key=lambda pair: pair[1])
+
+
+def sides(system, leg, known):
+    """(Point, Point): at one load, a point next to a way's fold, on the side that leads to it, and
+    the one behind it, where the load rises again.
+
+    The load is that of the way's begin, if it is as far above the low behind the fold as is asked
+    for, else one nearer to the fold's.
+
+    Parameters
+    ----------
+    system, leg : System, Leg
+    known : {part: Point} of a `way` whose load turns; points are added to it
+
+    Raises
+    ------
+    NotConverged : where a solve fails, or the load turns too little to tell
+    """
+    for _ in range(TRIES):
+        places = sorted(known)
+        loads = np.array([known[place].position for place in places])
+        fall = int(np.argmax(np.append(np.diff(loads), 0.0) <= 0.0))
+        turned = fall < len(loads) - 1
+        if turned:
+            low = fall + 1 + int(np.argmin(loads[fall + 1:]))
+            above = loads[low] + ABOVE * (loads[fall] - loads[low])
+            for place in (places[max(fall - 1, 0)], places[fall]):
+                before = known[place]
+                if before.position > above and (place < places[fall] or place == 0.0 or system
+                                                .direction(before, _chord(known), leg).rate > 0.0):
+                    return before, _behind(system, leg, known, places[low], before.position)
+        for part in _extremes(known)[:1 if turned else 2]:
+            known[part] = _between(system, leg, known, part)
+    raise NotConverged("the load turns in a loop that is too small to tell")
+
+
+def _extremes(known):
+    """Where the load is nearly at its first peak, and where at its low behind it, by the polynomial
+    through positions at places."""
+    parts = np.linspace(0.0, 1.0, 513)
+    loads = _polynomial(known, sorted(known))(parts)
+    falls = np.flatnonzero(np.diff(loads) <= 0.0)
+    if not len(falls):
+        raise NotConverged("the load turns in a loop that is too small to tell")
+    peak = loads[falls[0]]
+    low = falls[0] + int(np.argmin(loads[falls[0]:]))
+    rising = int(np.argmax(loads >= peak - 0.5 * (1.0 - ABOVE) * (peak - loads[low])))
+    return float(parts[rising]), float(parts[low])
+
+
+def _behind(system, leg, known, low, position):
+    """The point at a position on the way behind a low of the load; next to it, it takes a point of
+    the way nearby."""
+    for tried in range(TRIES):
+        places = [place for place in sorted(known) if place >= low]
+        after = max(1, next(k for k, place in enumerate(places)
+                            if known[place].position >= position))
+        parts = np.linspace(places[after - 1], places[after], 65)
+        loads = _polynomial(known, _nearest(known, places[after]))(parts)
+        part = float(parts[np.argmin(np.abs(loads - position))])
+        if tried:
+            known[part] = _between(system, leg, known, part)
+        guess = _foretold(system, known, part)[0]
+        try:
+            point = system.solve(guess, leg.controls, leg.load(position))
+        except NotConverged:
+            continue
+        if (point.softest < 0.0 or system.missed(guess, point.state)
+                > SHARE * system.missed(*_chord(known))):
+            continue
+        return point.changed(position=position)
+    raise NotConverged("no solve succeeded behind a fold")
 
 
 def starts(system, fold, beyond):

@@ -15,7 +15,7 @@ from contactsnes.branch.departure import Departure  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
-from contactsnes.continuation.points import NoWayBack  # noqa: E402
+from contactsnes.continuation.points import Leg, NoWayBack  # noqa: E402
 from contactsnes.dynamics import jumps  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
 from contactsnes.solvers.patience import Patience  # noqa: E402
@@ -55,18 +55,21 @@ def heights():
     return made
 
 
-@pytest.fixture(scope="module", params=["bracketed", "narrowed", "nested", "turned"])
+@pytest.fixture(scope="module", params=["bracketed", "followed", "narrowed", "nested", "turned"])
 def pressed(request, heights, tmp_path_factory):
-    """A branch through jumps, its points and its log; in narrower brackets, one in another, and by
-    arc length to each fold, where nothing leads back through a bracket."""
+    """A branch through jumps, its points and its log; where nothing leads back through a bracket by
+    what the branch between both states tells, in narrower brackets, one in another, and by arc
+    length to each fold."""
     said = []
     branch = branch_of(heights(128), tmp_path_factory.mktemp("plane") / "heights.npy",
                        path=f"normal_displacement={END}", log=said.append,
                        steps=Steps(initial_step=0.04, largest_step=0.08))
     with pytest.MonkeyPatch.context() as patch:
         if request.param != "bracketed":
-            refused = {"narrowed": 1, "nested": 2, "turned": np.inf}[request.param]
+            refused = {"narrowed": 1, "nested": 2}.get(request.param, np.inf)
             patch.setattr(crossing, "_crossed", without_ways_back(patch, refused))
+        if request.param not in ("bracketed", "followed"):
+            patch.setattr(crossing, "_along", lambda *_: None)
         points = list(branch)
     assert any("by arc length" in sentence for sentence in said) == (request.param == "turned")
     return branch, points, said
@@ -139,6 +142,25 @@ def test_a_coarse_state_that_newton_leaves_is_moved_on(heights, tmp_path, monkey
     point = next(iter(branch_of(heights(128), tmp_path / "heights.npy", log=said.append)))
     assert point.forces[0] == pytest.approx(reference, rel=1e-6)
     assert any("motion goes on" in sentence for sentence in said)
+
+
+def test_solves_beside_a_state_and_along_the_arc_are_in_single_precision(heights, tmp_path):
+    """What a coarser grid's state or an arc leads to is near by, so that rounding decides
+    nothing."""
+    branch = branch_of(heights(128), tmp_path / "heights.npy")
+    system, point = branch.corrector, next(iter(branch))
+    leg = Leg(1, point.controls, point.load, point.load + 1.0, 0, 0.1, 0.1, 1e-6)
+    ahead = system.along_tangent(point, leg, 0.0, 0.01)
+    chord = point.state, ahead
+    solves = [lambda: coarse_motion.corrected(system, ahead, point.controls, leg.load(0.01)),
+              lambda: system.solve_arc(chord, system.chord_length(*chord), ahead, 0.01, leg)]
+    found = []
+    for solve in solves:
+        before = system.contact.grid.counter.numbers[[0, 2]]
+        found.append(solve())
+        double, single = system.contact.grid.counter.numbers[[0, 2]] - before
+        assert single > double and found[-1].residual_norm <= 1e-8
+    assert states.missed(system.contact, *(each.state for each in found), largest=True) < 0.01
 
 
 def test_jumps_end_where_motion_of_everything_does(pressed, folds):

@@ -5,16 +5,22 @@ import pytest
 from test_continuation import UNIT_LEG, System, cubic, curve, cusp
 
 from contactsnes.continuation.points import Leg, NotConverged
-from contactsnes.continuation.turning import turns
+from contactsnes.continuation.turning import sides, way
 
 
-def turning(problem, first, last, loads=(-1.0, 1.0), **settings):
-    """Whether the branch of a problem turns between the states of one unknown at two loads."""
-    system = System(problem, **settings)
+def followed(problem, first, last, loads=(-1.0, 1.0)):
+    """System, leg, and what the `way` tells of the branch of a problem between the states of one
+    unknown at two loads."""
+    system = System(problem)
     leg = Leg(1, ("displacement",), *(np.array([load]) for load in loads), 0, 0.1, 0.1, 1e-6)
     ends = [system.solve([guess], leg.controls, leg.load(place)).changed(position=place)
             for place, guess in enumerate((first, last))]
-    return turns(system, leg, *ends)
+    return system, leg, *way(system, leg, *ends)
+
+
+def turning(*given):
+    """Whether the branch turns there."""
+    return followed(*given)[-1]
 
 
 @pytest.mark.parametrize("loads", [(0.2, 0.5), (-0.5, 0.5), (0.38, 0.39)])
@@ -59,4 +65,49 @@ def test_what_strays_is_not_told_of():
     ends = [system.solve([guess], UNIT_LEG.controls, UNIT_LEG.load(place)).changed(position=place)
             for place, guess in ((0.0, -1.0), (0.3, -1.0))]
     with pytest.raises(NotConverged, match="strayed"):
-        turns(system, UNIT_LEG, *ends)
+        way(system, UNIT_LEG, *ends)
+
+
+@pytest.mark.parametrize("depth, loads", [(-1 / 3, (0.2, 0.5)), (-1 / 3, (-0.5, 0.5)),
+                                          (-1 / 3, (0.38, 0.39)), (-0.3, (-1.0, 1.0)),
+                                          (-0.1, (-1.0, 1.0)), (-0.03, (-1.0, 1.0))])
+def test_both_sides_of_a_fold_are_found_at_one_load(depth, loads):
+    """u^3 + 3 depth u turns at u = -+ sqrt(-depth); next to its first fold the load is above that
+    at which both sides have the same energy, 0."""
+    system, leg, known, turned = followed(cusp(depth), -1.1, 1.1, loads)
+    assert turned
+    before, behind = sides(system, leg, known)
+    load = leg.load(before.position)[0]
+    assert behind.position == before.position and 0.0 < load < 2.0 * (-depth) ** 1.5
+    for point, side in ((before, -1.0), (behind, 1.0)):
+        assert point.state[0] * side > np.sqrt(-depth)
+        assert point.state[0] ** 3 + 3 * depth * point.state[0] == pytest.approx(load, abs=1e-8)
+
+
+def test_the_begin_of_a_way_is_the_side_before_its_fold_where_the_load_falls_below_it():
+    """Not far behind the begin."""
+    system, leg, known, _ = followed(cubic(), -0.6, 1.2, (0.37, 0.6))
+    begin = known[0.0]
+    before, behind = sides(system, leg, known)
+    assert before is begin and behind.state[0] > 1.0
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.3])
+def test_there_are_no_sides_of_no_fold(depth):
+    system, leg, known, _ = followed(cusp(depth), -1.0, 1.0)
+    with pytest.raises(NotConverged, match="too small"):
+        sides(system, leg, known)
+
+
+def test_a_solve_behind_a_fold_begins_at_a_point_of_the_way_if_another_fails():
+    """Those from states that are foretold do here."""
+    class Failing(System):
+        def solve(self, guess, controls, load):
+            if self.picky and abs(guess[0] ** 3 - 0.9 * guess[0] - load[0]) > 1e-2:
+                raise NotConverged("from afar")
+            return super().solve(guess, controls, load)
+
+    system, leg, known, _ = followed(cusp(-0.3), -1.1, 1.1)
+    system.__class__, system.picky = Failing, True
+    before, behind = sides(system, leg, known)
+    assert behind.position == before.position and behind.state[0] > np.sqrt(0.3)
