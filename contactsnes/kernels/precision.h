@@ -14,14 +14,21 @@ static REAL *OF(aligned)(const Line *l, REAL *x)
     return (size_t)x % 16 ? l->row : x;
 }
 
-CLONES static void OF(open_forward)(const Line *l, REAL *x)
+/* of a row whose first numbers are `used` alone: the others count as zero */
+CLONES static void OF(open_forward)(const Line *l, REAL *x, long used)
 {
-    const long n = l->points;
+    const long n = l->points, half = n / 2, alone = n - used < half ? n - used : half;
+    const long first = alone < used - 1 ? alone : used - 1;
     REAL *restrict z = l->half;
     const REAL *restrict w = l->turn;
     z[0] = x[0];
     z[1] = 0.0;
-    for (long k = 1; k <= n / 2; k++) { /* (x_k - i x_(n-k)) exp(i pi k / 2n) */
+    for (long k = 1; k <= first; k++) { /* (x_k - i x_(n-k)) exp(i pi k / 2n), the second of which is zero */
+        z[2 * k] = x[k] * w[2 * k];
+        z[2 * k + 1] = x[k] * w[2 * k + 1];
+    }
+    for (long k = first + 1; k <= alone; k++) z[2 * k] = z[2 * k + 1] = 0.0;
+    for (long k = alone + 1; k <= half; k++) {
         const REAL u = x[k], v = x[n - k], c = w[2 * k], s = w[2 * k + 1];
         z[2 * k] = u * c + v * s;
         z[2 * k + 1] = u * s - v * c;
@@ -31,21 +38,25 @@ CLONES static void OF(open_forward)(const Line *l, REAL *x)
     if (row != x) memcpy(x, row, n * sizeof *x);
 }
 
-CLONES static void OF(open_backward)(const Line *l, REAL *x)
+/* to a row of whose numbers the first are `used` alone: the others are left as they are */
+CLONES static void OF(open_backward)(const Line *l, REAL *x, long used)
 {
-    const long n = l->points;
+    const long n = l->points, half = (n + 1) / 2, alone = n - used < half - 1 ? n - used : half - 1;
+    const long first = alone < used - 1 ? alone : used - 1;
     const REAL *restrict z = l->half, *restrict w = l->turn;
     REAL *row = OF(aligned)(l, x);
     if (row != x) memcpy(row, x, n * sizeof *x);
     TO_HALF(l->to_half, row, l->half);
     REAL *restrict upwards = x, *restrict downwards = x; /* which do not meet before the middle */
     upwards[0] = 2 * z[0];
-    for (long k = 1; k < (n + 1) / 2; k++) { /* 2 Re and -2 Im of exp(-i pi k / 2n) V_k */
+    for (long k = 1; k <= first; k++) /* 2 Re of exp(-i pi k / 2n) V_k */
+        upwards[k] = 2 * (w[2 * k] * z[2 * k] + w[2 * k + 1] * z[2 * k + 1]);
+    for (long k = alone + 1; k < half; k++) { /* and -2 Im */
         const REAL c = w[2 * k], s = w[2 * k + 1], re = z[2 * k], im = z[2 * k + 1];
         upwards[k] = 2 * (c * re + s * im);
         downwards[n - k] = 2 * (s * re - c * im);
     }
-    if (n % 2 == 0) upwards[n / 2] = 2 * (w[n] * z[n] + w[n + 1] * z[n + 1]);
+    if (n % 2 == 0 && n / 2 < used) upwards[n / 2] = 2 * (w[n] * z[n] + w[n + 1] * z[n + 1]);
 }
 
 /* by its mirror image: shorter FFTs have been made of half as many points, but lose digits */
@@ -94,23 +105,25 @@ static void OF(open_odd_row)(const Line *l, REAL *x, int back)
     const long n = l->points;
     if (!back) {
         OF(turn_round)(x, n);
-        OF(open_forward)(l, x);
+        OF(open_forward)(l, x, n);
     }
     for (long k = (n + 1) / 2; k < n; k++) x[k] = -x[k]; /* waves of odd number */
     if (back) {
-        OF(open_backward)(l, x);
+        OF(open_backward)(l, x, n);
         OF(turn_round)(x, n);
     }
 }
 
-static void OF(rows)(const Line *l, REAL *x, long count, int back, long odd)
+/* of each row the first `used` hold anything, or are asked for */
+static void OF(rows)(const Line *l, REAL *x, long count, int back, long odd, long used)
 {
     for (long j = 0; j < count; j++, x += l->points) {
+        if (!back && (odd || l->closed)) memset(x + used, 0, (l->points - used) * sizeof *x);
         if (odd && l->closed) OF(closed_odd_row)(l, x);
         else if (odd) OF(open_odd_row)(l, x, back);
         else if (l->closed) OF(closed_row)(l, x);
-        else if (back) OF(open_backward)(l, x);
-        else OF(open_forward)(l, x);
+        else if (back) OF(open_backward)(l, x, used);
+        else OF(open_forward)(l, x, used);
     }
 }
 
@@ -136,25 +149,23 @@ static void OF(transpose_back)(const REAL *restrict b, long rows, long columns, 
         }
 }
 
-/* real to spectrum; in the plane only the first `used` rows of an even field hold anything */
-static void OF(forward)(const Transform *t, long used)
+/* real to spectrum; of an even field only the first `used` rows, and columns, hold anything */
+static void OF(forward)(const Transform *t, long used, long columns)
 {
     const long r = t->shape[0], c = t->shape[1];
     if (!t->even) EXECUTE(t->forward);
     else
         for (long i = 0; i < t->count; i++) {
             REAL *x = (REAL *)t->real + i * r * c, *s = (REAL *)t->spectrum + i * r * c;
-            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 0, t->odd[i][1]);
+            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 0, t->odd[i][1], columns);
             if (r == 1) continue;
             OF(transpose)(x, used, c, s, r);
-            for (long j = 0; j < c && used < r; j++)
-                memset(s + j * r + used, 0, (r - used) * sizeof *s);
-            OF(rows)(&t->line[0], s, c, 0, t->odd[i][0]);
+            OF(rows)(&t->line[0], s, c, 0, t->odd[i][0], used);
         }
 }
 
-/* spectrum to real, of an even field in the plane the first `used` rows only */
-static void OF(backward)(const Transform *t, long used)
+/* spectrum to real, of an even field the first `used` rows, and columns, only */
+static void OF(backward)(const Transform *t, long used, long columns)
 {
     const long r = t->shape[0], c = t->shape[1];
     if (!t->even) EXECUTE(t->backward);
@@ -162,10 +173,10 @@ static void OF(backward)(const Transform *t, long used)
         for (long i = 0; i < t->count; i++) {
             REAL *x = (REAL *)t->real + i * r * c, *s = (REAL *)t->spectrum + i * r * c;
             if (r > 1) {
-                OF(rows)(&t->line[0], s, c, 1, t->odd[i][0]);
+                OF(rows)(&t->line[0], s, c, 1, t->odd[i][0], used);
                 OF(transpose_back)(s, used, c, x, r);
             }
-            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 1, t->odd[i][1]);
+            OF(rows)(&t->line[1], x, r > 1 ? used : 1, 1, t->odd[i][1], columns);
         }
 }
 

@@ -17,8 +17,8 @@ struct Libraries libraries;
 /* Rows of an even field, or an odd one, one after another, from the axis outwards, in place; or back. */
 void along_rows(const Line *l, void *x, long count, int back, int odd, int single)
 {
-    if (single) rows_in_single(l, x, count, back, odd);
-    else rows_in_double(l, x, count, back, odd);
+    if (single) rows_in_single(l, x, count, back, odd, l->points);
+    else rows_in_double(l, x, count, back, odd, l->points);
 }
 
 /* b (columns x rows) = transpose of a (rows x columns), or a that of b */
@@ -41,14 +41,14 @@ static int counted(const Transform *t)
 /* real to spectrum; in the plane only the first `used` rows of an even field hold anything */
 int forward(Transform *t, long used)
 {
-    IN_ITS_PRECISION(t, forward, t, used);
+    IN_ITS_PRECISION(t, forward, t, used, t->shape[1]);
     return counted(t);
 }
 
 /* spectrum to real, of an even field in the plane the first `used` rows only */
 int backward(Transform *t, long used)
 {
-    IN_ITS_PRECISION(t, backward, t, used);
+    IN_ITS_PRECISION(t, backward, t, used, t->shape[1]);
     return counted(t);
 }
 
@@ -117,20 +117,35 @@ long place_of(const Transform *t, long row, long column)
     return t->packed ? packed_place(t, row, column) : row * t->shape[1] + column;
 }
 
+/* What stands in boxes of a shape to its spectrum. */
+static int there(Transform *t, const long *shape)
+{
+    if (!t->even) clear_beyond(t, shape);
+    IN_ITS_PRECISION(t, forward, t, shape[0], shape[1]);
+    return counted(t);
+}
+
+/* The same back: of even fields nothing else is known then. */
+static int back(Transform *t, const long *shape)
+{
+    IN_ITS_PRECISION(t, backward, t, shape[0], shape[1]);
+    return counted(t);
+}
+
 /* What stands in boxes of a shape times real symbols of its precision, one after another, in place. */
 int filter(Transform *t, const long *shape, const void *symbol)
 {
     int status;
-    clear_beyond(t, shape);
     if (t->packed) {
+        clear_beyond(t, shape);
         (t->even ? folded_multiply : packed_multiply)(t, 0, symbol, shape[0], 0);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
-    if ((status = forward(t, shape[0]))) return status;
+    if ((status = there(t, shape))) return status;
     for (long i = 0; i < t->count; i++)
         IN_ITS_PRECISION(t, filter, t, i,
                          (const char *)symbol + i * t->waves * (t->single ? sizeof(float) : sizeof(double)));
-    return backward(t, shape[0]);
+    return back(t, shape);
 }
 
 /* the symbol 1 / gain / (1 + C D) on a transform's waves, in its precision */
@@ -151,12 +166,12 @@ int convolve(const Response *r, int transposed)
 {
     Transform *t = r->transform;
     int status;
-    clear_beyond(t, r->shape);
     if (t->packed) {
+        clear_beyond(t, r->shape);
         (t->even ? folded_multiply : packed_multiply)(t, r, 0, r->shape[0], transposed);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
-    if ((status = forward(t, r->shape[0]))) return status;
+    if ((status = there(t, r->shape))) return status;
     IN_ITS_PRECISION(t, multiply, r, transposed);
-    return backward(t, r->shape[0]);
+    return back(t, r->shape);
 }
