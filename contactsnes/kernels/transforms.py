@@ -257,9 +257,10 @@ def order_of(points, closed):
     return numbers if closed else np.concatenate([numbers[::2], numbers[1::2][::-1]])
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def line(points, closed, single):
-    """The `Line` of some points, which all transforms share that have such rows.
+    """The `Line` of some points, which all transforms share that have such rows: a path on a line
+    has about a dozen, with those of the coarser grids that it begins on.
 
     Parameters
     ----------
