@@ -161,6 +161,7 @@ struct Libraries {
     void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
     void (*to_half)(void *, void *, void *), (*to_half_single)(void *, void *, void *);
     void (*to_row)(void *, void *, void *), (*to_row_single)(void *, void *, void *);
+    int (*alignment)(void *), (*alignment_single)(void *);
     int (*get_read)(void *, const double **), (*put_read)(void *, const double **);
     int (*get)(void *, double **), (*put)(void *, double **);
     int (*mat_context)(void *, void *), (*pc_context)(void *, void *);

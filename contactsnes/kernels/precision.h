@@ -11,7 +11,7 @@
 /* A row where it stands, if FFTW finds it aligned as the one that was planned, or that one. */
 static REAL *OF(aligned)(const Line *l, REAL *x)
 {
-    return (size_t)x % 16 ? l->row : x;
+    return ALIGNMENT_OF(x) == ALIGNMENT_OF(l->row) ? x : l->row;
 }
 
 /* of a row whose first numbers are `used` alone: the others count as zero */

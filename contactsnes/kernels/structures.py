@@ -178,9 +178,9 @@ class Libraries(ctypes.Structure):
 
     _fields_ = [(name, c_void_p) for name in
                 ("execute", "execute_single", "execute_rows", "to_half", "to_half_single", "to_row",
-                 "to_row_single", "get_read", "put_read", "get", "put", "mat_context", "pc_context",
-                 "assembly_begin", "assembly_end", "get_ksp", "iterations", "eigenvalues", "print",
-                 "tolerances", "right_side", "norm")]
+                 "to_row_single", "alignment", "alignment_single", "get_read", "put_read", "get",
+                 "put", "mat_context", "pc_context", "assembly_begin", "assembly_end", "get_ksp",
+                 "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]
 
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Columns, Form,

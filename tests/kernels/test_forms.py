@@ -1,5 +1,6 @@
 """Compiled forms and preconditioners against NumPy's, which are written apart from them."""
 
+import ctypes
 import itertools
 
 import numpy as np
@@ -290,6 +291,28 @@ def test_compiled_cosines_are_scipys(shape, signs):
             np.testing.assert_allclose(np.sort(one.ravel()), other.ravel(), rtol=1e-14)
         ours.backward()
         np.testing.assert_allclose(ours.real, ours.gain * field, atol=1e-12 * ours.gain)
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (3,), (24,), (25,), (12, 15)])
+def test_products_of_even_fields_are_those_of_a_box_whatever_stands_beyond_it(shape):
+    contact = Contact(Scene(**(LINE if len(shape) == 1 else PLANE)), kernels=chosen(True))
+    ours, scipys = (kind(contact.grid, shape, 1) for kind in (contact.kernels.even,
+                                                              chosen(False).even))
+    random = np.random.default_rng(6)
+    symbol = random.uniform(0.5, 1.0, size=scipys.spectrum[0].shape)
+    own = np.ascontiguousarray(ours.ordered(symbol))
+    for extent in itertools.product(*(range(1, n + 1) for n in shape)):
+        box = tuple(map(slice, extent))
+        scipys.real[...] = 0.0
+        ours.real[...] = random.normal(size=ours.real.shape)
+        scipys.real[0][box] = ours.real[0][box]
+        scipys.forward()
+        scipys.spectrum[0] *= symbol
+        scipys.backward()
+        library.shared().filter(ctypes.byref(ours.structure),
+                                (ctypes.c_long * 2)(*(1,) * (2 - len(shape)), *extent),
+                                ctypes.c_void_p(own.ctypes.data))
+        np.testing.assert_allclose(ours.real[0][box], scipys.real[0][box], atol=1e-12 * ours.gain)
 
 
 @pytest.mark.parametrize("floor", [0.0, 0.1])
