@@ -21,7 +21,7 @@ def communicator(form):
 def collect():
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
     problem's size."""
-    if _first or PETSc.COMM_WORLD.size == 1:
+    if _first or PETSc.Sys.isInitialized() and PETSc.COMM_WORLD.size == 1:
         PETSc.garbage_cleanup()
 
 
