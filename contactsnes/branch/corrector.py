@@ -140,7 +140,7 @@ class Corrector:
         whole = self.settings.window == "off" or FORMS[self.settings.form].whole_cell
         if not whole:
             # Coarser grids for the full approximation scheme are made of one box.
-            scatters = (self.symmetry.scatters(len(state.displacement))
+            scatters = (self.symmetry.scatters(state.components)
                         and not asked().one_window)
             state = (on_nodes(self.contact, state, afresh) if scatters
                      else states.fitted(self.contact, boxed(self.contact, state), afresh))

@@ -105,18 +105,18 @@ def first_point(system, controls, load):
     system : Corrector
     controls, load : of the normal component
     """
-    start = beginning(system.contact, controls, load)
     if system.contact.isolated and load[0] == 0.0:
-        return system.solve(start, controls, load)
-    found = levels(system.contact, start)
+        return system.solve(beginning(system.contact, controls, load), controls, load)
+    found = levels(system.contact, beginning(system.contact, controls, load))
     for stride in STRIDES[len(system.contact.grid.shape)]:
         try:
             guess = through_grids(system, found, controls, load, stride)
             if guess is not None:
+                guess = system.fitted(guess)  # (its half alone is kept)
                 return system.solve(guess, controls, load, COLD)
         except NotConverged as error:
             system.log(f"no first point by way of one of {stride} coarser grids ({error})")
-    return on_grid(system, controls, load, start)
+    return on_grid(system, controls, load)
 
 
 def beginning(contact, controls, load):
@@ -133,7 +133,7 @@ def beginning(contact, controls, load):
     return states.undeformed(contact, controls, load)
 
 
-def on_grid(system, controls, load, start=None):
+def on_grid(system, controls, load):
     """The point of one component at a given load that a solve from the start without overlap finds.
 
     Where the mean surface may move (a prescribed force, a body that gives way as a whole), solves
@@ -143,9 +143,8 @@ def on_grid(system, controls, load, start=None):
     ----------
     system : Corrector
     controls, load : of the normal component
-    start : State to begin with, if not the one without overlap
     """
-    state = states.undeformed(system.contact, controls, load) if start is None else start
+    state = states.undeformed(system.contact, controls, load)
     if controls[0] == FORCE or system.contact.rigid_compliance(1)[0] > 0.0:
         state = _at_load(system, state, controls, load)
     return system.solve(state, controls, load, COLD)
@@ -265,12 +264,14 @@ def sharpened(contact, finer, state):
     smooth = contact.law.regularised(states.normal_gap(contact, state),
                                      stiffness / ratio ** 2) / ratio
     smooth = interpolated(window, smooth)
-    gap = finer.law.gap_of_regularised(smooth, stiffness)
+    gap = window.box(finer.law.gap_of_regularised(smooth, stiffness))
+    del smooth  # (what lies on the finest grid is not kept through the transforms that follow)
     # The sharper law reaches less far.
-    within = window.box(gap) < finer.law.range
+    within = gap < finer.law.range
     part = tuple(extent(within, axis, margin=2 + count // 20)
                  for axis, count in enumerate(window.shape))
-    known = window.box(gap - window.take(finer.initial_gap))[part]
+    known = (gap - window.box(window.take(finer.initial_gap)))[part]
+    del gap
     window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
                     known.shape)
     found = states.State(window, known.reshape(1, -1), state.means / ratio)

@@ -1,6 +1,7 @@
 """How well a state balances: the residual of the displacement form at all nodes of its window,
 evaluated anew."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..grid.boxes import convolution
 from ..grid.even import asymmetry
 from .even_form import EvenForm
 from .forms import DisplacementForm
+from .state import State
 
 CONVERGENCE = """\
 A point is converged when residual_norm <= -snes_atol (default 1e-8; -snes_rtol and -snes_stol
@@ -98,11 +100,18 @@ def asked(form, state, reach):
     grid = form.grid
     if form.kernel and not grid.shared:
         return form.kernel.imbalance(form.nodal(state), state.means[form.forced], reach)
-    unknown = form.packed(state)
-    residual = form.residual(unknown, np.empty(form.size))
-    acts = form.gap(unknown)[0] < reach
-    aside = np.abs(form.once(residual))
-    return grid.norm(residual), float(grid.maximum(aside, where=acts, initial=0.0)), grid.any(acts)
+    plain, displacement = getattr(form, "half", form), form.nodal(state)
+    # (in the form's own memory: a large plane has no room for copies)
+    aside, root = plain.work, plain.root
+    np.copyto(aside, displacement)
+    aside[0] += plain.initial_gap
+    acts = aside[0] < reach
+    rows = plain.pull(state.means[form.forced])
+    aside += displacement
+    largest = float(grid.maximum(np.abs(aside, out=aside), where=acts, initial=0.0))
+    aside /= root
+    squares = np.sum(grid.sum(np.square(aside, out=aside))) + rows @ rows
+    return math.sqrt(squares), largest, grid.any(acts)
 
 
 class Balance:
@@ -130,6 +139,8 @@ class Balance:
             return Imbalance(*asked(solver, state, self.contact.law.range)[:2])
         form = self._form_on(state.window, tuple(controls), solver)
         form.set_load(load)
+        if state.half is not None and form is not solver:  # the state keeps its half alone
+            state = State(state.window, state.unfolded(state.once), state.means)
         norm, largest, acts = asked(form, state, self.contact.law.range)
         closest = (form.closest_beyond(state.means[0])
                    if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
@@ -159,6 +170,6 @@ class Balance:
                                                      EvenForm) and solver.window == window else None
         if half is not None and self._proved != (window, len(controls)):
             # On each window halves themselves are on trial the first time.
-            return FullForm(self.contact, window, controls, None)
+            return DisplacementForm(self.contact, window, controls)
         self._form = FullForm(self.contact, window, controls, half)
         return self._form

@@ -71,7 +71,7 @@ class DisplacementForm:
         self.count = self.components * self.nodes
         self.size = self.count + len(self.grid.held(self.forced))
         self.root = np.sqrt(self.components * window.total)
-        self.initial_gap = window.take(contact.initial_gap)
+        self.initial_gap = contact.gap_on(window)
         make = contact.kernels.even if window.even else contact.kernels.real
         self.convolution = self.convolution_class(window, contact.operator(self.components),
                                                   self.components, make)
@@ -166,19 +166,25 @@ class DisplacementForm:
         |force|)."""
         if self.kernel:
             return self.kernel.residual(unknown, out)
+        self.gap(unknown)
+        rows = self.pull(self.scalars(unknown))
+        field = out[:self.count].reshape(self.shape)
+        np.multiply(self.work, 1.0 / self.root, out=field)
+        field += unknown[:self.count].reshape(self.shape)
+        out[self.count:] = self.grid.held(rows)
+        return out
+
+    def pull(self, scalars):
+        """Turn gaps in ``work`` into C t - vbar, the imbalance without the displacement itself;
+        return the imbalance of each force row, on every process."""
         self._evaluations += 1
-        traction = self.contact.law.evaluate(self.gap(unknown), self.work)
+        traction = self.contact.law.evaluate(self.work, self.work)
         total = self.grid.sum(traction)
         self.convolution.apply(traction, traction)
         mean = self.far - self.rigid_compliance * total / self.grid.size
-        mean[self.forced] = self.scalars(unknown)
+        mean[self.forced] = scalars
         traction -= mean[:, None]
-        field = out[:self.count].reshape(self.shape)
-        np.multiply(traction, 1.0 / self.root, out=field)
-        field += unknown[:self.count].reshape(self.shape)
-        rows = self.row_scale * total - self.row_target
-        out[self.count:] = self.grid.held(rows[self.forced])
-        return out
+        return (self.row_scale * total - self.row_target)[self.forced]
 
     def closest_beyond(self, mean):
         """Smallest normal gap at nodes of the cell that are none of the window's, some nodes of it,

@@ -257,8 +257,8 @@ class Contact:
     def gap_outside(self, state):
         """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as
         `extended`, but one transform back only."""
-        window, blocks = state.window, self.operator(len(state.displacement)).blocks
-        sources = [i for i in range(len(state.displacement)) if (0, i) in blocks]
+        window, blocks = state.window, self.operator(state.components).blocks
+        sources = [i for i in range(state.components) if (0, i) in blocks]
         there, back = (self.grid.transform(self.grid, self.grid.shape, count)
                        for count in (len(sources), 1))
         there.real[...] = 0.0

@@ -77,8 +77,8 @@ class Symmetry:
         if not self._is_even(state):
             self.leave("the state is not even about the apex")
             return state
-        return State(state.window, state.displacement, state.means,
-                     self.half_of(state.window, count))
+        half = self.half_of(state.window, count)
+        return state if half is None else spread(half, half.fold(state.displacement), state.means)
 
     def _is_known(self, state):
         """Whether a state is one of those that are even or odd as states are taken now."""
@@ -115,8 +115,10 @@ class Symmetry:
             return state
         if window == state.window:
             return state
-        return State(window, onto(state, window), state.means,
-                     self.half_of(window, state.components))
+        half = self.half_of(window, state.components)
+        if half is None:
+            return State(window, onto(state, window), state.means)
+        return spread(half, half.fold(onto(state, window)), state.means)
 
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node

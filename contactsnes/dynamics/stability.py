@@ -179,7 +179,7 @@ class Stability:
     def _start(self, state):
         """Modes of the last point as vectors on the window of a state, moved with the edges of
         contact."""
-        if self._last is None or len(self._last[0].displacement) != len(state.displacement):
+        if self._last is None or self._last[0].components != state.components:
             return []
         origin, modes = self._last
         return [self._operator.vector(mode)
