@@ -80,9 +80,9 @@ class Branch:
         scenes.check(scene, load, self.steps)
         form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
-        heights = shapes.of(scene).heights(scene)
-        self._checksum = heights is not None and resuming.checksum(heights)
-        self.contact = contact_of(scene, load, form, heights, log)
+        self.contact = contact_of(scene, load, form, log)
+        grid = self.contact.grid
+        self._checksum = resuming.checksum(grid, shapes.of(scene).heights(scene, grid))
         self._sheared = scenes.tangential_legs(scene, load)
         refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
         refuse_without_tangent(self.steps.stability, form)
@@ -197,7 +197,7 @@ class Branch:
         state = point.state
         return {**{name: getattr(point, name) for name in KEPT},
                 "event": point.event or "none",
-                "displacement": self.contact.grid.to_first(state.displacement),
+                "displacement": self.contact.grid.parted(state.displacement),
                 "means": state.means, **numbers.numbers_of(state.window),
                 "forced": np.array([control == FORCE for control in point.controls]),
                 "origin": point.load if point.origin is None else point.origin}

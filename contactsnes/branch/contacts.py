@@ -23,14 +23,13 @@ def shared_grid(scene):
     return Slabs(scene.shape, scene.periods, MPI.COMM_WORLD)
 
 
-def contact_of(scene, load, form, heights, log):
+def contact_of(scene, load, form, log):
     """The Contact of a scene on its grid.
 
     Parameters
     ----------
     scene, load : Scene and Load
     form : Form
-    heights : array over the grid of a shape that has heights, or None
     log : function (sentence); called where the law is not computed as the rest is
 
     Raises
@@ -42,7 +41,7 @@ def contact_of(scene, load, form, heights, log):
         check_form(form)
         contact = IsolatedContact(lay_out(scene, largest_force(scene, load)), kernels=kernels)
     else:
-        contact = Contact(scene, heights, kernels=kernels, grid=shared_grid(scene))
+        contact = Contact(scene, kernels=kernels, grid=shared_grid(scene))
         refuse_contact_at_edge(shapes.of(scene), contact)
     if kernels.law_reason:
         log(f"the law is evaluated by NumPy: {kernels.law_reason}")

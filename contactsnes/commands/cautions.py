@@ -5,9 +5,8 @@ import math
 
 import numpy as np
 
-from ..interface import gap, shapes
-from ..interface.heights import rms_slope
-from ..interface.own_shapes import jumps
+from ..interface import shapes
+from ..interface.own_shapes import jumps, proportions
 from ..scene import resolution
 from ..scene import settings as scenes
 
@@ -17,19 +16,21 @@ OFF = 0.02
 """Part of a size by which that which a file tells may miss the one that is given."""
 
 
-def cautions(settings):
+def cautions(settings, contact):
     """Sentences on grid and surface, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()), *of_surface(settings.scene))
+    return (*((sentence,) if sentence else ()), 
+            *of_surface(settings.scene, contact.grid))
 
 
-def of_surface(scene):
-    """Sentences on heights or a gap of one's own, empty for other scenes."""
-    return [*_seams(scene), *_proportions(scene), *_size(scene)]
+def of_surface(scene, grid=None):
+    """Sentences on heights or a gap of one's own, empty for other scenes; by rows, where a grid is
+    given that has some of them."""
+    return [*_seams(scene, grid), *_proportions(scene, grid), *_size(scene)]
 
 
-def _seams(scene):
+def _seams(scene, grid):
     """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     heights = shapes.of(scene).gridded
     what = "the heights are" if heights else "the gap is"
@@ -42,19 +43,18 @@ def _seams(scene):
             f"{jump / typical if typical else math.inf:.3g} times the typical step "
             f"between neighbours, {scene.short(typical, 'u_n,r')}; what is solved "
             f"has this step: {remedy}"
-            for axis, jump, typical in jumps(scene)]
+            for axis, jump, typical in jumps(scene, grid)]
 
 
-def _proportions(scene):
+def _proportions(scene, grid):
     """Sentences on a map in SI whose heights do not fit its size, or whose nodes are not as far
     apart along x as along y for want of a second size."""
     if scene.units != "si" or not shapes.of(scene).gridded:
         return
-    axes = [np.arange(n) * length for n, length in zip(scene.shape, scene.spacings)]
-    found = gap.evaluated(shapes.of(scene), np.meshgrid(*axes, indexing="ij", sparse=True), scene)
-    slope = rms_slope(found, scene.spacings) * scene.scale("u_n,r/beta")[0]
+    slope, height = proportions(scene, grid)
+    slope *= scene.scale("u_n,r/beta")[0]
     unit = shapes.of(scene).unit() if scene.geometry == "file" else "m"
-    told = (f"the heights, {scene.short(np.ptp(found), 'u_n,r')} from lowest to highest on a map "
+    told = (f"the heights, {scene.short(height, 'u_n,r')} from lowest to highest on a map "
             f"of {scene.short(max(scene.periods), 'beta')}, have a root mean square slope of "
             f"{slope:.2g}")
     asked = (f"are they in {unit} (-scene_heights_unit), and is the size in metres "

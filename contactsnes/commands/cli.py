@@ -206,7 +206,7 @@ def info(arguments):
                                                                        settings.estimates)],
                 "Options": summary.options_in_use([*settings, *map(read, solver_options())])}
     _print(sections)
-    for sentence in cautions(settings):
+    for sentence in cautions(settings, branch.contact):
         complain("warning", sentence)
     return told()
 

@@ -17,6 +17,7 @@ from ..continuation.points import (
     unfinished_fold,
 )
 from ..options.database import database, database_text, unused_options
+from ..interface.heights import let_go
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
@@ -55,12 +56,13 @@ class Run:
         self.progress = Progress(settings.scene, settings.load, partial(print, flush=True),
                                  live=sys.stdout.isatty() and sys.stderr.isatty() and not watched)
         self.branch = create_branch(settings, self.progress.log)
-        self.warnings = cautions(settings)
+        self.warnings = cautions(settings, self.branch.contact)
+        let_go()
         self.watch = create_watch(settings, self.branch, self.progress, missed)
         self.table |= self.watch.columns if self.watch else {}
         if settings.output.file and settings.output.stiffness:
             self.table[observables.STIFFNESS] = observables.stiffness(settings.scene)
-        self.archive = None
+        self.archive, self.nothing = None, 0.0
         self.waiting = 0
         self.known = 0
         self.unread = []
@@ -72,10 +74,11 @@ class Run:
         """The archive to append to, created or resumed; the branch gets the history it goes on
         from."""
         from ..output.archive import Archive  # runs without one need not import it
-        from ..output.layout import Column
+        from ..output.layout import NOTHING, Column
         from ..output.shared import SharedArchive
 
         scene, output = self.settings.scene, self.settings.output
+        self.nothing = NOTHING[output.precision]
         content = {"scene": self.branch.attributes(), "options": database_text(),
                    "versions": versions(), "columns": {name: Column(row.unit, row.kind, row.names)
                                                        for name, row in self.table.items()},
@@ -89,7 +92,7 @@ class Run:
                 content["compliance"] = observables.compliance(self.branch.contact)
         make = partial(Archive.resume, output.file, **content) if output.resume else partial(
             Archive.create, output.file, overwrite=output.overwrite, **content)
-        archive = SharedArchive(make) if world.size > 1 else make()
+        archive = SharedArchive(make, self.branch.contact.grid) if world.size > 1 else make()
         if archive.complete or not output.resume:
             return archive
         history = [self.branch.restored(state) for state in archive.states()]
@@ -219,7 +222,7 @@ class Run:
         if self.archive:
             fields, active = (), {}
             if output.fields != "none" and output.on_active(self.settings.scene):
-                active = measurement.active_fields()
+                active = measurement.active_fields(self.nothing)
             elif output.fields != "none":
                 fields = measurement.fields()
             self.archive.append(row, self.branch.packed(point), *fields, **active)

@@ -151,11 +151,12 @@ class Measurement:
         """Largest tangential traction, p_t,r."""
         return self.survey.shear
 
-    def active_fields(self):
+    def active_fields(self, nothing=0.0):
         """Fields on the nodes where the law acts, name -> array: ``nodes``, their numbers in the
         fields over the widest window, mirror images near each other; ``displacement`` and
         ``traction`` (components of the scene, nodes) and ``mean`` displacement, in their units;
-        ``mode`` where there is one, over the widest window."""
+        ``mode`` where there is one, over the widest window. Of several processes they are parted.
+        Nodes whose traction is less than a part of the largest, ``nothing``, are left out."""
         scene, widest = self.contact.scene, self.contact.widest
         found = self.traction
         size = np.max(np.abs(found), axis=0)
@@ -171,20 +172,22 @@ class Measurement:
         traction[:self.components] = found[:, acting]
         mean = np.zeros(scene.components)
         mean[:self.components] = self.state.means
-        found = {"nodes": numbers, "displacement": displacement * lengths[:, None],
-                 "traction": traction * _sizes(scene, "p")[:, None]}
-        found = {name: self.grid.to_first(values) for name, values in found.items()}
-        if found["nodes"] is not None:
-            order = _images_beside(found["nodes"], widest.extents)
-            found = {name: values[..., order] for name, values in found.items()}
+        displacement *= lengths[:, None]
+        traction *= _sizes(scene, "p")[:, None]
+        found = {"nodes": numbers, "displacement": displacement, "traction": traction}
+        if nothing:
+            size = np.max(np.abs(found["traction"]), axis=0, initial=0.0)
+            acting = size >= nothing * self.grid.maximum(size, initial=0.0)
+            found = {name: values[..., acting] for name, values in found.items()}
+        found = self.grid.in_order(_images_beside(found["nodes"], widest.extents), found)
         found["mean"] = mean * lengths
         if self._null_or_leading() is not None:
-            found["mode"] = self.grid.rows_to_first(widest.box(widest.take(self._mode())))
+            found["mode"] = self.grid.parted(widest.box(widest.take(self._mode())), -2)
         return found
 
     def fields(self):
         """Displacement (u_n,r, u_t,r) and traction (p_n,r, p_t,r), or in SI, over the widest
-        window, (components of the scene, *box)."""
+        window, (components of the scene, *box); of several processes they are parted."""
         scene, each = self.contact.scene, (-1, *[1] * len(self.grid.shape))
         displacement, traction = np.zeros((2, scene.components, *self.grid.local_shape))
         displacement[:self.components] = self.contact.extended(self.state)
@@ -194,7 +197,7 @@ class Measurement:
         fields = ((displacement, traction) if self._null_or_leading() is None
                   else (displacement, traction, self._mode()))
         widest = self.contact.widest
-        return tuple(self.grid.rows_to_first(widest.box(widest.take(field))) for field in fields)
+        return tuple(self.grid.parted(widest.box(widest.take(field)), -2) for field in fields)
 
     def _null_or_leading(self):
         """The leading mode and its eigenvalue, at a fold the null vector in its place where no mode
@@ -234,9 +237,9 @@ class Measurement:
 
 
 def _images_beside(numbers, shape):
-    """Order of nodes in which mirror images about the middle of a box stand row behind row: fields
-    that are symmetric repeat themselves there, and take a fraction of the bytes when they are
-    compressed.
+    """Keys of an order of nodes, the first of which decides first, in which mirror images about the
+    middle of a box stand row behind row: fields that are symmetric repeat themselves there, and
+    take a fraction of the bytes when they are compressed.
 
     Parameters
     ----------
@@ -247,7 +250,7 @@ def _images_beside(numbers, shape):
     for place, count in zip(np.unravel_index(numbers, shape), shape):
         side = 2 * side + (place < count // 2)
         apart.append(np.abs(place - count // 2))
-    return np.lexsort((apart[-1], side, *apart[-2::-1]))
+    return [*apart[:-1], side, apart[-1]]
 
 
 def _sizes(scene, symbol):

@@ -30,14 +30,15 @@ class Observable(NamedTuple):
 
 def frame(contact):
     """Coordinates, initial gap and units of the fields of a contact, as arguments of an archive: of
-    several processes the first one has them."""
+    several processes they are parted."""
     scene, nodes, grid = contact.scene, contact.widest, contact.grid
     first, *second = nodes.coordinates()
     axes = (grid.joined(first), *second)
     length, gap = scene.scale("beta")[0], scene.scale("u_n,r")[0] / contact.ranges[0]
     both = {name: "; ".join(scene.scale(f"{symbol}_{end},r")[1] for end in "nt")
             for name, symbol in (("displacement", "u"), ("traction", "p"))}
-    heights = grid.rows_to_first(gap * nodes.box(nodes.take(contact.initial_gap)))
+    heights = grid.parted(nodes.box(nodes.take(contact.initial_gap)), -2,
+                          lambda block: gap * block)
     return {"coordinates": tuple(length * axis.ravel() for axis in axes), "initial_gap": heights,
             "units": {"coordinates": scene.scale("beta")[1], "initial_gap": scene.scale("u_n,r")[1],
                       **both}}
@@ -45,16 +46,17 @@ def frame(contact):
 
 def compliance(contact):
     """(circle, blocks) of the body's compliance in the units of the fields: points of the circle of
-    the widest window, and (i, j) -> half spectrum; of several processes the first one has them."""
+    the widest window, and (i, j) -> half spectrum; of several processes they are parted."""
     scene, window = contact.scene, contact.widest
     ends = "n" + "t" * scene.dimension
     factor = {(i, j): scene.scale(f"u_{one},r")[0] / contact.ranges[i]
               / scene.scale(f"p_{other},r")[0]
               for i, one in enumerate(ends) for j, other in enumerate(ends)}
     operator = contact.operator(scene.components)
-    return window.circle(), {key: contact.grid.to_first(operator.on_window(key, window)
-                                                         * factor[key])
-                             for key in operator.blocks}
+    return window.circle(), {
+        key: contact.grid.parted(operator.on_window(key, window), -1,
+                                 lambda block, factor=factor[key]: factor * block)
+        for key in operator.blocks}
 
 
 @lru_cache(maxsize=4)

@@ -17,8 +17,8 @@ from ..grid.operator import Operator
 from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
-from ..interface.gap import gap_of_heights, initial_gap, is_convex
-from ..interface.own_shapes import check_own
+from ..interface.gap import gap_of_heights, is_convex
+from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
 from ..options.fields import InputError
 from ..scene.parts import with_parts
@@ -103,14 +103,10 @@ class Contact:
 
     def _initial_gap(self, heights):
         """The initial gap over the cell, u_n,r."""
-        if heights is not None:
-            return self.grid.part_of(gap_of_heights(np.asarray(heights)) + self.scene.gap_offset)
-        shape, nodes = shapes.of(self.scene), self.grid.coordinates()
-        if not shape.by_nodes:
-            nodes = Grid(self.grid.shape, self.grid.periods).coordinates()
-        gap = initial_gap(shape, nodes, self.scene)
-        check_own(shape, gap, nodes, self.scene)
-        return gap if shape.by_nodes else self.grid.part_of(gap)
+        if heights is None:
+            return gap_on(shapes.of(self.scene), self.grid, self.scene)
+        here = self.grid.part_of(np.asarray(heights))
+        return gap_of_heights(here, self.grid) + self.scene.gap_offset
 
     @property
     def widest(self):

@@ -103,6 +103,10 @@ class Grid(Fields, Counter):
         """
         return Window(self, start, shape)
 
+    def of_points(self, points):
+        """The grid of so many points in each direction over the same cell."""
+        return Grid(points, self.periods)
+
     @property
     def transform(self):
         """What makes transforms over the cell."""

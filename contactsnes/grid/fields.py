@@ -67,6 +67,24 @@ class Fields:
         """What is here of a whole field over the cell (..., *grid): all."""
         return field
 
+    def spread(self, make):
+        """A whole field over the cell (*grid) that a function makes, as far as it is here: all."""
+        return make()
+
+    def turns(self, items):
+        """Of things that every process has one after the other those that are this one's to do:
+        all."""
+        return items
+
+    def in_turn(self, field):
+        """Rows of a field over the cell, of one process after the other; in the first one, which
+        never has more than those of one other."""
+        yield field
+
+    def of_first(self, value):
+        """A value of the first process, in all of them."""
+        return value
+
     half = None
     """Grid of every other node, where that is shared out among processes, too."""
 
@@ -103,14 +121,37 @@ class Fields:
         """What all processes have of an array, one after the other along its first axis."""
         return rows
 
-    def rows_to_first(self, field):
-        """A field (..., *grid) of all processes in the first of them, None in the others."""
-        return field
-
     def first_largest(self, field):
         """The largest size of values (components, *grid), with the sign of the first about as
         large."""
         return np.copysign(np.max(np.abs(field)), field.flat[first_largest(field.reshape(-1))])
+
+    def parted(self, values, axis=-1, change=lambda block: block):
+        """What a function makes of an array, for what takes it block by block where processes have
+        parts of it: all of that.
+
+        Parameters
+        ----------
+        values : array
+        axis : int, along which processes would have parts
+        change : function (array), of each number by itself
+        """
+        return change(values)
+
+    def taking(self, act):
+        """Call a function that takes blocks of `parted` arrays, in the first process."""
+        act()
+
+    def in_order(self, keys, arrays):
+        """Arrays of nodes (..., nodes) in the order of keys, `parted`.
+
+        Parameters
+        ----------
+        keys : list of arrays of int (nodes,), the first of which decides first
+        arrays : mapping
+        """
+        order = np.lexsort(keys[::-1])
+        return {name: values[..., order] for name, values in arrays.items()}
 
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""

@@ -11,7 +11,7 @@ from .windows import Window
 def numbers_of(window):
     """Name -> array of what tells a window's nodes: first node and shape of its box or boxes and,
     where it is some nodes of one, their numbers there. Of nodes in several processes those of all
-    are in the first one."""
+    are `parted`."""
     shared = window.grid.shared
     nodes = {}
     if isinstance(window, Nodes):

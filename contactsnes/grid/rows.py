@@ -95,14 +95,38 @@ class Rows:
         """
         return np.concatenate(self.comm.allgather(np.ascontiguousarray(field)), axis=-2)
 
-    def to_first(self, field):
-        """All rows of a field over the cell on the first process, None on the others.
+    def in_turn(self, field):
+        """Rows of a field over the cell, of one process after the other, in the first process;
+        nothing in the others.
 
         Parameters
         ----------
-        field : array (..., rows of this process, columns)
+        field : array (rows of this process, columns)
         """
-        return to_first(self.comm, field, -2)
+        if self.comm.rank:
+            self.comm.Send(np.ascontiguousarray(field), dest=0)
+            return
+        yield field
+        for rank, (_, count) in enumerate(self.parts[1:], start=1):
+            got = np.empty((count, *field.shape[1:]), dtype=field.dtype)
+            self.comm.Recv(got, source=rank)
+            yield got
+
+    def of_first(self, field, columns):
+        """This process's rows of a field over the cell that the first one has as a whole.
+
+        Parameters
+        ----------
+        field : array (rows, columns) in the first process
+        columns : int
+        """
+        if self.comm.rank:
+            found = np.empty((self.count, columns))
+            self.comm.Recv(found, source=0)
+            return found
+        for rank, (first, count) in enumerate(self.parts[1:], start=1):
+            self.comm.Send(np.ascontiguousarray(field[first:first + count], float), dest=rank)
+        return np.array(field[:self.count], float)
 
 
 def _slice(numbers):

@@ -1,7 +1,10 @@
 """Fields over a cell that is shared out among processes (`slabs`), of which each has its rows."""
 
+from itertools import islice
+
 import numpy as np
 
+from . import parted
 from .fields import Fields
 from .slab_transform import share
 
@@ -60,6 +63,33 @@ class SlabFields(Fields):
         """This process's rows of a whole field over the cell (..., *grid)."""
         return field[..., self.rows.first:self.rows.first + self.rows.count, :]
 
+    def spread(self, make):
+        """This process's rows of a whole field over the cell (*grid) that a function makes in the
+        first one, which then sends the others theirs; what it raises is raised in all."""
+        made = error = None
+        if not self.comm.rank:
+            try:
+                made = make()
+            except Exception as raised:
+                error = raised
+        error = self.comm.bcast(error)
+        if error is not None:
+            raise error
+        return self.rows.of_first(made, self.shape[1])
+
+    def turns(self, items):
+        """Of things that every process has one after the other those that are this one's to do."""
+        return islice(items, self.comm.rank, None, self.comm.size)
+
+    def in_turn(self, field):
+        """Rows of a field over the cell, of one process after the other; in the first one, which
+        never has more than those of one other."""
+        yield from self.rows.in_turn(field)
+
+    def of_first(self, value):
+        """A value of the first process, in all of them."""
+        return self.comm.bcast(value)
+
     def every_other(self, field):
         """A field over the cell at every other node: this process's rows of ``half`` or, where
         that is none, a whole one."""
@@ -83,6 +113,49 @@ class SlabFields(Fields):
         node = np.unravel_index(np.argmax(field), field.shape)
         tops = self.comm.allgather((field[node], (int(node[0]) + self.rows.first, int(node[1]))))
         return max(tops, key=lambda top: top[0])[1]
+
+    def parted(self, values, axis=-1, change=lambda block: block):
+        """What a function makes of the array of values that all processes have, one after the other
+        along an axis: `parted.parted`.
+
+        Parameters
+        ----------
+        values : array, of this process
+        axis : int
+        change : function (array), of each number by itself
+        """
+        return parted.parted(self.comm, values, axis, change)
+
+    def taking(self, act):
+        """Call a function that takes blocks of `parted` arrays, in the first process."""
+        parted.taking(self.comm, act)
+
+    def in_order(self, keys, arrays):
+        """Arrays of nodes (..., nodes) of all processes in the order of keys, `parted`: about as
+        many nodes for each process, of which it has some numbers of the first key.
+
+        Parameters
+        ----------
+        keys : list of arrays of int (nodes,), the first of which decides first
+        arrays : mapping
+        """
+        most = 1 + int(self.largest(np.max(keys[0], initial=0)))
+        before = np.cumsum(self.together(np.bincount(keys[0], minlength=most)))
+        owner = np.minimum(before * self.comm.size // (before[-1] + 1), self.comm.size - 1)
+        owner = owner.astype(int)[keys[0]]
+        mine = [np.flatnonzero(owner == rank) for rank in range(self.comm.size)]
+
+        def exchanged(values):
+            return np.concatenate(self.comm.alltoall([values[part] for part in mine]))
+
+        order, found = np.lexsort([exchanged(key) for key in keys[::-1]]), {}
+        for name, values in arrays.items():
+            rows = values.reshape(-1, values.shape[-1])
+            own = np.empty((len(rows), len(order)), values.dtype)
+            for i, row in enumerate(rows):  # (one by one: what is on its way takes memory)
+                own[i] = exchanged(row)[order]
+            found[name] = self.parted(own.reshape(*values.shape[:-1], -1))
+        return found
 
     def noise(self, count, seed):
         """Random numbers (count, rows, columns), each row's its own."""

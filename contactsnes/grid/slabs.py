@@ -75,6 +75,13 @@ class Slabs(SlabFields, Grid):
                                   in zip(start, shape, self.shape, inside))))
         return self.whole if found.is_whole else found
 
+    def of_points(self, points):
+        """The grid of so many points in each direction over the same cell: slabs, or where these
+        are few all of it on every process."""
+        if math.prod(points) <= GATHERED or points[0] < self.comm.size:
+            return Grid(points, self.periods)
+        return Slabs(points, self.periods, self.comm)
+
     def weighted(self, weights, rows):
         """This grid with reductions over even fields, of which a node counts as many times as its
         weight says.
@@ -167,11 +174,6 @@ class Slabs(SlabFields, Grid):
     def joined(self, rows):
         """What all processes have of an array, one after the other along its first axis."""
         return np.concatenate(self.comm.allgather(rows))
-
-    def rows_to_first(self, field):
-        """A field (..., rows, columns) of all processes in the first of them, None in the
-        others."""
-        return self.rows.to_first(field)
 
     def first_largest(self, field):
         """The largest size of values (components, rows, columns), with the sign of the first about

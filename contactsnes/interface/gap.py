@@ -42,6 +42,27 @@ def evaluated(shape, coordinates, scene):
     return gap
 
 
+def by_rows(shape, grid, scene):
+    """The gap, u_n,r, at the nodes of a grid that are here, of a shape that has it by rows;
+    InputError where it cannot be had, or is too large.
+
+    Parameters
+    ----------
+    shape : Shape
+    grid : Grid
+    scene : Scene
+    """
+    try:
+        gap = shape.rows(grid, scene)
+    except ValueError as error:
+        raise error if isinstance(error, InputError) else InputError(str(error)) from None
+    largest = grid.maximum(np.abs(gap))
+    if not largest <= LARGEST:
+        raise InputError(f"{scene.option_name('geometry')} is '{scene.geometry}': the gap is up to "
+                         f"{largest:g}; it has to be at most {LARGEST:g} in size")
+    return gap
+
+
 def _on_nodes(named, gap, nodes):
     """A gap as real numbers on all nodes; InputError where it is none."""
     if gap.dtype.kind not in "fiu":
@@ -96,9 +117,10 @@ def initial_gap(shape, coordinates, scene):
     return evaluated(shape, coordinates, scene) + scene.gap_offset
 
 
-def gap_of_heights(heights):
-    """max(h) - h of heights (array): the highest point is the nearest to the flat."""
-    return np.max(heights) - heights
+def gap_of_heights(heights, grid=None):
+    """max(h) - h of heights (array), of all nodes or those of a grid that are here: the highest
+    point is the nearest to the flat."""
+    return (np.max(heights) if grid is None else grid.maximum(heights)) - heights
 
 
 def refuse_contact_at_edge(shape, contact):

@@ -3,14 +3,15 @@ nothing in them is executed."""
 
 import importlib.util
 import math
+import re
 import textwrap
 import warnings
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from ..system.devices import failure
+from .stored_heights import Heights, Stored, stored
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
 """Unit of heights -> metres."""
@@ -29,18 +30,6 @@ EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or inst
          "instruments")
 
 
-class Heights(NamedTuple):
-    """Heights of a file (nan where there are none), its size in each direction and its unit, None
-    where it does not tell.
-
-    The size is in the unit of the heights.
-    """
-
-    values: np.ndarray
-    size: tuple = None
-    unit: str = None
-
-
 def read(specification):
     """The `Heights` of ``FILE.suffix`` or ``FILE.h5:dataset``.
 
@@ -54,7 +43,7 @@ def read(specification):
     if not Path(filename).is_file():
         raise FileNotFoundError(
             f"{option}: there is no file {filename}; check the name and the directory.")
-    why = failure(lambda: reader(filename, dataset)) if suffix == ".h5" else ""
+    why = failure(lambda: _look_at(reader(filename, dataset))) if suffix == ".h5" else ""
     try:
         if why:
             raise ValueError(why.removeprefix("ValueError: "))
@@ -65,13 +54,20 @@ def read(specification):
         # SurfaceTopography tells of each of its readers, with parts of the file.
         reason = textwrap.shorten(str(error), LONGEST)
         raise ValueError(f"{option}: cannot be read ({reason}).") from None
-    found = found if isinstance(found, Heights) else Heights(np.asarray(found))
+    if not isinstance(found, Heights):
+        found = Heights(found if isinstance(found, Stored) else np.asarray(found))
     if found.values.dtype.kind not in "fiu":
         raise ValueError(f"{option}: holds {found.values.dtype} instead of real numbers.")
-    if found.values.size == 0 or found.values.ndim not in (1, 2):
+    if 0 in found.values.shape or found.values.ndim not in (1, 2):
         raise ValueError(f"{option}: holds an array of shape {found.values.shape} "
                          "instead of heights on a line or a plane.")
     return found
+
+
+def _look_at(found):
+    """Read everything once."""
+    for _ in found.blocks() if isinstance(found, Stored) else ():
+        pass
 
 
 def _has_library():
@@ -95,7 +91,7 @@ def _read_dataset(filename, dataset):
             named = f"'{dataset}'" if dataset else "in the name"
             raise ValueError(f"there is no dataset {named}; write FILE.h5:dataset, "
                              f"at the top level there are: {', '.join(file) or 'none'}")
-        return file[dataset][()]
+        return stored(filename, dataset, file[dataset])
 
 
 def _read_map(filename, _=""):
@@ -209,10 +205,12 @@ def _read_instrument(filename, _=""):
 def _read_array(filename, _=""):
     """An array of NumPy, without objects: these are programs."""
     try:
-        return np.load(filename, allow_pickle=False)
+        found = np.load(filename, allow_pickle=False, mmap_mode="r")
+        by_rows = isinstance(found, np.memmap) and found.flags.c_contiguous
+        return stored(filename, "", found) if by_rows else np.load(filename, allow_pickle=False)
     except ValueError as error:
         raise ValueError("it holds objects of Python, which are not read"
-                         if "pickle" in str(error) else str(error)) from None
+                         if re.search("pickle|object", str(error)) else str(error)) from None
 
 
 READERS = {

@@ -1,6 +1,7 @@
 """Heights on the grid from files: cropped, their holes filled, their edges mended, fitted to the
-grid; and steps at the seam of their cell."""
+grid."""
 
+import math
 import os
 from functools import lru_cache
 
@@ -8,12 +9,11 @@ import numpy as np
 
 from ..grid.transfer import by_waves
 from ..options.fields import LARGEST, InputError
+from ..system.processes import world
 from . import height_files
-from .height_files import Heights
+from .seams import seams
+from .stored_heights import Elsewhere, Heights, Stored
 
-JUMP = 4.0
-"""Step at the seam of a cell over those between neighbours from which on heights are told to be not
-periodic."""
 TAPER = 0.1
 """Part of the size at each edge over which a window takes heights to their mean."""
 MARGIN = 8
@@ -45,12 +45,17 @@ def read_heights(specification, shape=None):
         If the suffix is unknown, the file or its dataset cannot be read, or the
         heights are not real and finite numbers of the grid's shape.
     """
-    return fitted(specification, prepared(specification).values, shape)
+    return fitted(specification, np.asarray(prepared(specification).values), shape)
 
 
 def prepared(specification, crop="", fill="none", edges="warn"):
     """`Heights` of a file, cropped, without holes, and with its edges mended; their size is that
     of what is left.
+
+    Heights that are taken as they are stay in the file, if rows of it can be read. Others are held
+    as a whole, of several processes by the first one, until `let_go`: numbers of a text stand in
+    places that nobody knows before, and what is put into a hole or taken from an edge hangs on all
+    the others.
 
     Parameters
     ----------
@@ -68,23 +73,58 @@ def prepared(specification, crop="", fill="none", edges="warn"):
     return _prepared(str(specification), crop, fill, edges, version)
 
 
+def let_go():
+    """Hold no heights any more: they are where they are used."""
+    _prepared.cache_clear()
+
+
 @lru_cache(maxsize=2)
 def _prepared(specification, crop, fill, edges, version):
-    """`prepared`, once for each version of a file."""
+    """`prepared`, once for each version of a file, and in one process."""
+    whole = []
+
+    def told():
+        found = _made(specification, crop, fill, edges)
+        if world.size == 1 or isinstance(found.values, Stored):
+            return found
+        whole.append(found)
+        return found._replace(values=Elsewhere(found.values.shape))
+
+    found = world.first(told)
+    return whole[0] if whole else found
+
+
+def _made(specification, crop, fill, edges):
+    """`prepared`, anew."""
     option = f"-scene_geometry_file {specification}"
     found = height_files.read(specification)
-    values = _usable(option, _filled(option, _cropped(crop, found.values), fill))
-    values = MENDED[edges](values)
-    values.flags.writeable = False
+    ends = _ends(crop, found.values)
+    if isinstance(found.values, Stored) and (fill, edges) == ("none", "warn"):
+        values = found.values._replace(part=ends)
+        _check_stored(option, values)
+    else:
+        values = np.asarray(found.values)[ends]
+        values = MENDED[edges](_usable(option, _filled(option, values, fill)))
+        values.flags.writeable = False
     size = found.size and tuple(length * n / whole for length, n, whole
                                 in zip(found.size, values.shape, found.values.shape))
     return Heights(values, size, found.unit)
 
 
-def _cropped(crop, values):
-    """What is left of heights; InputError for a crop that leaves nothing, or is none."""
+def _check_stored(option, values):
+    """ValueError, as of `_usable` and `_filled`, for `Stored` heights that are none."""
+    missing, largest = 0, 0.0
+    for block in values.blocks():
+        missing += np.count_nonzero(~np.isfinite(block))
+        largest = max(largest, np.abs(block).max())
+    _refuse_holes(option, missing, math.prod(values.shape))
+    _refuse_large(option, largest)
+
+
+def _ends(crop, values):
+    """What is left of heights, slices; InputError for a crop that leaves nothing, or is none."""
     if not crop:
-        return values
+        return tuple(slice(0, count) for count in values.shape)
     pieces = [piece.strip() for piece in crop.split(",")]
     chosen = []
     for piece, count in zip(pieces, values.shape):
@@ -100,7 +140,7 @@ def _cropped(crop, values):
     if len(pieces) != values.ndim:
         raise InputError(f"-scene_heights_crop is '{crop}': the heights have {values.ndim} "
                          "directions; give first:last for each, with a comma")
-    return values[tuple(chosen)]
+    return tuple(chosen)
 
 
 def _filled(option, values, fill):
@@ -108,10 +148,8 @@ def _filled(option, values, fill):
     holes = ~np.isfinite(values)
     if not holes.any():
         return values
-    share = f"{np.count_nonzero(holes)} of {holes.size} heights are missing"
     if fill == "none" or holes.all():
-        raise ValueError(f"{option}: some heights are not finite (nan or inf), {share}; fill the "
-                         "missing points first: -scene_heights_fill interpolate, nearest or mean.")
+        _refuse_holes(option, np.count_nonzero(holes), holes.size)
     values = np.array(values, dtype=float)
     if fill == "mean":
         values[holes] = np.mean(values[~holes])
@@ -131,17 +169,32 @@ def _filled(option, values, fill):
     return values
 
 
+def _refuse_holes(option, missing, size):
+    """ValueError where heights are missing.
+
+    Parameters
+    ----------
+    option : str, how they are named
+    missing, size : int, of so many heights
+    """
+    if missing:
+        raise ValueError(f"{option}: some heights are not finite (nan or inf), {missing} of {size} "
+                         "heights are missing; fill the missing points first: -scene_heights_fill "
+                         "interpolate, nearest or mean.")
+
+
+def _refuse_large(option, largest):
+    """ValueError where the largest size of a height is too large."""
+    if not largest <= LARGEST:
+        raise ValueError(f"{option}: a height of {largest:.3g} is too large to compute with; "
+                         f"allowed are sizes up to {LARGEST:g}.")
+
+
 def _usable(option, heights):
     """Heights as numbers to compute with, a new array; ValueError, which names the option, where
-    they are none."""
-    if not np.all(np.isfinite(heights)):
-        raise ValueError(
-            f"{option}: some heights are not finite (nan or inf); fill the missing points first.")
+    they are too large."""
     heights = heights.astype(float)
-    if not np.abs(heights).max() <= LARGEST:
-        raise ValueError(f"{option}: a height of {np.abs(heights).max():.3g} is "
-                         "too large to compute with; allowed are sizes up "
-                         f"to {LARGEST:g}.")
+    _refuse_large(option, np.abs(heights).max())
     return heights
 
 
@@ -205,34 +258,3 @@ def fitted(specification, values, shape, fit="exact", edges="warn"):
     places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2
                            for n, count in zip(shape, values.shape)), indexing="ij")
     return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap")
-
-
-def rms_slope(heights, spacings):
-    """Root mean square of the gradient, by steps between neighbours.
-
-    Parameters
-    ----------
-    heights : ndarray
-    spacings : of the nodes, one a direction
-    """
-    return float(np.sqrt(sum(np.mean((np.diff(heights, axis=axis) / spacing) ** 2)
-                             for axis, spacing in enumerate(spacings))))
-
-
-def seams(heights):
-    """Where heights jump at the seam of their cell: direction, step at the seam and typical step
-    between neighbours, a list.
-
-    Steps are root mean squares: of all neighbours for the typical one, and of those across the
-    seam. A jump is a seam that steps `JUMP` times as far as neighbours do, those next to it, too,
-    which are steep where a steep place of the surface lies at the seam.
-    """
-    found = []
-    for axis in range(heights.ndim):
-        steps = np.moveaxis(np.diff(heights, axis=axis), axis, 0)
-        seam = np.take(heights, 0, axis) - np.take(heights, -1, axis)
-        size, typical, beside = (float(np.sqrt(np.mean(part ** 2)))
-                                 for part in (seam, steps, np.array([*steps[:2], *steps[-2:]])))
-        if size > JUMP * max(typical, beside) and size > 1e-9 * np.ptp(heights):
-            found.append((axis, size, typical))
-    return found

@@ -6,10 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..grid.cell import Grid
 from ..grid.fields import mirrored
 from ..options.fields import InputError
-from .gap import evaluated, is_convex, where
-from .heights import seams
+from .gap import by_rows, initial_gap, is_convex, where
+from .seams import rms_slope, seams
 from .shapes import SHAPES, of
 from .shapes.shape import NEAR, Shape, curvatures
 
@@ -152,23 +153,52 @@ def _refuse(claim, wrong, values, words, coordinates, scene):
                          "leave the claim out")
 
 
-def check_own(shape, gap, coordinates, scene):
-    """`check`, of a shape of one's own; those of the package are what they claim.
+def gap_on(shape, grid, scene):
+    """Initial gap of a scene, u_n,r, a new array, at the nodes of its grid that are here;
+    InputError where a shape of one's own is not what it claims.
+
+    What a shape of one's own does with its coordinates is not known, so that all are given to it at
+    once, unless it says that places do not hang on each other (`by_nodes`): by the first of several
+    processes, which then sends the others their rows.
 
     Parameters
     ----------
-    shape, gap, coordinates, scene : as of `check`
+    shape : Shape
+    grid : Grid
+    scene : Scene
     """
-    if type(shape) not in SHAPES.values():
-        check(shape, gap, coordinates, scene)
+    if shape.by_rows:
+        return by_rows(shape, grid, scene) + scene.gap_offset
+
+    def found(nodes):
+        gap = initial_gap(shape, nodes, scene)
+        if type(shape) not in SHAPES.values():
+            check(shape, gap, nodes, scene)
+        return gap
+
+    if shape.by_nodes:
+        return found(grid.coordinates())
+    return grid.spread(lambda: found(Grid(grid.shape, grid.periods).coordinates()))
 
 
-def jumps(scene):
+def jumps(scene, grid=None):
     """Where the heights of a scene, or the gap of a shape of one's own, jump at the seam of its
-    cell (`heights.seams`), u_n,r; empty for other scenes."""
+    cell (`seams.seams`), u_n,r; empty for other scenes. Of what several processes share out, the
+    grid is given."""
     shape = of(scene)
     if scene.isolated or (type(shape) in SHAPES.values() and not shape.gridded):
         return []
-    axes = [(np.arange(points) - points // 2) * spacing
-            for points, spacing in zip(scene.shape, scene.spacings)]
-    return seams(evaluated(shape, np.meshgrid(*axes, indexing="ij", sparse=True), scene))
+    return seams(gap_on(shape, _or_whole(scene, grid), scene), grid)
+
+
+def proportions(scene, grid=None):
+    """Root mean square slope, u_n,r/beta, and height from lowest to highest, u_n,r, of a scene's
+    gap; the grid as of `jumps`."""
+    grid = _or_whole(scene, grid)
+    gap = gap_on(of(scene), grid, scene)
+    return rms_slope(gap, scene.spacings, grid), grid.maximum(gap) - grid.minimum(gap)
+
+
+def _or_whole(scene, grid):
+    """A grid, or one of the scene's whole cell."""
+    return Grid(scene.shape, scene.periods) if grid is None else grid

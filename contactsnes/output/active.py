@@ -14,6 +14,7 @@ import numpy as np
 
 from ..grid.cell import Convolution, Grid
 from ..grid.operator import Operator
+from ..grid.parted import Parted, blocks, in_pieces, typed
 from ..grid.windows import Window
 from . import checksums
 from .files import ArchiveError
@@ -51,13 +52,15 @@ class ActiveFields:
 
     def checked(self, given):
         """A point's arrays as they are stored; ArchiveError where they do not fit each other."""
-        nodes = np.asarray(given["nodes"], NODES["nodes"])
+        nodes = typed(given["nodes"], NODES["nodes"])
         found = {"nodes": nodes, "mean": np.asarray(given["mean"], float)}
         for name in ("displacement", "traction"):
-            found[name] = np.asarray(given[name], self.kind)
+            found[name] = typed(given[name], self.kind)
             if found[name].shape != (self.components, nodes.size):
                 raise ArchiveError(f"{name} on active nodes has the shape {found[name].shape}; the "
                                    f"archive keeps {(self.components, nodes.size)}.")
+        if any(isinstance(array, Parted) for array in found.values()):
+            return found  # what is nothing has been left out
         size = np.max(np.abs(found["traction"]), axis=0, initial=0.0)
         acting = size >= self.nothing * np.max(size, initial=0.0)
         return found | {name: found[name][..., acting] for name in NODES}
@@ -102,9 +105,12 @@ class ActiveFields:
                               maxshape=(None,))
         active.create_dataset("mean", (0, self.components), "f8", maxshape=(None, self.components),
                               chunks=(chunk * self.chunks, self.components))
-        circle, blocks = self.compliance
-        for (i, j), block in blocks.items():
-            active.create_dataset(f"compliance/{i}{j}", data=block, **self.packing)
+        circle, symbols = self.compliance
+        for (i, j), block in symbols.items():
+            made = active.create_dataset(f"compliance/{i}{j}", block.shape, block.dtype,
+                                         **self.packing, **in_pieces(block))
+            for where, values in blocks(block):
+                made[where] = values
         active["compliance"].attrs["circle"] = circle
         return active
 
@@ -124,7 +130,7 @@ class ActiveFields:
             _set(active["offsets"], count + 1, end)
             for name in NODES:
                 active[name].resize(end, axis=active[name].ndim - 1)
-                active[name][..., begin:end] = point.fields[name]
+                put_behind(active[name], begin, point.fields[name])
             _set(active["mean"], count, point.fields["mean"])
             self._held = end
 
@@ -140,8 +146,11 @@ class ActiveFields:
         offsets = there["offsets"][:count + 1]
         for name in NODES:
             here[name].resize(int(offsets[-1]), axis=here[name].ndim - 1)
-            for begin, end in zip(offsets, offsets[1:]):
-                here[name][..., begin:end] = there[name][..., begin:end]
+            # a chunk at a time, which is compressed but once
+            each, last = here[name].chunks[-1], int(offsets[-1])
+            for begin in range(0, last, each):
+                part = slice(begin, min(begin + each, last))
+                here[name][..., part] = there[name][..., part]
         for name in ("offsets", "mean"):
             values = there[name][:count + (name == "offsets")]
             here[name].resize(len(values), axis=0)
@@ -154,6 +163,21 @@ def _set(dataset, row, value):
     if len(dataset) <= row:
         dataset.resize(row + 1, axis=0)
     dataset[row] = value
+
+
+def put_behind(dataset, begin, values):
+    """Write values (..., nodes) into a dataset from a node on.
+
+    Parameters
+    ----------
+    dataset : h5py.Dataset, which has room for them
+    begin : int
+    values : array, perhaps `Parted`
+    """
+    for where, block in blocks(values):
+        *lead, nodes = where or (slice(0, values.shape[-1]),)
+        lead = lead or (...,)
+        dataset[(*lead, slice(begin + nodes.start, begin + nodes.stop))] = block
 
 
 def checksum(arrays):

@@ -164,7 +164,8 @@ class Archive:
         point = stored.Kept(self._layout.numbers(row), state, fields)
         # The first point of a run, or after a write that failed, shows whether the file can be
         # written.
-        if not self._store.room or sum(map(np.size, fields.values())) > LARGE:
+        large = sum(map(np.size, fields.values())) > LARGE or stored.has_parts(state)
+        if not self._store.room or large:
             self.settle()
             self._store.put([point])
             self._settled = time.monotonic()

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..grid.parted import blocks, pieces
+
 CHANGING = ("points", "complete", "frame")
 """Root attributes that points change, or that hold the checksum itself."""
 
@@ -47,11 +49,12 @@ def frame(parts):
     for name, item, attributes in parts[1:]:
         group, _, within = name.partition("/")
         fixed = group == "runs" or within in ("x", "y", "initial_gap")
-        for part in (name.encode(), _attributes(attributes, ("point",)),
-                     _content(item[()]) if within and fixed else b""):
+        for part in (name.encode(), _attributes(attributes, ("point",))):
             found = zlib.crc32(part, found)
+        if within and fixed:
+            found = _of_dataset(item, found)
         for block in item.get("compliance", {}).values() if within == "active" else ():
-            found = zlib.crc32(_content(block[()]), found)
+            found = _of_dataset(block, found)
     return found
 
 
@@ -61,17 +64,21 @@ def _attributes(attributes, without=()):
                  if name not in without]).encode()
 
 
-def _content(values):
-    """Values as bytes, of texts those of the texts."""
-    values = np.asarray(values)
-    return repr(values.tolist()).encode() if values.dtype.hasobject else values.tobytes()
+def _of_dataset(item, found):
+    """CRC-32 of the values of a dataset, of texts those of the texts, after what was found."""
+    if item.dtype.hasobject:
+        return zlib.crc32(repr(np.asarray(item[()]).tolist()).encode(), found)
+    for where in pieces(item.shape):
+        found = zlib.crc32(np.ascontiguousarray(item[where]), found)
+    return found
 
 
-def of(array, *more):
-    """CRC-32 of an array, or of several, one after the other."""
-    found = zlib.crc32(np.ascontiguousarray(array))
-    for other in more:
-        found = zlib.crc32(np.ascontiguousarray(other), found)
+def of(*arrays):
+    """CRC-32 of an array, or of several, one after the other; perhaps `Parted`."""
+    found = 0
+    for array in arrays:
+        for _, block in blocks(array):
+            found = zlib.crc32(np.ascontiguousarray(block), found)
     return found
 
 

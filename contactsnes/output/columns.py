@@ -42,6 +42,33 @@ def make_columns(branch, columns, chunk):
     return found
 
 
+def make_field(group, name, kind, chunk, parted):
+    """Make a dataset of fields without points.
+
+    The fill value makes a new chunk reach the file whole, before the index tells of it; for that
+    HDF5 holds a chunk as a whole. Where it is written in parts, nothing is filled: the file has
+    been made long enough before.
+
+    Parameters
+    ----------
+    group : h5py.h5g.GroupID, which gets it
+    name : str
+    kind : str, NumPy's type of the numbers
+    chunk : tuple of int, (points, *shape of a field)
+    parted : bool, whether fields are written in parts
+    """
+    import h5py
+
+    space = h5py.h5s.create_simple((0, *chunk[1:]), (h5py.h5s.UNLIMITED, *chunk[1:]))
+    plan, kind = h5py.h5p.create(h5py.h5p.DATASET_CREATE), np.dtype(kind)
+    plan.set_chunk(chunk)
+    plan.set_fill_value(np.array(np.nan, kind))
+    plan.set_obj_track_times(False)
+    if parted:
+        plan.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    h5py.h5d.create(group, name.encode(), h5py.h5t.py_create(kind), space, plan)
+
+
 def put_rows(branch, first, count, rows):
     """Write rows.
 

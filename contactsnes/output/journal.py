@@ -92,15 +92,20 @@ def encoded(point, arrays, before=0):
     for name, array in zip(arrays, values):
         if array.dtype.hasobject:
             raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
-    head = _head(tuple(arrays), tuple([array.dtype.str for array in values]),
-                 tuple([array.shape for array in values]))
     # (states of planes are large: no further copy is made of what is)
-    data = bytearray().join([bytes(before + ENTRY.size), head, b"\n", *[
+    data = bytearray().join([bytes(before + ENTRY.size), heading(dict(zip(arrays, values))), *[
         array.tobytes() if array.nbytes < LARGE else np.ravel(array).view("u1")
         for array in values]])
     with memoryview(data)[before + ENTRY.size:] as body:
         ENTRY.pack_into(data, before, point, len(body), zlib.crc32(body))
     return data
+
+
+def heading(arrays):
+    """The line that tells names, types and shapes of arrays (name -> array, perhaps `Parted`)."""
+    values = arrays.values()
+    return _head(tuple(arrays), tuple([array.dtype.str for array in values]),
+                 tuple([array.shape for array in values])) + b"\n"
 
 
 @lru_cache(maxsize=4)

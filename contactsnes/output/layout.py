@@ -7,11 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..grid.parted import Parted, blocks, pieces
+from ..grid.parted import chunk as chunk_of
 from . import active, checksums
 from .active import ActiveFields
+from .cell_fields import CHUNKS, KINDS, NOTHING, PACKED, as_stored, empty
 from .columns import make_columns, put_rows
 from .files import ArchiveError
-from .stored import SLOTS, field_points
+from .stored import SLOTS, field_points, put_state
 
 UNITS = {
     "coordinates": "beta",
@@ -21,20 +24,6 @@ UNITS = {
     "mode": "",
 }
 """Of the fields, for dimensionless scenes."""
-
-CHUNKS = 64
-"""What one node of HDF5's chunk index holds; splitting a node is not safe against a kill."""
-
-
-KINDS = {"double": "f8", "single": "f4"}
-"""Precision of fields -> NumPy type."""
-
-NOTHING = 1e-9
-"""Part of the largest traction of a point that counts as none where numbers have seven digits."""
-
-PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-"""How fields are compressed."""
-
 
 class Column(NamedTuple):
     """What a column of the branch holds: its unit, its NumPy type and, of an enumeration, the names
@@ -92,7 +81,7 @@ class Layout:
         self.precision, self.kind, self.packed = precision, KINDS[precision], False
         self.active = None if compliance is None else ActiveFields(
             components, self.kind, compliance, fields, CHUNKS, PACKED,
-            NOTHING if precision == "single" else 0.0)
+            NOTHING[precision])
 
     def numbers(self, row):
         """A row, one value for each column, with enumerations as numbers."""
@@ -111,21 +100,13 @@ class Layout:
     def checked(self, given):
         """The fields that are kept among those given, name -> array, a mode only where there is
         one."""
-        fields = {name: self._stored(name, np.asarray(given[name])) for name in self.arrays
+        fields = {name: as_stored(name, given[name], self.precision) for name in self.arrays
                   if name != "mode" or given.get(name) is not None}
         for name, array in fields.items():
-            if np.shape(array) != self.shape:
+            if array.shape != self.shape:
                 raise ArchiveError(
-                    f"{name} has the shape {np.shape(array)}; the archive keeps {self.shape}.")
+                    f"{name} has the shape {array.shape}; the archive keeps {self.shape}.")
         return fields if self.active is None else fields | self.active.checked(given)
-
-    def _stored(self, name, array):
-        """A field in the precision of the archive: single tractions that are nothing beside the
-        largest are 0."""
-        if name == "traction" and self.precision == "single":
-            array = np.where(np.abs(array) < NOTHING * np.max(np.abs(array), initial=0.0), 0.0,
-                             array)
-        return np.asarray(array, self.kind)
 
     def make(self, file, slot, chunk):
         """Make empty groups and datasets.
@@ -143,8 +124,11 @@ class Layout:
         # One chunk for all rows there is room for: a new row allocates nothing.
         columns = make_columns(file.create_group("branch").id, self.columns, chunk * CHUNKS)
         for number in range(SLOTS if slot else 0):
-            file.create_dataset(f"states/{number}", data=np.zeros(slot, "u1"),
-                                **(PACKED | {"chunks": (slot,)} if self.packed else {}))
+            made = file.create_dataset(f"states/{number}", (slot,), "u1",
+                                       **(PACKED | {"chunks": chunk_of((slot,))}
+                                          if self.packed else {}))
+            for where in pieces((slot,)):
+                made[where] = 0
         if self.coordinates:
             self._make_grid(file.create_group("fields"), chunk)
         sums = 1 + self._sums
@@ -163,8 +147,10 @@ class Layout:
             group[name] = array
             group[name].attrs["unit"] = self.units["coordinates"]
         if self.initial_gap is not None:
-            group["initial_gap"] = self.initial_gap
-            group["initial_gap"].attrs["unit"] = self.units["initial_gap"]
+            made = group.create_dataset("initial_gap", np.shape(self.initial_gap), "f8")
+            for where, block in blocks(self.initial_gap):
+                made[where] = block
+            made.attrs["unit"] = self.units["initial_gap"]
         if self.active is not None:
             made = self.active.make(group, chunk, self.packed)
             for name in ("displacement", "traction"):
@@ -173,13 +159,8 @@ class Layout:
         if self.fields == "last":
             group.attrs["point"] = 0  # whose fields these are; 0 while they are being written
         for name in self.arrays:
-            # The fill value makes a new chunk reach the file whole, before the index tells of it.
-            layout = {"chunks": (chunk, *self.shape), "maxshape": (None, *self.shape)}
-            if self.packed:
-                layout |= PACKED | {"chunks": (1, *self.shape)}
-            rows, layout = (1, {}) if self.fields == "last" else (0, layout)
-            group.create_dataset(name, data=np.full((rows, *self.shape), np.nan, self.kind),
-                                 fillvalue=np.nan, **layout)
+            how = self.fields, self.packed, self.parted
+            empty(group, name, self.kind, (chunk, *self.shape), *how)
             self._name_axes(group[name], name, ["point", "component", *self.coordinates])
 
     def _name_axes(self, dataset, name, axes):
@@ -205,7 +186,7 @@ class Layout:
         """
         points = int(old.attrs["points"])
         for point, state in states.items():
-            new[f"states/{point % SLOTS}"][: state.size] = state
+            put_state(new[f"states/{point % SLOTS}"], state)
         for name in self.columns:
             new["branch"][name].resize((points,))
             new["branch"][name][:] = old["branch"][name][:points]
@@ -213,7 +194,8 @@ class Layout:
             if self.fields == "all":
                 new["fields"][name].resize(points, axis=0)
             for point in range(len(new["fields"][name]) if name in old["fields"] else 0):
-                new["fields"][name][point] = old["fields"][name][point]
+                for where in self._pieces():
+                    new["fields"][name][(point, *where)] = old["fields"][name][(point, *where)]
         if self.active is not None:
             self.active.copy(old, new, len(field_points(old)))
         if self.fields == "last":
@@ -226,11 +208,12 @@ class Layout:
         known = (old["checksums"][:points] if "checksums" in old
                  else np.zeros((points, 0), "u4"))
         sums = np.zeros((points, 1 + self._sums), "u4")
-        sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self.columns})
-        for place, point in enumerate(field_points(old)):
-            sums[point, 1:] = [
-                *([active.checksum(active.kept(new, place))] if self.active else []),
-                *(checksums.of(new["fields"][name][place]) for name in self.arrays)]
+        if known.shape[1] < sums.shape[1]:
+            sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self.columns})
+            for place, point in enumerate(field_points(old)):
+                sums[point, 1:] = [
+                    *([active.checksum(active.kept(new, place))] if self.active else []),
+                    *(checksums.of(new["fields"][name][place]) for name in self.arrays)]
         sums[:, : known.shape[1]] = known
         new["checksums"].resize(points, axis=0)
         new["checksums"][:] = sums
@@ -254,7 +237,8 @@ class Layout:
                 file["fields"][name].resize(last, axis=0)
             kept = points if self.fields == "all" else points[-1:]
             for place, point in zip(range(-len(kept), 0), kept):
-                file["fields"][name][place] = point.fields.get(name, np.nan)
+                for where, block in self._blocks(name, point):
+                    file["fields"][name][(place, *where)] = block
         if self.active is not None:
             every = self.fields == "all"
             self.active.put(file, first - 1 if every else 0, points if every else points[-1:])
@@ -264,7 +248,7 @@ class Layout:
         file["checksums"][first - 1:] = self._checksums(rows, points)
         put_rows(file["branch"].id, first, len(points), rows)
         for number, state in states.items():
-            file[f"states/{number % SLOTS}"][: state.size] = state
+            put_state(file[f"states/{number % SLOTS}"], state)
         file.flush()
         if self.fields == "last":
             file["fields"].attrs.modify("point", last)
@@ -276,9 +260,24 @@ class Layout:
         sums = np.empty((len(points), 1 + self._sums), "u4")
         sums[:, 0] = checksums.rows(rows)
         for own, point in zip(sums, points):
-            whole = (np.broadcast_to(np.asarray(point.fields.get(name, np.nan), self.kind),
-                                     self.shape)
-                     for name in self.arrays)
             own[1:] = [*([active.checksum(point.fields)] if self.active else []),
-                       *map(checksums.of, whole)]
+                       *(checksums.of(*(block for _, block in self._blocks(name, point)))
+                         for name in self.arrays)]
         return sums
+
+    @property
+    def parted(self):
+        """Whether processes have parts of the fields."""
+        return isinstance(self.initial_gap, Parted)
+
+    def _pieces(self):
+        """What picks parts of a field that are read and written together."""
+        return pieces(self.shape) if self.parted else [()]
+
+    def _blocks(self, name, point):
+        """Blocks of a field of a point (`stored.Kept`), nan where it has none, as of
+        `parted.blocks`."""
+        if name in point.fields:
+            return blocks(point.fields[name])
+        return ((where, np.full([ends.stop - ends.start for ends in where], np.nan, self.kind))
+                for where in pieces(self.shape))

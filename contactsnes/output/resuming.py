@@ -41,9 +41,15 @@ def runs(file):
     return [Run(int(first), *others) for first, *others in zip(file["runs/first"], *texts)]
 
 
-def checksum(heights):
-    """SHA-256 of an array of heights, whatever it was stored in."""
-    return hashlib.sha256(np.ascontiguousarray(heights, dtype="<f8").tobytes()).hexdigest()
+def checksum(grid, heights):
+    """SHA-256 of heights on a grid (array of those that are here), whatever they were stored in;
+    None of none."""
+    if heights is None:
+        return None
+    found = hashlib.sha256()
+    for rows in grid.in_turn(np.ascontiguousarray(heights, dtype="<f8")):
+        found.update(rows)
+    return grid.of_first(found.hexdigest())
 
 
 def entries(text):

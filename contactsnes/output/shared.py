@@ -12,15 +12,18 @@ class SharedArchive:
 
     Parameters
     ----------
-    make : function without arguments that returns the Archive
+    make : function without arguments that returns the Archive; arrays of what it is to hold are
+        parted, as those of points are
+    grid : Grid, whose first process takes parts of arrays from the others
 
     Attributes
     ----------
     points, complete, path, runs : as of an Archive
     """
 
-    def __init__(self, make):
-        self._kept = None
+    def __init__(self, make, grid):
+        self._kept, self._grid = None, grid
+        self._make = make  # what it holds the first process may ask for at any time
 
         def keep():
             self._kept = make()
@@ -28,7 +31,7 @@ class SharedArchive:
         self._in_first(keep)
 
     def append(self, *point, **active):
-        """Add a point, of which the first process has everything: `Archive.append`."""
+        """Add a point: `Archive.append`."""
         self._in_first(lambda: self._kept.append(*point, **active))
 
     def settle(self):
@@ -62,7 +65,7 @@ class SharedArchive:
         def acted():
             error = None
             try:
-                act()
+                self._grid.taking(act)
             except Exception as raised:
                 if self._kept is None:
                     raise
@@ -70,6 +73,8 @@ class SharedArchive:
             kept = self._kept
             return error, (kept.points, kept.complete, kept.path, kept.runs)
 
+        if world.rank:
+            self._grid.taking(act)
         error, (self.points, self.complete, self.path, self.runs) = world.first(acted)
         if error is not None:
             raise error

@@ -21,6 +21,9 @@ ROOMY = 1 << 16
 """Bytes of a state up to which there is room for one four times as large: those of a line grow with
 its contact, and a file written anew takes longer than all of a step."""
 
+ZEROS = 1 << 22
+"""Bytes of zeros that are written together."""
+
 
 def unwritten(path, error):
     """The error to raise where a disk does not take what is written for an archive."""
@@ -114,14 +117,15 @@ class Store:
         chunks = -(-points // chunk) - -(-self.held // chunk)
         more = 0
         if self.layout.fields == "all" and chunks > 0:
-            numbers = len(self.layout.arrays) * chunks * chunk * math.prod(self.layout.shape)
-            more = int(self.layout.kind[1:]) * numbers
+            each = int(self.layout.kind[1:]) * chunk * math.prod(self.layout.shape)
+            more = len(self.layout.arrays) * chunks * (each + SAFE["alignment_interval"])
         if self.layout.active is not None:
             more += self.layout.active.more()
         if more:
             with open(self.path, "rb+") as file:
                 file.seek(0, os.SEEK_END)
-                file.write(bytes(more))
+                for begin in range(0, more, ZEROS):
+                    file.write(bytes(min(ZEROS, more - begin)))
 
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points; let `write` act on
@@ -134,7 +138,7 @@ class Store:
                 with open_archive(self.path) if self.held else contextlib.nullcontext() as old:
                     if old:
                         self._check_alone(old)
-                    states = stored.states(old, self.held) if old else {}
+                    states = stored.held_states(old, self.held) if old else {}
                     slot = max([slot, *(state.size for state in states.values())])
                     if not self.layout.packed:
                         slot = max(slot * 3 // 2, min(slot * 4, ROOMY))

@@ -1,15 +1,18 @@
 """What an open archive holds of its points besides their rows: fields, and states to go on from."""
 
 import io
+import itertools
 import struct
+import zlib
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from ..grid.parted import Parted, blocks, pieces
 from . import active, checksums
 from .files import ArchiveError
-from .journal import beside, encoded, entries, entry
+from .journal import ENTRY, beside, encoded, entries, entry, heading
 
 STATES = 4
 """States that are kept: what a predictor may extrapolate from."""
@@ -83,13 +86,7 @@ def field_points(file):
 
 def states(file, points):
     """Packed states of the last of so many points, oldest first: point (from 1) -> bytes."""
-    kept = {}
-    for point in range(max(1, points - STATES + 1), points + 1):
-        slot = file.get(f"states/{point % SLOTS}")
-        label, size = slot[:16].view("<i8") if slot is not None else (0, 0)
-        if label == point:
-            kept[point] = slot[:size]
-    return kept
+    return {point: slot[:size] for point, (slot, size) in _slots(file, points).items()}
 
 
 class Kept(NamedTuple):
@@ -125,6 +122,78 @@ def waiting(file):
     return [Kept.of(arrays) for arrays in entries(path, key, int(file.attrs["points"]) + 1)]
 
 
+class Held:
+    """A packed state in the slot of an open archive, taken in pieces.
+
+    Parameters
+    ----------
+    slot : h5py.Dataset
+    size : int, bytes
+    """
+
+    def __init__(self, slot, size):
+        self._slot, self.size = slot, size
+
+    def pieces(self):
+        """(slice, bytes there) of the state."""
+        for where, in pieces((self.size,)):
+            yield where, self._slot[where]
+
+
+class Streamed:
+    """A packed state whose arrays processes have parts of, made in pieces.
+
+    Parameters
+    ----------
+    point : int
+    state : mapping
+    """
+
+    def __init__(self, point, state):
+        self._point, self._arrays = point, {
+            name: value if isinstance(value, Parted) else np.asarray(value)
+            for name, value in state.items()}
+        self._head = heading(self._arrays)
+        self.size = HEAD.size + ENTRY.size + len(self._head) + sum(
+            array.size * array.dtype.itemsize for array in self._arrays.values())
+
+    def pieces(self):
+        """(slice, bytes there) of the state; last those that make it count."""
+        place, sum_ = HEAD.size + ENTRY.size, 0
+        parts = (block for array in self._arrays.values() for _, block in blocks(array))
+        for part in itertools.chain([np.frombuffer(self._head, "u1")], parts):
+            data = np.ascontiguousarray(part).reshape(-1).view("u1")
+            yield slice(place, place + data.size), data
+            place, sum_ = place + data.size, zlib.crc32(data, sum_)
+        body = self.size - HEAD.size - ENTRY.size
+        start = HEAD.pack(self._point, self.size) + ENTRY.pack(self._point, body, sum_)
+        yield slice(0, len(start)), np.frombuffer(start, "u1")
+
+
+def put_state(slot, state):
+    """Write a packed state (bytes, `Held` or `Streamed`) into its slot, a dataset."""
+    for where, data in ([(slice(0, state.size), state)] if isinstance(state, np.ndarray)
+                        else state.pieces()):
+        slot[where] = data
+
+
+def held_states(file, points):
+    """`states`, each `Held`."""
+    return {point: Held(*slot) for point, slot in _slots(file, points).items()}
+
+
+def _slots(file, points):
+    """Point (from 1) -> (dataset, bytes) of the states of the last of so many points, oldest
+    first."""
+    kept = {}
+    for point in range(max(1, points - STATES + 1), points + 1):
+        slot = file.get(f"states/{point % SLOTS}")
+        label, size = slot[:16].view("<i8") if slot is not None else (0, 0)
+        if label == point:
+            kept[point] = slot, int(size)
+    return kept
+
+
 def packed(first, points):
     """Packed states of the last of some points, the first of which has the number ``first``: number
     -> bytes."""
@@ -132,9 +201,16 @@ def packed(first, points):
     return {number: pack(number, point.state) for number, point in numbered}
 
 
+def has_parts(state):
+    """Whether processes have parts of an array of a state."""
+    return any(isinstance(value, Parted) for value in state.values())
+
+
 def pack(point, state):
-    """The state of a point as bytes: point, size, and an entry of a journal, which has a checksum;
-    ArchiveError for a state of objects."""
+    """The state of a point as bytes, or `Streamed`: point, size, and an entry of a journal, which
+    has a checksum; ArchiveError for a state of objects."""
+    if has_parts(state):
+        return Streamed(point, state)
     data = encoded(point, state, HEAD.size)
     HEAD.pack_into(data, 0, point, len(data))
     return np.frombuffer(data, "u1")

@@ -86,8 +86,9 @@ def flattening(slope):
     over its waves, over phi_n."""
     if not slope:
         return 0.0
-    waves = surface((CELL,), HURST, float(slope), LONGEST, SHORTEST, SHOWN)[0]
-    return float(np.sum(waves.wavevectors[0] * waves.amplitudes ** 2) / 8)
+    waves = surface((CELL,), HURST, float(slope), LONGEST, SHORTEST, SHOWN)
+    return float(sum(np.sum(2 * np.pi / CELL * numbers[0] * amplitudes ** 2)
+                     for numbers, amplitudes, _ in waves.blocks()) / 8)
 
 
 def pull_off(record):

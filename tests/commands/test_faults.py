@@ -20,6 +20,7 @@ from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
 from contactsnes.commands import cli, starting
 from contactsnes.interface import heights as geometry
+from contactsnes.interface import seams
 from contactsnes.options import database as options
 from contactsnes.options import files
 from contactsnes.options.fields import InputError
@@ -272,9 +273,9 @@ def test_heights_that_jump_at_the_seam_are_told(tmp_path):
     x, random = np.arange(64) / 64, np.random.default_rng(3)
     waves = sum(np.cos(2 * np.pi * (number * x + random.random())) / number
                 for number in range(1, 20))
-    assert geometry.seams(waves) == [] and geometry.seams(np.where(abs(x - 0.5) < 0.3, 1.0,
+    assert seams.seams(waves) == [] and seams.seams(np.where(abs(x - 0.5) < 0.3, 1.0,
                                                                    0.0)) == []
-    (axis, jump, typical), = geometry.seams(waves[:, None] + (waves + 40 * x)[None])
+    (axis, jump, typical), = seams.seams(waves[:, None] + (waves + 40 * x)[None])
     tilted = np.diff(waves + 40 * x)
     assert (axis == 1 and jump == pytest.approx(abs((waves + 40 * x)[0] - waves[-1] - 40 * x[-1]))
             and jump > 4 * typical)

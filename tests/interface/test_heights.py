@@ -12,7 +12,7 @@ petsc4py.init([])
 
 from contactsnes.commands import cautions  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
-from contactsnes.interface import height_files, heights, shapes  # noqa: E402
+from contactsnes.interface import height_files, heights, seams, shapes  # noqa: E402
 from contactsnes.interface.roughness import surface  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.settings import Scene  # noqa: E402
@@ -168,14 +168,14 @@ def test_holes_are_filled():
 def test_edges_are_mended():
     x, y = np.meshgrid(np.arange(64.0), np.arange(48.0), indexing="ij")
     tilted = 5.0 + 0.2 * x - 0.7 * y + np.cos(2 * np.pi * x / 64)
-    assert heights.seams(tilted)
+    assert seams.seams(tilted)
     flat = heights.detrended(tilted)
     slopes = np.linalg.lstsq(np.array([np.ones(x.size), x.ravel(), y.ravel()]).T, flat.ravel(),
                              rcond=None)[0]
     np.testing.assert_allclose(slopes, 0.0, atol=1e-12)
-    assert not heights.seams(flat)
+    assert not seams.seams(flat)
     tapered = heights.windowed(tilted)
-    assert np.abs(tapered[[0, -1]]).max() < 0.02 and not heights.seams(tapered)
+    assert np.abs(tapered[[0, -1]]).max() < 0.02 and not seams.seams(tapered)
     np.testing.assert_allclose(tapered[20:44, 15:33], flat[20:44, 15:33], atol=1e-12)
     around = heights.padded(tilted)
     assert around.shape == (80, 60) and around[0, 0] == tilted.min()
@@ -198,14 +198,15 @@ def test_a_wave_is_fitted_to_another_grid():
 def test_periodic_heights_are_fitted_by_their_waves(points, known):
     """A surface of waves longer than two spacings of the file is the same on every grid, a coarser
     one too."""
-    waves = surface((30.0, 20.0), 0.8, 0.5, 12.0, 2.0, 7)[0]
+    (numbers, amplitudes, phases), = surface((30.0, 20.0), 0.8, 0.5, 12.0, 2.0, 7).blocks()
+    wavevectors = 2 * np.pi * numbers / np.array([[30.0], [20.0]])
 
     def summed(shape):
         x = np.meshgrid(*((np.arange(n) - n // 2) * length / n
                           for n, length in zip(shape, (30.0, 20.0))), indexing="ij")
-        angles = np.tensordot(waves.wavevectors.T, np.array(x) + np.reshape([15.0, 10.0],
+        angles = np.tensordot(wavevectors.T, np.array(x) + np.reshape([15.0, 10.0],
                                                                             (2, 1, 1)), axes=1)
-        return np.tensordot(waves.amplitudes, np.cos(angles + waves.phases[:, None, None]), axes=1)
+        return np.tensordot(amplitudes, np.cos(angles + phases[:, None, None]), axes=1)
 
     found = heights.fitted("", summed(known), points, "interpolate")
     np.testing.assert_allclose(found, summed(points), atol=1e-12)

@@ -16,6 +16,7 @@ from contactsnes.branch.accuracy import Estimator, finer_contact  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.grid_choice import chosen  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
+from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.interface import shapes  # noqa: E402
 from contactsnes.interface.roughness import surface  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
@@ -30,6 +31,27 @@ ROUGH = dict(geometry="rough", rough_slope=0.4, rough_longest=20.0, rough_shorte
              normal_maugis=2.0, period=40.0, points=512)
 
 every_surface = pytest.mark.parametrize("given, points", CASES)
+
+
+class Waves:
+    """All waves of a surface: arrays of their whole numbers (directions, waves), amplitudes,
+    phases."""
+
+    def __init__(self, found):
+        blocks = list(found.blocks())
+        self.periods = found.periods
+        self.numbers = np.concatenate([numbers for numbers, _, _ in blocks], axis=1)
+        self.amplitudes, self.phases = (np.concatenate(parts)
+                                        for parts in list(zip(*blocks))[1:])
+
+    @property
+    def wavevectors(self):
+        return 2 * np.pi * self.numbers / np.array(self.periods)[:, None]
+
+
+def heights_of(given, points, *more):
+    """Heights of the surface of some arguments on a grid of its cell."""
+    return surface(*given, *more).heights(Grid(points, given[0]))
 
 
 def waves(heights, periods):
@@ -49,17 +71,18 @@ def summed(found, x):
 
 @every_surface
 def test_heights_are_the_sum_of_the_waves(given, points):
-    found, _ = surface(*given)
+    found = Waves(surface(*given))
     grid = [(np.arange(n) - n // 2) * length / n for n, length in zip(points, given[0])]
     places = np.random.default_rng(1).integers(0, points, (20, len(points)))
     x = np.array([axis[index] for axis, index in zip(grid, places.T)])
-    np.testing.assert_allclose(found.heights(points)[tuple(places.T)], summed(found, x), atol=1e-13)
+    np.testing.assert_allclose(heights_of(given, points)[tuple(places.T)], summed(found, x),
+                               atol=1e-13)
 
 
 @every_surface
 def test_slope_is_exact_on_the_grid(given, points):
     """Root mean square of the gradient of the waves through the nodes."""
-    heights = surface(*given)[0].heights(points)
+    heights = heights_of(given, points)
     spectrum, axes = np.fft.fftn(heights), waves(heights, given[0])[1]
     gradient = [np.fft.ifftn(1j * q * spectrum).real for q in axes]
     assert np.sqrt(np.mean(sum(slope ** 2 for slope in gradient))) == pytest.approx(given[2],
@@ -70,7 +93,7 @@ def test_slope_is_exact_on_the_grid(given, points):
 @every_surface
 def test_spectrum_falls_as_a_power_between_its_ends(given, points):
     periods, hurst, _, longest, shortest, _ = given
-    q, _, amplitude = waves(surface(*given)[0].heights(points), periods)
+    q, _, amplitude = waves(heights_of(given, points), periods)
     inside = (q >= 2 * np.pi / longest * (1 - 1e-6)) & (q < 2 * np.pi / shortest * (1 - 1e-6))
     assert np.all(amplitude[~inside] < 1e-14) and np.all(amplitude[inside] > 1e-9)
     slope, _ = np.polyfit(np.log(q[inside]), 2 * np.log(amplitude[inside]), 1)
@@ -79,19 +102,17 @@ def test_spectrum_falls_as_a_power_between_its_ends(given, points):
 
 @every_surface
 def test_a_finer_grid_has_the_same_surface(given, points):
-    found, _ = surface(*given)
-    finer = found.heights(tuple(2 * n for n in points))
-    np.testing.assert_allclose(finer[(slice(None, None, 2),) * len(points)], found.heights(points),
-                               atol=1e-13)
-    coarse = found.heights(tuple(n // 16 for n in points))  # too coarse for most waves
-    np.testing.assert_allclose(coarse,
-                               found.heights(points)[(slice(None, None, 16),) * len(points)],
+    heights = heights_of(given, points)
+    finer = heights_of(given, tuple(2 * n for n in points))
+    np.testing.assert_allclose(finer[(slice(None, None, 2),) * len(points)], heights, atol=1e-13)
+    coarse = heights_of(given, tuple(n // 16 for n in points))  # too coarse for most waves
+    np.testing.assert_allclose(coarse, heights[(slice(None, None, 16),) * len(points)],
                                atol=1e-13)
 
 
 def test_shorter_waves_are_added_to_those_that_are_there():
     for given in (LINE, PLANE, UNEQUAL):
-        longer, shorter = (surface(*given[:4], shortest, 3)[0] for shortest in (2.0, 0.7))
+        longer, shorter = (Waves(surface(*given[:4], shortest, 3)) for shortest in (2.0, 0.7))
         phases = {tuple(number): phase for number, phase in zip(shorter.numbers.T, shorter.phases)}
         assert len(phases) == len(shorter.phases) > 2 * len(longer.phases)
         assert all(phases[tuple(number)] == phase for number, phase in zip(longer.numbers.T,
@@ -100,14 +121,14 @@ def test_shorter_waves_are_added_to_those_that_are_there():
 
 def test_waves_come_once():
     for given in (LINE, PLANE, UNEQUAL):
-        numbers = {tuple(number) for number in surface(*given)[0].numbers.T}
+        numbers = {tuple(number) for number in Waves(surface(*given)).numbers.T}
         assert not numbers & {tuple(-np.array(number)) for number in numbers}
 
 
 def test_the_plane_has_no_direction():
     """On a square its waves come with their mirror images: slopes along x and y are equal, and so
     are those along diagonals."""
-    found = surface(*PLANE)[0]
+    found = Waves(surface(*PLANE))
     q, squares = found.wavevectors, found.amplitudes ** 2
     assert np.sum(squares * q[0] ** 2) == pytest.approx(np.sum(squares * q[1] ** 2), rel=1e-12)
     assert abs(np.sum(squares * q[0] * q[1])) < 1e-12 * np.sum(squares * q[0] ** 2)
@@ -115,23 +136,23 @@ def test_the_plane_has_no_direction():
     classes, _ = np.histogram(angle, bins=8, range=(0, np.pi),
                               weights=squares * np.sum(q ** 2, axis=0))
     assert np.ptp(classes) < 0.15 * classes.mean()
-    assert found.rms(1, 0) == pytest.approx(PLANE[2] / np.sqrt(2), rel=1e-12)
+    assert surface(*PLANE).rms(1, 0) == pytest.approx(PLANE[2] / np.sqrt(2), rel=1e-12)
 
 
 def test_phases_are_random_and_belong_to_the_seed():
-    phases = [surface(*LINE[:5], seed)[0].phases for seed in range(5)]
+    phases = [Waves(surface(*LINE[:5], seed)).phases for seed in range(5)]
     assert all(np.max(np.abs(one - other)) > 1 for one, other in zip(phases, phases[1:]))
     together = np.concatenate(phases) / (2 * np.pi)
     assert 0 <= together.min() and together.max() < 1
     assert together.mean() == pytest.approx(0.5, abs=4 * np.sqrt(1 / 12 / together.size))
     # Heights of many waves are close to normal: no fourth cumulant.
-    heights = surface((100.0,), 0.0, 1.0, 100.0, 0.1, 5)[0].heights((8192,))
+    heights = heights_of(((100.0,), 0.0, 1.0, 100.0, 0.1, 5), (8192,))
     assert np.mean(heights ** 4) / np.mean(heights ** 2) ** 2 == pytest.approx(3, abs=0.5)
 
 
 def test_roots_of_mean_squares():
-    found = surface(*LINE)[0]
-    heights, (q,) = found.heights((2048,)), (2 * np.pi * np.fft.fftfreq(2048, 100 / 2048),)
+    found = surface(*LINE)
+    heights, (q,) = heights_of(LINE, (2048,)), (2 * np.pi * np.fft.fftfreq(2048, 100 / 2048),)
     assert (found.rms(0) == pytest.approx(np.std(heights), rel=1e-12)
             and found.rms(1) == pytest.approx(0.4, rel=1e-12))
     curvature = np.fft.ifft(-q ** 2 * np.fft.fft(heights)).real
@@ -142,8 +163,8 @@ def test_roots_of_mean_squares():
                                            (LINE[:2] + (4.0,) + LINE[3:], (2 ** 17,))))
 def test_the_lowest_place_lies_between_nodes(given, points):
     """A fine grid comes as near to it as the curvature lets it, from above."""
-    found, lowest = surface(*given)
-    above = found.gap(points).min() - lowest
+    found, grid = surface(*given), Grid(points, given[0])
+    above = found.gap(grid).min() - found.lowest(grid)
     step = np.array(given[0]) / points
     assert -1e-12 < above < 0.125 * np.sum(step ** 2) * (1 + 6 * found.rms(2))
 
@@ -153,10 +174,11 @@ def test_the_gap_is_a_parabola_with_roughness(dimension):
     scene = Scene(**{**ROUGH, "points": 128, "rough_seed": 2, "gap_offset": -0.3},
                   dimension=dimension)
     contact = Contact(scene)
-    found, lowest = surface(scene.periods, 0.8, 0.4, 20.0, 1.0, 2)
+    found = surface(scene.periods, 0.8, 0.4, 20.0, 1.0, 2)
+    lowest = found.lowest(contact.grid)
     parabola = sum(x ** 2 for x in contact.grid.coordinates()) / 2
-    np.testing.assert_allclose(contact.initial_gap / 2.0, parabola - found.heights(scene.shape)
-                               - lowest - 0.3, atol=1e-12)
+    np.testing.assert_allclose(contact.initial_gap / 2.0, parabola
+                               - found.heights(contact.grid) - lowest - 0.3, atol=1e-12)
     assert -0.3 <= contact.initial_gap.min() / 2.0 < -0.2
 
 
@@ -192,11 +214,12 @@ def test_a_flat_is_rough_without_a_parabola(dimension):
     scene = Scene(**{**ROUGH, "points": 128, "rough_seed": 2, "rough_on": "flat"},
                   dimension=dimension)
     contact = Contact(scene)
-    found, lowest = surface(scene.periods, 0.8, 0.4, 20.0, 1.0, 2, curvature=0.0)
-    np.testing.assert_allclose(contact.initial_gap / 2.0, -found.heights(scene.shape) - lowest,
+    found = surface(scene.periods, 0.8, 0.4, 20.0, 1.0, 2, curvature=0.0)
+    lowest = found.lowest(contact.grid)
+    np.testing.assert_allclose(contact.initial_gap / 2.0, -found.heights(contact.grid) - lowest,
                                atol=1e-12)
     assert abs(np.mean(contact.initial_gap) / 2.0 + lowest) < 1e-12  # roughness has no mean
-    finest = -found.heights((2048,) * dimension).max()
+    finest = -found.heights(Grid((2048,) * dimension, scene.periods)).max()
     assert contact.initial_gap.min() >= 0.0 and -1e-9 < finest - lowest < 2e-3
     finer = finer_contact(contact, 2).initial_gap
     np.testing.assert_allclose(finer[(slice(None, None, 2),) * dimension], contact.initial_gap,
@@ -213,7 +236,7 @@ def test_a_rough_flat_touches_up_to_the_edge_of_its_cell():
 def test_the_spectrum_is_flat_beyond_the_roll_off(given, points):
     periods, hurst, slope, longest, shortest, _ = given
     rolloff = 0.4 * longest
-    heights = surface(*given, rolloff)[0].heights(points)
+    heights = heights_of(given, points, rolloff)
     q, axes, amplitude = waves(heights, periods)
     inside = (q >= 2 * np.pi / longest * (1 - 1e-6)) & (q < 2 * np.pi / shortest * (1 - 1e-6))
     long = inside & (q < 2 * np.pi / rolloff)

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
+from contactsnes.grid import parted
 from contactsnes.output import active, files, resuming, store
 from contactsnes.output import archive as writing
 from contactsnes.output.archive import Archive
@@ -52,10 +53,28 @@ def fields_content(fields, **changed):
     """What an archive is made of that keeps fields of 'last' or 'all' points; after 'active' on
     active nodes, of a rigid body."""
     *where, fields = fields.split()
-    if where:
+    if "active" in where:
         blocks = {(i, i): np.zeros(X.size // 2 + 1) for i in range(2)}
         changed["compliance"] = (X.size,), blocks
-    return content(fields=fields, coordinates=(X,), components=2, initial_gap=X**2 / 2, **changed)
+    parts = "parted" in where
+    where = [word for word in where if word != "parted"]
+    return content(fields=fields, coordinates=(X,), components=2,
+                   initial_gap=in_parts(X ** 2 / 2, parts), **changed)
+
+
+class Alone:
+    """A communicator of one process."""
+
+    rank, size = 0, 1
+
+    @staticmethod
+    def allgather(value):
+        return [value]
+
+
+def in_parts(array, parts=True):
+    """An array as several processes have it, or itself."""
+    return parted.Parted(Alone, array, -1) if parts else array
 
 
 def point(number):
@@ -82,6 +101,9 @@ def append(archive, count):
             nodes = active_nodes(archive.points)
             where = {"nodes": nodes, "mean": displacement[:, 0]}
             displacement, traction = displacement[:, nodes], traction[:, nodes]
+        if archive._layout.parted:
+            state["displacement"], displacement, traction = map(
+                in_parts, (state["displacement"], displacement, traction))
         archive.append(row, state, displacement, traction, **where)
 
 
@@ -484,14 +506,16 @@ class Recorder(io.BytesIO):
                 yield bytes(content)
 
 
-@pytest.mark.parametrize("fields", ["none", "last", "all", "active last", "active all"])
+@pytest.mark.parametrize("fields", ["none", "last", "all", "active last", "active all",
+                                    "parted last", "parted all", "parted active all"])
 @pytest.mark.parametrize("points", [3, 65, 66])  # from 65 on two points share a chunk of the fields
 def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
                                                               points):
+    monkeypatch.setattr(parted, "BLOCK", 20)
     path, killed = tmp_path / "run.h5", tmp_path / "killed.h5"
     archive = Archive.create(path, **fields_content(fields))
     append(archive, points)
-    before = path.read_bytes()
+    before = [path.read_bytes()]
     recorders = []
     counts = []
     stored = []
@@ -501,13 +525,15 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         if mode == "r":
             return opened(name, mode)
         recorders.append(Recorder(path))
+        if "parted" in fields:  # these count on the file's being made longer before
+            before.append(path.read_bytes())
         return opened(recorders[-1], mode)
 
     with monkeypatch.context() as patch:
         patch.setattr(store, "opened", recording)
         append(archive, 1)
     assert len(recorders) == 1
-    for content in recorders[0].prefixes(before):
+    for content in recorders[0].prefixes(before[-1]):
         killed.write_bytes(content)
         record = check(killed, fields)
         counts.append(record.points)

@@ -55,7 +55,8 @@ HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "sol
                       "branch"},
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
          "h5py": {"output.columns", "output.files", "output.store",
-                  "output.tables", "output.vtk", "interface.height_files"},
+                  "output.tables", "output.vtk", "interface.height_files",
+                  "interface.stored_heights"},
          "pyfftw": {"grid.fftw"}}
 """The only rooms or modules that may import a package, anywhere in them."""
 

@@ -2,10 +2,14 @@
 
 import numpy as np
 
+from ...grid.cell import Grid
 from ...options.fields import InputError, as_text, checked, option
+from ...system.processes import world
 from ..gap import gap_of_heights
 from ..height_files import UNITS
-from ..heights import EDGES, FILLS, fitted, prepared, rms_slope
+from ..heights import EDGES, FILLS, fitted, prepared
+from ..seams import rms_slope
+from ..stored_heights import Stored
 from .shape import Shape
 
 UNNAMED = "-scene_geometry is 'file' without a file: name it by -scene_geometry_file"
@@ -35,6 +39,7 @@ class File(Shape):
     heights_fit: str = option("exact", "heights on other points than those of the grid: refused, "
                               "or interpolated", choices=("exact", "interpolate"))
     gridded = True
+    by_rows = True
     uses_radius = False
 
     def map(self):
@@ -148,24 +153,37 @@ class File(Shape):
         """Those of the file."""
         return self.map().values.shape
 
-    def heights(self, scene):
-        """The heights, u_n,r."""
+    def heights(self, scene, grid=None):
+        """The heights, u_n,r; on a grid those at its nodes that are here."""
         unit = UNITS[self.unit()] if scene.units == "si" else 1.0
-        heights = fitted(self.geometry_file, self.map().values, scene.shape, self.heights_fit,
-                         self.heights_edges)
-        return heights * (unit / scene.scale("u_n,r")[0])
+        values = self.map().values
+        grid = Grid(scene.shape, scene.periods) if grid is None else grid
+        if isinstance(values, Stored) and values.shape == scene.shape:
+            found = values.rows(int(grid.row_numbers[0]), len(grid.row_numbers))
+        else:
+            found = grid.spread(lambda: fitted(self.geometry_file, np.asarray(values), scene.shape,
+                                               self.heights_fit, self.heights_edges))
+        return found * (unit / scene.scale("u_n,r")[0])
 
     def gap(self, coordinates, scene):
         """max(h) - h."""
         return gap_of_heights(self.heights(scene))
 
+    def rows(self, grid, scene):
+        """The same by rows."""
+        return gap_of_heights(self.heights(scene, grid), grid)
+
     def about(self, scene, size):
         """Height and slope."""
-        heights = self.heights(scene)
+        def told():
+            heights = self.heights(scene)
+            return np.std(heights), np.ptp(heights), rms_slope(heights, scene.spacings)
+
+        height, range_, slope = map(float, world.first(told))
         return [f"heights of {self.geometry_file}: root mean square "
-                f"{size(float(np.std(heights)), 'u_n,r', 4)}, from lowest to highest "
-                f"{size(float(np.ptp(heights)), 'u_n,r', 4)}, root mean square slope "
-                f"{size(rms_slope(heights, scene.spacings), 'u_n,r/beta', 4)}"]
+                f"{size(height, 'u_n,r', 4)}, from lowest to highest "
+                f"{size(range_, 'u_n,r', 4)}, root mean square slope "
+                f"{size(slope, 'u_n,r/beta', 4)}"]
 
     def stated(self, scene):
         """The size that the file itself tells of what is used of it, beta, one a direction; None

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...grid.cell import Grid
 from ...options.fields import InputError, as_text, option
 from ..roughness import FINE, surface
 from .shape import Shape
@@ -19,6 +20,7 @@ class Rough(Shape):
 
     name = "rough"
     meaning = "cylinder, in two dimensions sphere, or flat, with self-affine roughness"
+    by_rows = True
     rough_on: str = option("sphere", "what is rough: a sphere, on a line a cylinder, or a flat",
                            choices=("sphere", "flat"))
     rough_hurst: float = option(0.8, "Hurst exponent H of roughness, whose power "
@@ -55,17 +57,23 @@ class Rough(Shape):
                 rolloff, float(self.rough_on != "flat"))
 
     def surface(self, scene):
-        """The waves, `roughness.Surface`, and the smallest gap."""
+        """The `roughness.Surface`."""
         return surface(tuple(map(float, scene.periods)), *self.roughness(scene))
 
     def gap(self, coordinates, scene):
         """c |x|^2/2 - h, the coordinates those of a cell's nodes."""
-        found, lowest = self.surface(scene)
-        return found.gap(np.broadcast_shapes(*(x.shape for x in coordinates))) - lowest
+        return self.rows(Grid(np.broadcast_shapes(*(x.shape for x in coordinates)),
+                              scene.periods), scene)
+
+    def rows(self, grid, scene):
+        """The same by rows."""
+        found = self.surface(scene)
+        lowest = found.lowest(grid)
+        return found.gap(grid) - lowest
 
     def curvature(self, scene):
         """That of sharp asperities: three times the root mean square."""
-        found = self.surface(scene)[0]
+        found = self.surface(scene)
         return tuple(found.curvature + 3.0 * found.rms(2, axis) for axis in range(scene.dimension))
 
     def check(self, scene):
@@ -121,10 +129,10 @@ class Rough(Shape):
     def about(self, scene, size):
         """Waves, slope and height."""
         hurst, slope, longest, shortest, seed, rolloff, _ = self.roughness(scene)
-        found, _ = self.surface(scene)
+        found = self.surface(scene)
         flat = f", power spectrum flat above {size(rolloff, 'beta', 4)}" * (rolloff < longest)
         return [f"roughness{' of a flat' * (self.rough_on == 'flat')}: Hurst exponent "
-                f"{as_text(hurst)}, {found.numbers.shape[1]} "
+                f"{as_text(hurst)}, {found.count} "
                 f"waves shorter than {size(longest, 'beta', 4)} and longer "
                 f"than {size(shortest, 'beta', 4)}{flat}, seed {seed}", "root mean square "
                 f"slope {size(slope, 'u_n,r/beta', 4)}, height "

@@ -34,6 +34,8 @@ class Shape(Declared):
     gridded : whether it is known on one grid only, that of ``points``
     by_nodes : whether its gap at a node hangs on that node's place alone, so that parts of a cell
         may be asked for
+    by_rows : whether it has its gap on some rows of a grid by itself (``rows``), of any other shape
+        that is not ``by_nodes`` all of a cell is asked for
     uses_radius : whether a scene in SI needs a radius for it: its gap, or a default of it, is in
         units of the radius of curvature
     parabola : dimension of the interface -> c such that the gap is nowhere below c |x|^2/2, on an
@@ -46,6 +48,7 @@ class Shape(Declared):
     apart = False
     gridded = False
     by_nodes = False
+    by_rows = False
     uses_radius = True
     parabola = {}
 
@@ -62,6 +65,10 @@ class Shape(Declared):
         array that broadcasts to the nodes
         """
         raise NotImplementedError(f"the shape {type(self).__name__} has no gap(coordinates, scene)")
+
+    def rows(self, grid, scene):
+        """The gap, u_n,r, at the nodes of a cell's grid that are in this process, where it is
+        ``by_rows``."""
 
     @classmethod
     def completed(cls, values, scene):
@@ -98,9 +105,9 @@ class Shape(Declared):
     def points(self, scene):
         """Points of the only grid that it is known on, a tuple, where it is ``gridded``."""
 
-    def heights(self, scene):
-        """Heights from a file, u_n,r, of which archives keep a checksum; None where there are
-        none."""
+    def heights(self, scene, grid=None):
+        """Heights from a file, u_n,r, of which archives keep a checksum; on a grid those at its
+        nodes that are here. None where there are none."""
 
     def source(self, scene):
         """Where heights come from, as it is typed: option and value, where it is ``gridded``."""
