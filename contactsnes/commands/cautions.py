@@ -20,7 +20,7 @@ def cautions(settings, contact):
     """Sentences on grid and surface, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()), 
+    return (*((sentence,) if sentence else ()),
             *of_surface(settings.scene, contact.grid))
 
 

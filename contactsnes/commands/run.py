@@ -16,8 +16,8 @@ from ..continuation.points import (
     new_points,
     unfinished_fold,
 )
-from ..options.database import database, database_text, unused_options
 from ..interface.heights import let_go
+from ..options.database import database, database_text, unused_options
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
