@@ -163,14 +163,16 @@ def at_rest(system, motion, controls, load):
     for rest, part in [*((RESTS[0], part) for part in early),
                        *((rest, 0.0) for rest in RESTS)]:
         motion.follow(rest, part)
+        # (beside a fold it may wander for as long as it is let)
+        most = COLD if (rest, part) == (RESTS[-1], 0.0) else WARM
         try:
-            return (taken_over if part else polished)(system, motion.state(), controls, load)
+            return (taken_over if part else polished)(system, motion.state(), controls, load, most)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(reason)
 
 
-def polished(system, rest, controls, load):
+def polished(system, rest, controls, load, most=COLD):
     """The converged point where a motion came to rest. NotConverged where Newton's method leads
     elsewhere.
 
@@ -179,8 +181,9 @@ def polished(system, rest, controls, load):
     system : Corrector
     rest : State
     controls, load : of each component
+    most : int, Newton iterations
     """
-    point = system.solve(rest, controls, load, COLD)
+    point = system.solve(rest, controls, load, most)
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
     if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
@@ -188,7 +191,7 @@ def polished(system, rest, controls, load):
     raise NotConverged("Newton's solution is not where the motion led")
 
 
-def taken_over(system, slow, controls, load):
+def taken_over(system, slow, controls, load, most):
     """The same where a `rough` motion has but slowed down: the point has to be stable.
 
     Parameters
@@ -197,8 +200,9 @@ def taken_over(system, slow, controls, load):
     slow : State that the motion has come to
     controls : tuple, 'displacement' or 'force' of each component
     load : array
+    most : int, Newton iterations
     """
-    point = system.solve(slow, controls, load, WARM)
+    point = system.solve(slow, controls, load, most)
     if point.softest < 0.0:
         raise NotConverged("Newton's solution is not stable")
     if not (point.in_contact
