@@ -320,12 +320,12 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
     system, point = on_heights(self_affine(256, 24.0, 12.0, 0.75, 1.0, 1), LINE)
     polished, speeds = jumps.polished, []
 
-    def doubtful(system, rest, controls, load):
+    def doubtful(system, rest, controls, load, most):
         aside = point.state.displacement - states.onto(rest, point.state.window)
         speeds.append(np.abs(aside).max())
         if len(speeds) < 3:
             raise NotConverged("not yet")
-        return polished(system, rest, controls, load)
+        return polished(system, rest, controls, load, most)
 
     class Seen(jumps.OverdampedMotion):
         def __init__(self, *arguments):
