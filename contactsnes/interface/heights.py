@@ -3,6 +3,7 @@ grid."""
 
 import math
 import os
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -76,6 +77,7 @@ def prepared(specification, crop="", fill="none", edges="warn"):
 def let_go():
     """Hold no heights any more: they are where they are used."""
     _prepared.cache_clear()
+    on_nodes.cache_clear()
 
 
 @lru_cache(maxsize=2)
@@ -88,7 +90,7 @@ def _prepared(specification, crop, fill, edges, version):
         if world.size == 1 or isinstance(found.values, Stored):
             return found
         whole.append(found)
-        return found._replace(values=Elsewhere(found.values.shape))
+        return replace(found, values=Elsewhere(found.values.shape))
 
     found = world.first(told)
     return whole[0] if whole else found
@@ -224,6 +226,18 @@ def padded(values):
 
 
 MENDED = dict(zip(EDGES, (np.array, detrended, windowed, padded)))
+
+
+@lru_cache(maxsize=1)
+def on_nodes(heights, specification, shape, fit, edges):
+    """The `fitted` values of `Heights`, held as these are: gap, checksum and cautions ask for them.
+
+    Parameters
+    ----------
+    heights : Heights
+    specification, shape, fit, edges : as of `fitted`
+    """
+    return fitted(specification, np.asarray(heights.values), shape, fit, edges)
 
 
 def fitted(specification, values, shape, fit="exact", edges="warn"):

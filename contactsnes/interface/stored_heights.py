@@ -1,6 +1,7 @@
 """Heights of a file: as an array, or by rows where they lie in it."""
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -9,11 +10,13 @@ BLOCK = 2 ** 20
 """Numbers of a file that are looked at together."""
 
 
-class Heights(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Heights:
     """Heights of a file (nan where there are none), its size in each direction and its unit, None
     where it does not tell.
 
-    The size is in the unit of the heights; values are an array, or `Stored` or `Elsewhere`.
+    The size is in the unit of the heights; values are an array, or `Stored` or `Elsewhere`. They
+    are equal to themselves only, so that what is made of them can be kept with them.
     """
 
     values: object

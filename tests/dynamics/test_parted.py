@@ -10,6 +10,7 @@ from scipy import linalg
 petsc4py.init([])
 
 from dense_cell import Cell  # noqa: E402
+from test_stability import SHEARED, followed  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
@@ -25,7 +26,6 @@ from contactsnes.kernels import modes as compiled  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 
-SHEARED = {"points": 128, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis": 0.5}
 LAYER = {**SHEARED, "poisson": 0.3, "height": 20.0}
 SPHERE = {"dimension": 2, "geometry": "sphere", "points": (16, 16), "period": 8.0,
           "normal_maugis": 1.0, "tangential_maugis": 0.5}
@@ -42,16 +42,6 @@ def branch(scene, path, at=0.2):
     start = f"{path.partition('=')[0]}={at:g}"
     return Branch(Scene(**scene), Load(start=start, path=path), Steps(), Form(),
                   log=lambda sentence: None)
-
-
-def followed(made):
-    """Points of a branch up to its end or failure."""
-    points = []
-    try:
-        points.extend(made)
-    except RuntimeError:
-        pass
-    return points
 
 
 def both(contact, point, controls):

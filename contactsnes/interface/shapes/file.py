@@ -7,7 +7,7 @@ from ...options.fields import InputError, as_text, checked, option
 from ...system.processes import world
 from ..gap import gap_of_heights
 from ..height_files import UNITS
-from ..heights import EDGES, FILLS, fitted, prepared
+from ..heights import EDGES, FILLS, on_nodes, prepared
 from ..seams import rms_slope
 from ..stored_heights import Stored
 from .shape import Shape
@@ -156,13 +156,14 @@ class File(Shape):
     def heights(self, scene, grid=None):
         """The heights, u_n,r; on a grid those at its nodes that are here."""
         unit = UNITS[self.unit()] if scene.units == "si" else 1.0
-        values = self.map().values
+        known = self.map()
+        values = known.values
         grid = Grid(scene.shape, scene.periods) if grid is None else grid
         if isinstance(values, Stored) and values.shape == scene.shape:
             found = values.rows(int(grid.row_numbers[0]), len(grid.row_numbers))
         else:
-            found = grid.spread(lambda: fitted(self.geometry_file, np.asarray(values), scene.shape,
-                                               self.heights_fit, self.heights_edges))
+            found = grid.spread(lambda: on_nodes(known, self.geometry_file, scene.shape,
+                                                 self.heights_fit, self.heights_edges))
         return found * (unit / scene.scale("u_n,r")[0])
 
     def gap(self, coordinates, scene):
