@@ -74,7 +74,8 @@ class Run:
         """The archive to append to, created or resumed; the branch gets the history it goes on
         from."""
         from ..output.archive import Archive  # runs without one need not import it
-        from ..output.layout import NOTHING, Column
+        from ..output.cell_fields import NOTHING
+        from ..output.layout import Column
         from ..output.shared import SharedArchive
 
         scene, output = self.settings.scene, self.settings.output

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..grid.cell import Convolution, Grid
 from ..grid.operator import Operator
-from ..grid.parted import Parted, blocks, in_pieces, typed
+from ..grid.parted import blocks, in_pieces, typed
 from ..grid.windows import Window
 from . import checksums
 from .files import ArchiveError
@@ -37,17 +37,15 @@ class ActiveFields:
     points : all of them ('all'), or the 'last'
     chunks : int, chunks of a dataset at most
     packing : mapping, how a dataset is compressed
-    nothing : float, part of a point's largest traction up to which there is none
 
     Attributes
     ----------
     coming : int, nodes of the points that are to be written next
     """
 
-    def __init__(self, components, kind, compliance, points, chunks, packing, nothing=0.0):
+    def __init__(self, components, kind, compliance, points, chunks, packing):
         self.components, self.kind, self.compliance = components, kind, compliance
         self.points, self.chunks, self.packing = points, chunks, packing
-        self.nothing = nothing
         self.coming = self._held = self._room = 0
 
     def checked(self, given):
@@ -59,11 +57,7 @@ class ActiveFields:
             if found[name].shape != (self.components, nodes.size):
                 raise ArchiveError(f"{name} on active nodes has the shape {found[name].shape}; the "
                                    f"archive keeps {(self.components, nodes.size)}.")
-        if any(isinstance(array, Parted) for array in found.values()):
-            return found  # what is nothing has been left out
-        size = np.max(np.abs(found["traction"]), axis=0, initial=0.0)
-        acting = size >= self.nothing * np.max(size, initial=0.0)
-        return found | {name: found[name][..., acting] for name in NODES}
+        return found
 
     def expect(self, points):
         """Be told of the points (`stored.Kept`) that are to be written next."""

@@ -11,7 +11,7 @@ from ..grid.parted import Parted, blocks, pieces
 from ..grid.parted import chunk as chunk_of
 from . import active, checksums
 from .active import ActiveFields
-from .cell_fields import CHUNKS, KINDS, NOTHING, PACKED, as_stored, empty
+from .cell_fields import CHUNKS, KINDS, PACKED, as_stored, empty
 from .columns import make_columns, put_rows
 from .files import ArchiveError
 from .stored import SLOTS, field_points, put_state
@@ -80,8 +80,7 @@ class Layout:
         self.units = {**UNITS, **(units or {})}
         self.precision, self.kind, self.packed = precision, KINDS[precision], False
         self.active = None if compliance is None else ActiveFields(
-            components, self.kind, compliance, fields, CHUNKS, PACKED,
-            NOTHING[precision])
+            components, self.kind, compliance, fields, CHUNKS, PACKED)
 
     def numbers(self, row):
         """A row, one value for each column, with enumerations as numbers."""
