@@ -167,7 +167,8 @@ class Branch:
             for point in map(grid.marked, map(works.completed, points)):
                 yield self._remarks.marked(point)
         except NotConverged as error:
-            raise failures.explained(error, self.contact, any(self._sheared), self._modes) from None
+            raise failures.explained(error, self.contact, any(self._sheared), self._modes,
+                                     self._remarks.last) from None
 
     def _modes(self):
         """Modes of the last point under the controls of the leg under way; None without one, or a

@@ -10,6 +10,7 @@ import scipy
 from ..contact import states
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
+from ..options.database import database
 from ..scene.resolution import (
     PINNING,
     resolution,
@@ -153,7 +154,24 @@ def narrow(contact, before, after):
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 
-def explained(error, contact, sheared, modes):
+def beyond_rounding(contact, last):
+    """What there is to say where -snes_atol asks for less than rounding leaves; else an empty text.
+
+    Parameters
+    ----------
+    contact : Contact
+    last : Point, the last one; None before the first
+    """
+    asked = float(database().get("snes_atol", "1"))
+    size = 1.0 if last is None else max(1.0, contact.grid.maximum(np.abs(last.state.displacement)))
+    left = 4.0 * np.finfo(float).eps * size
+    if asked >= left:
+        return ""
+    return (f"-snes_atol {asked:g} is below what rounding leaves of displacements of {size:.2g} "
+            f"ranges of the law, about {left:.0e}: try {100.0 * left:.0e}")
+
+
+def explained(error, contact, sheared, modes, last=None):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
@@ -163,7 +181,11 @@ def explained(error, contact, sheared, modes):
     sheared : whether the path has tangential unknowns
     modes : function () -> modes of the last point (`stability.Stability.modes`), None without a
         point or a tangent
+    last : Point, the last one, if any
     """
+    told = beyond_rounding(contact, last)
+    if told:
+        return NotConverged(f"{error}; {told}")
     scene, softest = contact.scene, critical(contact, sheared)
     if max(resolution(scene, sheared)) > PINNING:
         return NotConverged(f"{error}; the grid is too coarse, edges stick "

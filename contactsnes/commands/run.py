@@ -17,7 +17,7 @@ from ..continuation.points import (
     unfinished_fold,
 )
 from ..interface.heights import let_go
-from ..options.database import database, database_text, unused_options
+from ..options.database import database, database_text, petsc_sentence, unused_options
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
@@ -34,9 +34,9 @@ from .session import (
 )
 from .speech import complain
 
-BAD_OPTIONS = {56, 57, 62, 63, 65, 83, 86, 92, 95}
-"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, unknown
-type, no factorisation."""
+BAD_OPTIONS = {56, 57, 62, 63, 65, 75, 83, 86, 92, 95}
+"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, arguments
+that do not fit, unknown type, no factorisation."""
 
 
 class Run:
@@ -203,9 +203,7 @@ class Run:
             number = self.interrupts.number or signal.SIGINT
             return 128 + number, f"interrupted by {signal.Signals(number).name}"
         if isinstance(error, PETSc.Error):
-            sentence = str(error).splitlines()[-1].removeprefix("[0] ").strip()
-            return (2 if early and error.ierr in BAD_OPTIONS else 1, f"PETSc: {sentence} (error "
-                    f"{error.ierr})")
+            return 2 if early and error.ierr in BAD_OPTIONS else 1, petsc_sentence(error)
         if isinstance(error, ImportError) and early:
             return 2, f"a Python class that an option names cannot be imported: {error}"
         raise error

@@ -20,7 +20,7 @@ from petsc4py import PETSc
 
 from ..branch.first_points import cold
 from ..continuation.points import NoEquilibrium, NotConverged
-from ..options.database import install, read
+from ..options.database import install, petsc_sentence, read
 from ..scene.settings import Form
 from .recorder import Recorder
 from .targets import ERRORS, follow_reference, targets
@@ -191,8 +191,7 @@ class Comparison:
         if self.meter.weighed > self.meter.limit:
             return f"more than {self.settings.transforms:.0f} transforms"
         if isinstance(error, PETSc.Error):
-            return (f"PETSc: {str(error).splitlines()[-1].removeprefix('[0] ').strip()} (error "
-                    f"{error.ierr})")
+            return petsc_sentence(error)
         words = " ".join(str(error).split())
         return words if isinstance(error, (NotConverged, NoEquilibrium,
                                            ValueError)) else f"{type(error).__name__}: {words}"

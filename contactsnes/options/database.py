@@ -13,6 +13,7 @@ from pathlib import Path
 
 from .fields import COMMON, InputError, nearest
 from .files import is_option, read_file, with_files
+from .solver_values import blamed, refuse_values
 from .values import BOOLEANS, instance
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
@@ -227,12 +228,24 @@ def _head(name, prefixes):
 
 
 def check_values(classes):
-    """InputError for a value in the database that a dataclass of options refuses; none of them
-    counts as used."""
+    """InputError for a value in the database that a dataclass of options refuses, or PETSc's
+    solvers cannot use; none of them counts as used."""
     entries, own = database(), tuple(cls.prefix for cls in classes)
+    refuse_values(entries, NESTS)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
             instance(cls, entries, head)
+
+
+def petsc_sentence(error):
+    """What a PETSc.Error says, with the options that it speaks of.
+
+    Parameters
+    ----------
+    error : PETSc.Error
+    """
+    last = str(error).splitlines()[-1].removeprefix("[0] ").strip()
+    return f"PETSc: {blamed(last, database(), SOLVER.match)} (error {error.ierr})"
 
 
 def unused_options(classes=()):

@@ -139,6 +139,18 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
                                                       False, broken))
 
 
+def test_a_tolerance_below_rounding_is_named_as_the_reason():
+    from petsc4py import PETSc
+
+    options = PETSc.Options()
+    options["snes_atol"] = 1e-18
+    try:
+        with pytest.raises(NotConverged, match="-snes_atol 1e-18 is below what rounding leaves"):
+            list(Branch(Scene(**LINE), Load(path="normal_displacement=1")))
+    finally:
+        options.delValue("snes_atol")
+
+
 @pytest.mark.parametrize("scene, displacement", [
     ({"normal_maugis": 1.0, "period": 30.0}, 2.0), ({"normal_maugis": 3.0, "period": 20.0}, 10.0),
     ({"dimension": 2, "geometry": "sphere", "normal_maugis": 1.0, "period": 16.0}, 1.0)])

@@ -301,6 +301,53 @@ def test_names_inside_values_are_not_taken_for_options(petsc):
         options.check_names()
 
 
+@pytest.mark.parametrize("name, text, allowed", [
+    ("snes_atol", "-1", "at least 0 and below 1"), ("snes_atol", "nan", "at least 0 and below 1"),
+    ("snes_atol", "1e300", "below 1"), ("snes_atol", "1e-8,1e-9", "a number"),
+    ("snes_rtol", "-1", "at least 0"), ("snes_stol", "-1", "at least 0"),
+    ("snes_max_it", "-5", "a whole number at least 0"), ("snes_max_it", "1e3", "a whole number"),
+    ("snes_max_funcs", "-5", "or -1 for none"), ("snes_lag_jacobian", "0", "at least 1, or -2"),
+    ("snes_divergence_tolerance", "nan", "above 0, or -1"), ("snes_ksp_ew_rtol0", "2", "below 1"),
+    ("snes_ksp_ew_alpha", "0", "above 1 and at most 2"), ("snes_ksp_ew_version", "9", "1 to 4"),
+    ("snes_linesearch_damping", "-1", "above 0"), ("ksp_rtol", "2", "below 1"),
+    ("ksp_atol", "-1", "at least 0"), ("ksp_max_it", "-3", "at least 0"),
+    ("ksp_gmres_restart", "0", "at least 1"), ("snes_ngmres_m", "-2", "at least 1"),
+    ("first_snes_atol", "-1", "at least 0"), ("sub_0_npc_ksp_rtol", "abc", "a number")])
+def test_numbers_of_petscs_options_are_refused_by_name(petsc, name, text, allowed):
+    petsc[name] = text
+    with pytest.raises(InputError) as error:
+        options.check_values(())
+    assert str(error.value).startswith(f"-{name} is '{text}': allowed is ")
+    assert allowed in str(error.value) and "or try " in str(error.value)
+
+
+def test_numbers_that_petsc_can_use_are_left_to_it(petsc):
+    for name, text in (("snes_atol", "1e-50"), ("ksp_atol", "0"), ("snes_max_funcs", "unlimited"),
+                       ("snes_divergence_tolerance", "-1"), ("snes_lag_preconditioner", "-2"),
+                       ("ksp_rtol", ".5"), ("snes_max_it", "0"), ("mine_snes_atol", "-1")):
+        petsc[name] = text
+    options.check_values(())
+
+
+def test_values_of_petscs_options_may_not_be_left_out(petsc):
+    petsc["ksp_rtol"] = ""
+    with pytest.raises(InputError, match="^-ksp_rtol has no value: allowed is a number"):
+        options.check_values(())
+
+
+def test_what_petsc_refuses_is_told_with_the_option_it_is_about(petsc):
+    from petsc4py import PETSc
+
+    petsc["ksp_type"] = "nonsense"
+    solver = PETSc.KSP().create()
+    with pytest.raises(PETSc.Error) as error:
+        solver.setFromOptions()
+    solver.destroy()
+    assert "PETSc: -ksp_type is 'nonsense': Unable to find" in options.petsc_sentence(error.value)
+    petsc.delValue("ksp_type")
+    assert "nonsense': " not in options.petsc_sentence(error.value)
+
+
 def test_unused_options_of_petsc_are_found(petsc):
     from petsc4py import PETSc
 

@@ -1,0 +1,94 @@
+"""Numbers of PETSc's own options, looked at before its objects read them: some of them PETSc takes
+without a look, of others it says neither the name nor the value that was typed."""
+
+import math
+import re
+from typing import Callable, NamedTuple
+
+from .fields import InputError, number
+
+
+class Rule(NamedTuple):
+    """What an option allows."""
+
+    convert: Callable
+    holds: Callable
+    allowed: str
+    words: tuple = ()
+
+
+TOLERANCE = Rule(float, lambda value: 0 <= value < 1, "a number at least 0 and below 1")
+FACTOR = Rule(float, lambda value: 0 <= value <= 1, "a number at least 0 and at most 1")
+SIZE = Rule(float, lambda value: 0 <= value < math.inf, "a number at least 0")
+POSITIVE = Rule(float, lambda value: 0 < value < math.inf, "a number above 0")
+EXPONENT = Rule(float, lambda value: 1 < value <= 2, "a number above 1 and at most 2")
+BOUND = Rule(float, lambda value: value > 0 or value == -1,
+             "a number above 0, or -1 for none", ("unlimited",))
+COUNT = Rule(int, lambda value: value >= 0, "a whole number at least 0")
+LIMIT = Rule(int, lambda value: value >= 0 or value == -1,
+             "a whole number at least 0, or -1 for none", ("unlimited",))
+SOME = Rule(int, lambda value: value >= 1, "a whole number at least 1")
+LAG = Rule(int, lambda value: value >= 1 or value == -2, "a whole number at least 1, or -2")
+VERSION = Rule(int, lambda value: 1 <= value <= 4, "a whole number from 1 to 4")
+
+RULES = {
+    "snes_atol": (TOLERANCE, "1e-8"), "snes_rtol": (TOLERANCE, "0"), "snes_stol": (TOLERANCE, "0"),
+    "snes_divergence_tolerance": (BOUND, "-1"), "snes_max_it": (COUNT, "50"),
+    "snes_max_funcs": (LIMIT, "1000000"), "snes_lag_jacobian": (LAG, "1"),
+    "snes_lag_preconditioner": (LAG, "1"), "snes_ksp_ew_version": (VERSION, "2"),
+    "snes_ksp_ew_rtol0": (TOLERANCE, "0.1"), "snes_ksp_ew_rtolmax": (TOLERANCE, "0.1"),
+    "snes_ksp_ew_threshold": (TOLERANCE, "0.1"), "snes_ksp_ew_gamma": (FACTOR, "0.5"),
+    "snes_ksp_ew_alpha": (EXPONENT, "1.6"), "snes_ksp_ew_alpha2": (EXPONENT, "1.6"),
+    "snes_linesearch_damping": (POSITIVE, "1"), "snes_linesearch_maxstep": (POSITIVE, "1e8"),
+    "snes_linesearch_minlambda": (TOLERANCE, "1e-12"), "snes_linesearch_max_it": (COUNT, "40"),
+    "snes_linesearch_rtol": (SIZE, "1e-8"), "snes_linesearch_atol": (SIZE, "1e-15"),
+    "snes_linesearch_ltol": (SIZE, "1e-8"), "snes_linesearch_order": (VERSION, "3"),
+    "snes_qn_m": (SOME, "10"), "snes_ngmres_m": (SOME, "30"), "snes_anderson_m": (SOME, "30"),
+    "snes_anderson_beta": (POSITIVE, "1"), "snes_tr_delta0": (POSITIVE, "0.2"),
+    "snes_trdc_delta0": (POSITIVE, "0.1"), "ksp_rtol": (TOLERANCE, "1e-3"),
+    "ksp_atol": (SIZE, "1e-9"), "ksp_divtol": (BOUND, "1e4"), "ksp_max_it": (COUNT, "150"),
+    "ksp_gmres_restart": (SOME, "60"), "ksp_gcr_restart": (SOME, "60"),
+    "ksp_bcgsl_ell": (SOME, "2"), "ksp_gmres_haptol": (SIZE, "1e-30"),
+    "ksp_richardson_scale": (POSITIVE, "1")}
+"""Option, without the prefix of its solver -> its rule, and what to try. -snes_atol is in ranges of
+the law, of which one is no equilibrium."""
+
+
+def refuse_values(entries, nests):
+    """InputError for a number of PETSc's options that it does not allow, or takes and cannot use.
+
+    Parameters
+    ----------
+    entries : mapping, name (without dash) -> text, as of the database
+    nests : regular expression of the prefix of a solver inside others
+    """
+    for name, text in entries.items():
+        rule, guess = RULES.get(re.sub(f"^{nests}*", "", name), (None, ""))
+        if rule is not None and not (text.lower() in rule.words or _holds(rule, text)):
+            told = f"is '{text}'" if text else "has no value"
+            raise InputError(f"-{name} {told}: allowed is {rule.allowed}; leave it out, or try "
+                             f"{guess}")
+
+
+def _holds(rule, text):
+    """Whether a text stands for a number that a rule allows."""
+    try:
+        return rule.holds(number(text.strip(), rule.convert))
+    except ValueError:
+        return False
+
+
+def blamed(sentence, entries, is_solver):
+    """What PETSc says of an option, with the option and its value where it names neither.
+
+    Parameters
+    ----------
+    sentence : str, PETSc's
+    entries : mapping, name (without dash) -> text, as of the database
+    is_solver : function (name) -> whether an option is one of PETSc's solvers
+    """
+    words = set(re.split(r"[\s:;]+", sentence))
+    guilty = [f"-{name} is '{text}'" for name, text in entries.items()
+              if is_solver(name) and text and words & {text, *text.split(",")}]
+    named = any(f"-{name}" in sentence for name in entries)
+    return f"{'; '.join(guilty)}: {sentence}" if guilty and not named else sentence
