@@ -27,14 +27,16 @@ def check(law, name, in_file=True):
     in_file : whether it is of a file
     """
     _check_numbers(law, name)
-    if law.formula is not None:
-        _check_formula(law, name)
-    _check_tangent(law, name)
-    if in_file:
-        _check_signs(law, name)
-    _check_jumps(law, name)
-    _check_declared(law, name)
-    _check_potential(law, name)
+    with np.errstate(all="ignore"):
+        if law.formula is not None:
+            _check_formula(law, name)
+        _check_tangent(law, name)
+        _check_finite(law, name)
+        if in_file:
+            _check_signs(law, name)
+        _check_jumps(law, name)
+        _check_declared(law, name)
+        _check_potential(law, name)
 
 
 def _check_numbers(law, name):
@@ -48,11 +50,11 @@ def _check_formula(law, name):
     """InputError where tractions or their derivatives are not finite, or tractions are others than
     their formula's.
 
-    Looked at are places as of the tangent, and the corners themselves.
+    Looked at are places as of the tangent, the corners themselves, and lines of many places.
     """
     corners = itertools.product((0.0, law.deepest, *law.gap_corners), (0.0, *law.slip_corners, 1.0))
     gaps = np.hstack([np.abs(places(law, 2)) * [[-1.0], [1.0]], places(law, 2),
-                      np.array([*corners]).T])
+                      np.array([*corners]).T, *_lines(law)])
     a, b = np.maximum(gaps[0], law.deepest), np.abs(gaps[1])
     made = Tractions(law.formula)
     for results, values in ((NORMAL, (a,)), (SHEARED, (a, b * b))):
@@ -63,8 +65,7 @@ def _check_formula(law, name):
             raise InputError(f"the law {name} has no finite {results[found.result]} at {place}: "
                              f"{found.operation} has the arguments {of}; choose by np.where "
                              "what holds there")
-    with np.errstate(all="ignore"):
-        plain = np.array([np.broadcast_to(value, a.shape) for value in law.tractions(a, b)])
+    plain = np.array([np.broadcast_to(value, a.shape) for value in law.tractions(a, b)])
     told = np.array(made.program(True, False, False).run(a, b * b))
     _refuse(name, np.array([a, b]), "tractions(a, b) gives other values when it is called again, "
             "or depends on more than the nodes' own gap and slip",
@@ -81,10 +82,9 @@ def _check_tangent(law, name):
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:
-            with np.errstate(all="ignore"):
-                traction, tangent = law.traction(gaps), law.tangent(gaps)
-                differences = _differences(law, gaps)
-                alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
+            traction, tangent = law.traction(gaps), law.tangent(gaps)
+            differences = _differences(law, gaps)
+            alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
         except Exception as error:
             raise InputError(f"the law {name} cannot be evaluated with "
                              f"{components} component(s) ({type(error).__name__}: "
@@ -128,24 +128,41 @@ def _check_signs(law, name):
                          "is declared to be the end of the range")
 
 
-def _check_jumps(law, name):
-    """InputError where a traction jumps as the gap or the slip grows: no equilibrium is sure to
-    exist there."""
-    a = np.linspace(-3.0, law.opening_range, 4001)
+def _lines(law):
+    """Gaps and slips (2, places) along lines of many places: overlap, opening, up to the end of the
+    range, and slip."""
+    a = np.concatenate([np.linspace(law.deepest, -3.0, 4001), np.linspace(-3.0, law.opening_range,
+                                                                          4001)[1:],
+                        np.linspace(law.opening_range, law.range, 4001)[1:]])
     b = np.linspace(0.0, law.slip_range, 4001)
-    lines = [(a, np.full_like(a, slip)) for slip in (0.0, 0.4, 2.0)]
-    lines += [(np.full_like(b, gap), b) for gap in (-1.0, 0.0, 1.0)]
-    for line in lines:
-        low, high = np.array(line)[:, :-1], np.array(line)[:, 1:]
-        fall = np.abs(law.traction(high) - law.traction(low))
-        for i, worst in enumerate(np.argmax(fall / (1e-9 + _slopes(law, low, high)), axis=1)):
+    return [*(np.array([a, np.full_like(a, slip)]) for slip in (0.0, 0.4, 2.0)),
+            *(np.array([np.full_like(b, gap), b]) for gap in (-1.0, 0.0, 1.0))]
+
+
+def _check_finite(law, name):
+    """InputError where a traction or its tangent is not finite; ``name`` for the sentence."""
+    for line in _lines(law):
+        values = np.vstack([law.traction(line), law.tangent(line).reshape(4, -1)])
+        wrong = ~np.isfinite(values)
+        if wrong.any():
+            place = np.flatnonzero(wrong.any(axis=0))[0]
+            what = "traction" if wrong[:2, place].any() else "tangent"
+            raise InputError(f"the law {name} has no finite {what} at {_place(line[:, place])}; "
+                             "mend it")
+
+
+def _check_jumps(law, name):
+    """InputError where a traction jumps as the gap or the slip grows, or goes to infinity on both
+    sides of a place: no equilibrium is sure to exist there."""
+    for line in _lines(law):
+        low, high = line[:, :-1], line[:, 1:]
+        change = law.traction(high) - law.traction(low)
+        ends = [np.einsum("ijn,jn->in", law.tangent(end), high - low) for end in (low, high)]
+        # a pole turns round what the tangents at both of its sides say
+        against = (change * ends[0] < 0.0) & (change * ends[1] < 0.0) & (np.abs(change) > 1e-6)
+        steep = np.where(against, np.inf, np.abs(change) / (1e-9 + np.maximum(*np.abs(ends))))
+        for i, worst in enumerate(np.argmax(steep, axis=1)):
             _refuse_jump(law, name, i, low[:, [worst]], high[:, [worst]])
-
-
-def _slopes(law, low, high):
-    """What tractions change by from one gap to another, by the tangents at both ends."""
-    sizes = np.maximum(np.abs(law.tangent(low)), np.abs(law.tangent(high)))
-    return np.einsum("ijn,jn->in", sizes, np.abs(high - low))
 
 
 def _refuse_jump(law, name, i, low, high):
@@ -184,7 +201,8 @@ def _check_potential(law, name):
     """InputError where the gradient of a law's potential is not its traction; where it says that
     there is none, nothing is."""
     normal = places(law, 1)
-    pressed = np.array(list(itertools.product((-3.0, -0.4), (0.2, 0.9, 3.0)))).T
+    pressed = np.array([*itertools.product(_beside((-3.0, -0.4), law.gap_corners),
+                                           _beside((0.2, 0.9, 3.0), law.slip_corners))]).T
     for gaps in (normal[:, normal[0] > law.deepest + 0.5], pressed):
         for j in range(len(gaps)):
             step = np.zeros((len(gaps), 1))
@@ -205,14 +223,20 @@ def places(law, components):
     corner."""
     aside = [side * 3 * STEP for side in (-1, 1)]
     beyond = [law.deepest - 1.0, law.deepest + 1.0, law.range - 0.5]
-    normal = [*beyond, -3.0, -0.4, *aside, 0.7, 1.0, 2.5, 6.0,
+    normal = [*_beside((*beyond, -3.0, -0.4, *aside, 0.7, 1.0, 2.5, 6.0), law.gap_corners),
               *(c + s for c in law.gap_corners for s in aside)]
     if components == 1:
         return np.array([normal])
-    slips = [0.0, 3 * STEP, 0.2, 0.9, 1.0, 3.0, *(c + s for c in law.slip_corners for s in aside
-                                                  if c + s > 0.0)]
+    slips = [0.0, *_beside((3 * STEP, 0.2, 0.9, 1.0, 3.0), law.slip_corners),
+             *(c + s for c in law.slip_corners for s in aside if c + s > 0.0)]
     turns = np.array([[1.0], [-1.0]]) if components == 2 else np.array([[1.0, 0.0], [-0.6, 0.8]])
     return np.array([[a, *(b * turn)] for a, b, turn in itertools.product(normal, slips, turns)]).T
+
+
+def _beside(wanted, corners):
+    """Places that are wanted, those at a corner moved a little."""
+    return [place + 0.03 * any(abs(place - corner) < 2.5 * STEP for corner in corners)
+            for place in wanted]
 
 
 def _differences(law, gaps):

@@ -378,7 +378,67 @@ class Sloping(Sticking):
         return traction
 
 
+class Removable(Law):
+    """Divides by zero at a gap of 2, where the quotient has a limit."""
+
+    def tractions(self, a, b):
+        return a * np.exp(-a) * (a - 2.0) / (a - 2.0), np.exp(-b * b - np.maximum(a, 0.0))
+
+
+class Farther(Removable):
+    """The same at the gap 20."""
+
+    def tractions(self, a, b):
+        return (a * np.exp(-a) * (1.0 + 1e-9 / (a - 20.0)),
+                np.exp(-b * b - np.maximum(a, 0.0)))
+
+
+class Pole(Removable):
+    """Goes to infinity at a gap between places that are looked at."""
+
+    def tractions(self, a, b):
+        return (a * np.exp(-a) * (1.0 + 1e-3 / (a - 1.73213)),
+                np.exp(-b * b - np.maximum(a, 0.0)))
+
+
+class PoleOfSlip(Removable):
+    """Goes to infinity at a slip between places that are looked at."""
+
+    def tractions(self, a, b):
+        return a * np.exp(-a), (np.exp(-b * b) + 1e-4 / (b - 1.23457)) * np.exp(-np.maximum(a, 0.0))
+
+
+class Logarithmic(Sticking):
+    """No finite traction at a slip of 1.5, from an evaluate of its own."""
+
+    def evaluate(self, gap, traction, tangent=None):
+        slip = np.abs(gap[1:]).sum(axis=0)
+        super().evaluate(gap, traction, tangent)
+        traction[1:] += np.where(slip == 1.5, np.log(np.abs(slip - 1.5)), 0.0)
+        return traction
+
+
+class Bilinear(Law):
+    """Its corners are where laws are looked at, too."""
+
+    gap_corners, slip_corners = (0.0, 1.0, 2.5), (1.0, 3.0)
+    slip_peak = 1.0
+
+    def tractions(self, a, b):
+        opened = np.where(a < 1.0, a, np.where(a < 2.5, (2.5 - a) / 1.5, 0.0 * a))
+        secant = np.where(b < 1.0, 1.0, np.where(b < 3.0, (3.0 - b) / (2.0 * b), 0.0 * b))
+        return opened, 0.1 * secant * np.exp(-np.maximum(a, 0.0))
+
+
+def test_corners_where_laws_are_looked_at_are_corners_all_the_same():
+    own_laws.check(Bilinear(), "Bilinear")
+
+
 @pytest.mark.parametrize("cls, words", (
+    (Removable, "no finite N at the normal gap 2 .*divide.* has the arguments 0, 0"),
+    (Farther, "no finite N at the normal gap 20 "), (Pole, "t_0 that jumps .* gap 1.73213 "),
+    (PoleOfSlip, "t_1 that jumps .* slip 1.23457 "),
+    (Logarithmic, "no finite traction at the normal gap -1 and the slip 1.5 "),
     (Lifting, "tangential_peak = 0.857.*, but its tractions give 1.71"),
     (Stepping, "t_1 that jumps by 0.42.* at .* the slip 1.23"),
     (Hoping, "softening = 0.001, .* give 0.135"), (Repelling, "attracts nowhere"),
