@@ -162,6 +162,10 @@ def between(system, stability, leg, before, after):
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
+    if any(point.event == "fold" and point.unstable_modes < more for _, point in (before, after)):
+        # Where the branch comes from its unstable side, the mode of the fold, which it does not
+        # count, is one of those that change.
+        fewer += 1
     for index in range(fewer, more):
         sentence = _not_located(system, leg, before, after)
         try:

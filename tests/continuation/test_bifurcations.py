@@ -174,6 +174,19 @@ def test_a_broken_bifurcation_is_a_fold(bias, certified, stepper):
                for point in points[:[point.event for point in points].index("fold")])
 
 
+@pytest.mark.parametrize("stable", (1.0, -1.0))
+def test_a_fold_is_found_from_the_unstable_side_of_a_branch_too(stable):
+    """u^2 = 0.6 - load, from u = -sqrt(0.6): as a path begins whose control was switched to a force
+    where that is not stable; beside it a mode that changes nothing, stable or not."""
+    problem = Problem(lambda x, load: np.array([stable * x[0], x[1] ** 2 + load - 0.6]),
+                      lambda x, load: np.diag([stable, 2.0 * x[1]]),
+                      lambda x, load: np.array([0.0, 1.0]))
+    points, error = followed_steps(problem, guess=(0.0, -np.sqrt(0.6)), at_fold="stop")
+    assert error is None and events(points) == ["fold"]
+    assert points[-1].load[-1] == pytest.approx(0.6, abs=1e-8)
+    assert {point.unstable_modes - (stable < 0.0) for point in points[1:-1]} == {1}
+
+
 def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of():
     system = Seeing(pitchfork())
     points, error = followed(path(system, (0.0, 1.0), (0.0, 0.0)))
