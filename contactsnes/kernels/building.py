@@ -65,12 +65,22 @@ def compiled(text, cache):
         raise Unavailable(f"{file} cannot be loaded ({error})") from error
 
 
+def _seal(content):
+    """What stands behind the content of a library in its file: a damaged one would end the process,
+    or compute something else."""
+    return b"\n" + hashlib.sha256(content).hexdigest().encode()
+
+
 def _loaded(file, checksum):
-    """The library of a file; ValueError unless it is this user's, and made from what its name
-    says."""
+    """The library of a file; ValueError unless it is this user's, whole, and made from what its
+    name says."""
     if hasattr(os, "getuid") and file.stat().st_uid not in (os.getuid(), 0):
         raise ValueError("it belongs to another user")
-    if checksum.encode() not in file.read_bytes():
+    content = file.read_bytes()
+    end = len(content) - len(_seal(b""))
+    if content[end:] != _seal(content[:end]):
+        raise ValueError("it is damaged")
+    if checksum.encode() not in content:
         raise ValueError("it was made from something else")
     library = ctypes.CDLL(str(file))
     if ctypes.c_char_p.in_dll(library, "built_from").value != checksum.encode():
@@ -88,6 +98,9 @@ def _build(command, text, file):
         if done.returncode:
             raise Unavailable(f"the C compiler {shlex.join(command)} fails: "
                               f"{(done.stderr.strip() or 'without a word').splitlines()[-1]}")
+        content = part.read_bytes()
+        with part.open("ab") as end:
+            end.write(_seal(content))
         os.replace(part, file)
     except (OSError, subprocess.SubprocessError) as error:
         raise Unavailable(f"{file} cannot be made ({error}); another folder: -contact_cache"

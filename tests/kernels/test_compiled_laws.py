@@ -130,6 +130,22 @@ def test_a_library_made_from_something_else_is_not_taken(tmp_path):
 
 
 @compiler
+def test_a_damaged_library_is_not_loaded(tmp_path):
+    """One that is cut off at four fifths, or has other bytes somewhere, ends the process that loads
+    it, or computes something else."""
+    with_kernel(Soft(), tmp_path)
+    (kept,) = tmp_path.iterdir()
+    whole, copy = kept.read_bytes(), tmp_path / "copy"
+    checksum = kept.stem.removeprefix("law-")
+    for part in range(0, len(whole), len(whole) // 40):
+        for content in (whole[:part], whole[:part] + b"nonsense" + whole[part + 8:]):
+            copy.write_bytes(content)
+            with pytest.raises(ValueError, match="damaged"):
+                building._loaded(copy, checksum)
+    assert building._loaded(kept, checksum)
+
+
+@compiler
 def test_two_processes_build_at_once(tmp_path):
     code = ("import sys; sys.path.insert(0, sys.argv[2]); from test_compiled_laws import *; "
             "agree(Soft(), with_kernel(Soft(), Path(sys.argv[1])))")
