@@ -139,8 +139,7 @@ class Branch:
         return asked()
 
     def attributes(self):
-        """Name -> value of what decides the states besides the load: the scene's, and what is made
-        of it and its files."""
+        """Name -> value of what decides the states besides the load: of the scene and its files."""
         found = scenes.attributes(self.scene)
         if self.scene.isolated:
             # Forces of legs that are yet to come may ask for a larger one.

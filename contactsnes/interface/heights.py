@@ -101,6 +101,9 @@ def _made(specification, crop, fill, edges):
     option = f"-scene_geometry_file {specification}"
     found = height_files.read(specification)
     ends = _ends(crop, found.values)
+    if min(end.stop - end.start for end in ends) < 2:
+        raise ValueError(f"{option}: one height in a direction makes no surface; at least two are "
+                         "needed, see -scene_heights_crop.")
     if isinstance(found.values, Stored) and (fill, edges) == ("none", "warn"):
         values = found.values._replace(part=ends)
         _check_stored(option, values)
@@ -179,6 +182,9 @@ def _refuse_holes(option, missing, size):
     option : str, how they are named
     missing, size : int, of so many heights
     """
+    if missing == size:
+        raise ValueError(f"{option}: there is nothing to fill from, all {size} heights are missing "
+                         "(nan or inf); take another file, or another -scene_heights_crop.")
     if missing:
         raise ValueError(f"{option}: some heights are not finite (nan or inf), {missing} of {size} "
                          "heights are missing; fill the missing points first: -scene_heights_fill "

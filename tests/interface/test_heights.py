@@ -161,8 +161,16 @@ def test_holes_are_filled():
     values[6, 7] = np.nan
     line = values[:, 7].copy()
     np.testing.assert_allclose(heights._filled("", line, "interpolate"), plane[:, 7], atol=1e-12)
-    with pytest.raises(ValueError, match="heights are missing"):
+    with pytest.raises(ValueError, match="nothing to fill from, all 16 heights are missing"):
         heights._filled("", np.full((4, 4), np.nan), "mean")
+
+
+@pytest.mark.parametrize("shape, crop", (((1,), ""), ((8,), "3:4"), ((1, 64), ""),
+                                         ((64, 8), "0:64,7:8")))
+def test_one_height_in_a_direction_makes_no_surface(shape, crop, tmp_path):
+    np.save(tmp_path / "few.npy", np.zeros(shape))
+    with pytest.raises(ValueError, match="one height in a direction makes no surface"):
+        heights.prepared(f"{tmp_path}/few.npy", crop, "none", "warn")
 
 
 def test_edges_are_mended():
