@@ -162,11 +162,7 @@ def between(system, stability, leg, before, after):
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
-    if any(point.event == "fold" and point.unstable_modes < more for _, point in (before, after)):
-        # Where the branch comes from its unstable side, the mode of the fold, which it does not
-        # count, is one of those that change.
-        fewer += 1
-    for index in range(fewer, more):
+    for index in range(fewer + _from_a_fold(before[1], after[1]), more):
         sentence = _not_located(system, leg, before, after)
         try:
             if any(_fades(stability, point, index) for _, point in (before, after)):
@@ -185,6 +181,13 @@ def between(system, stability, leg, before, after):
                for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _from_a_fold(first, last):
+    """How many of the modes that change between two points are that of a fold, which does not count
+    it: one on its unstable side."""
+    return int(any(one.event == "fold" and one.unstable_modes < other.unstable_modes
+                   for one, other in ((first, last), (last, first))))
 
 
 def _not_located(system, leg, before, after):
