@@ -112,4 +112,4 @@ class Neighbours:
 
     def chord_length(self, first, last):
         """Root mean square way from one state to another where the law acts, ranges of the law."""
-        return states.chord(self.contact, first, last, last.window)[1]
+        return states.chord_length(self.contact, first, last)

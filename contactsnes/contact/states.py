@@ -215,8 +215,7 @@ def missed(contact, guess, found, largest=False):
 
     Parameters
     ----------
-    contact : Contact
-    guess, found : State
+    contact, guess, found : Contact, State, State
     largest : whether the largest at a node, not the root mean square
     """
     grid, nodes, (begin, end) = alike(contact, [guess, found])
@@ -248,19 +247,7 @@ def way(contact, first, last, window):
     window : Window
     """
     begin, end = onto(first, window), onto(last, window)
-    return end - begin, near_either(contact, window, begin, end)
-
-
-def near_either(contact, nodes, begin, end):
-    """Nodes where the law acts on either of two displacements (gap below 10).
-
-    Parameters
-    ----------
-    contact : Contact
-    nodes : Window, or EvenWindow
-    begin, end : arrays (components, nodes), ranges of the law
-    """
-    return np.minimum(begin[0], end[0]) + contact.gap_on(nodes) < REACH
+    return end - begin, np.minimum(begin[0], end[0]) + contact.gap_on(window) < REACH
 
 
 def chord(contact, first, last, window):
@@ -282,6 +269,21 @@ def chord(contact, first, last, window):
     count = len(change) * (contact.grid.count(near) or window.total)
     length = float(np.sqrt(contact.grid.inner(change, change) / count))
     return change / max(count * length, 1e-300), length
+
+
+def chord_length(contact, first, last):
+    """The length that `chord` tells, on the window of the second state.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    """
+    told = (points.apart if contact.kernels.compiled else _apart)(
+        onto(first, last.window), last.displacement, contact.gap_on(last.window), None, REACH)
+    count, squares = contact.grid.together(told[1:]).tolist()
+    count *= last.components
+    return math.sqrt(squares / count) if count else distance(contact, first, last)
 
 
 def progress(contact, origin, ahead, state):

@@ -28,11 +28,11 @@ from .store import Store, unwritten
 BATCH = 64
 """Points that wait in the journal, at most."""
 
-LARGE = 1 << 14
+LARGE = 1 << 18
 """Numbers of the fields of a point beyond which it is written to the file at once: there, writing
 it twice would take longer than what HDF5 does besides."""
 
-MOST = 8 << 20
+MOST = 32 << 20
 """Bytes that the journal grows to."""
 
 SECONDS = 1.0

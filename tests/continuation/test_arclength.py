@@ -17,10 +17,12 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact import observables, states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
+from contactsnes.contact.state import State  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
 from contactsnes.continuation.limit_points import BracketEnd, LimitPoint  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.continuation.predictors import PREDICTORS  # noqa: E402
+from contactsnes.kernels.choice import chosen  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
@@ -195,9 +197,23 @@ def test_chords_measure_the_law():
             row, length = states.chord(contact, first, last, window)
             way = states.onto(last, window) - states.onto(first, window)
             assert np.sum(row * way) == pytest.approx(length, rel=1e-12)
+            here = State(window, states.onto(last, window), last.means)
+            assert states.chord_length(contact, first, here) == pytest.approx(length, rel=1e-12)
             found.append(length)
     assert found[1] == pytest.approx(found[0], rel=1e-12)
     assert found[2] == pytest.approx(found[0], rel=0.03)
+
+
+def test_a_way_off_the_flat_has_a_length():
+    """Where the law acts on no node, of all of them, by either kernels."""
+    for kernels in (None, chosen(False)):
+        contact = Contact(Scene(**SOFT), kernels=kernels)
+        away = states.apart(contact)
+        farther = State(away.window, away.displacement + 3.0, away.means + 3.0)
+        row, length = states.chord(contact, away, farther, away.window)
+        assert length == pytest.approx(3.0, rel=1e-12)
+        assert states.chord_length(contact, away, farther) == pytest.approx(3.0, rel=1e-12)
+        assert np.sum(row * 3.0) == pytest.approx(3.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("start, path", [("normal_displacement=2", "normal_displacement=-2"),
