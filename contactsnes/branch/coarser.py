@@ -69,5 +69,5 @@ def finer_state(contact, finer, state):
     contact, finer : Contact
     state : State of the first of them
     """
-    cell = resampled(contact.grid, finer.grid, contact.extended(state))
+    cell = resampled(contact.grid, finer.grid, contact.extended(state), contact.transforms)
     return states.State(finer.grid.whole, cell.reshape(len(cell), -1), state.means)

@@ -11,6 +11,8 @@ from .memory import memory, memory_of_solve
 
 MOST_UNKNOWNS = 2 ** 31 - 1
 """Unknowns that PETSc's whole numbers of 32 bits can count."""
+LITTLE = 2 ** 25
+"""Bytes that are there wherever Python and PETSc are: asking the system takes longer than a step."""
 
 
 def refuse_too_large(scene, load, form):
@@ -28,8 +30,10 @@ def refuse_too_large(scene, load, form):
     cell = cell_of(scene, load)
     nodes = (cell.components if any(tangential_legs(scene, load)) else 1) * math.prod(cell.shape)
     shape = shapes.of(cell).memory(cell)
-    room, whole = memory(), form.form == "force" or form.window == "off"
     needed, unknowns = memory_of_solve(nodes, nodes) + shape, nodes
+    if needed <= LITTLE:
+        return
+    room, whole = memory(), form.form == "force" or form.window == "off"
     if not whole and (needed > room or nodes > MOST_UNKNOWNS):
         unknowns = nodes * _least_part(cell, load) * _mirrored_part(cell, load, form)
         needed = memory_of_solve(unknowns, nodes) + shape

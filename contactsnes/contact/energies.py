@@ -18,6 +18,7 @@ done on the interface. Where there is no potential, the latter is summed up alon
 was followed; if there was none, it is not known.
 """
 
+import math
 from functools import cache
 from typing import NamedTuple
 
@@ -66,7 +67,7 @@ def weights(contact, components):
 def far_displacements(contact, point):
     """D, U, ... of a point, where they are not defined (nan) against the datum of the body's
     compliance."""
-    if not np.isnan(point.displacements).any():
+    if not any(map(math.isnan, point.displacements.tolist())):
         return point.displacements
     count = len(point.forces)
     compliance = contact.rigid_compliance(count)

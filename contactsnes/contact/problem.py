@@ -161,6 +161,12 @@ class Contact:
         return np.array([1.0 / (self.grid.size * self.grid.maximum(blocks[i, i].real))
                          for i in range(components)])
 
+    @property
+    def transforms(self):
+        """What makes transforms over the cell that are kept, whose memory others use between two
+        calls; None on planes, where they would take too much."""
+        return self.kernels.real if self.scene.dimension == 1 else None
+
     def operator(self, components, kind="compliance"):
         """Operator of the mean-free compliance or stiffness among components, scaled to ranges of
         the law."""
@@ -170,14 +176,13 @@ class Contact:
             blocks = self.grid.symbols(getattr(self.body, kind), components)
             scaled = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
                       for (i, j), symbol in blocks.items()}
-            # (on planes, transforms that are kept take memory)
-            make = self.kernels.real if self.scene.dimension == 1 else None
-            self._operators[key] = Operator(self.grid, scaled, make, self._operators.values())
+            self._operators[key] = Operator(self.grid, scaled, self.transforms,
+                                            self._operators.values())
         return self._operators[key]
 
-    def _circle(self, component, components, shape, even=False, count=1, signs=None):
-        """(transform, C_ii) on a circle of ``shape`` points with the cell's spacing, C scaled to
-        ranges, 0 at q = 0.
+    def _circle(self, component, shape, even=False, count=1, signs=None):
+        """(transform, C_ii) of a component on a circle of ``shape`` points with the cell's spacing,
+        C scaled to ranges, 0 at q = 0.
 
         For ``even`` fields the points of each direction are those from the axis outwards; where
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
@@ -185,11 +190,12 @@ class Contact:
         parities = signs and (signs,) * count
         make = partial(self.kernels.even, parities=parities) if even else self.kernels.circle
         transform = make(self.grid, shape, count)
+        components = 1 if component == 0 else 1 + len(shape)
         if even:
-            blocks = self.body.compliance(transform.wavevectors(self.grid.spacings), components,
-                                          last_even=shape[-1] % 2 == 0)
+            blocks = self.body.diagonal(transform.wavevectors(self.grid.spacings), components,
+                                        last_even=shape[-1] % 2 == 0)
         else:
-            blocks = self.grid.symbols(self.body.compliance, components, shape)
+            blocks = self.grid.symbols(self.body.diagonal, components, shape)
         return transform, blocks[component, component] * self.ranges[component] ** 2
 
     def _coarse(self, resolution):
@@ -245,7 +251,8 @@ class Contact:
         cell = np.zeros((components, *self.grid.local_shape))
         window.put(tractions(self, state), cell)
         flat = cell.reshape(components, -1)
-        Convolution(self.grid.whole, self.operator(components), components).apply(flat, flat)
+        Convolution(self.grid.whole, self.operator(components), components,
+                    self.transforms).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
         window.put(state.displacement, cell)
         return cell

@@ -124,7 +124,7 @@ class Grid(Fields, Counter):
         shape = self.shape if shape is None else shape
         axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], self.spacings)]
         axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], self.spacings[-1]))
-        return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+        return np.ix_(*axes)
 
     def symbols(self, make, components, shape=None):
         """Blocks (i, j) -> half spectrum of a body on a circle.

@@ -171,7 +171,8 @@ class Fields:
 
     def any(self, mask):
         """Whether ``mask`` holds anywhere."""
-        return bool(self.largest(np.logical_or.reduce(mask, axis=None)))
+        return bool(self.largest(mask if isinstance(mask, bool)
+                                 else np.logical_or.reduce(mask, axis=None)))
 
     # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
     def scalars(self, tail, count):

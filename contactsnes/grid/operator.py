@@ -72,12 +72,13 @@ class Operator:
         circle : points of the circle in each direction
         offset : nodes from the second box to the first in each direction
         """
-        lags = [(np.concatenate([np.arange(0, n), np.zeros(m - 2 * n + 1, int),
-                                 np.arange(-n + 1, 0)]) if m < total else np.arange(total)) + away
-                for n, m, total, away in zip(extents, circle, self.grid.shape, offset)]
+        lags = [np.arange(away, away + m) for m, away in zip(circle, offset)]
+        for lag, n, m, total in zip(lags, extents, circle, self.grid.shape):
+            if m < total:
+                lag[n:] -= m
+            lag %= total
         plan = self._make(self.grid, circle, 1)
-        plan.real[0] = self.kernel(key)[np.ix_(*(lag % total
-                                                 for lag, total in zip(lags, self.grid.shape)))]
+        plan.real[0] = self.kernel(key)[np.ix_(*lags)]
         for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
             if m < total:
                 np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0

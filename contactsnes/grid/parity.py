@@ -33,8 +33,10 @@ def parity(operator, key):
 def _measured(block, grid):
     """The parity of a kernel by its half spectrum: real ones are even about the origin, imaginary
     ones odd."""
-    size = SAME * grid.maximum(np.abs(block), initial=0.0)
     whole = -1 if np.iscomplexobj(block) else 1
+    if whole > 0 and block.ndim == 1:
+        return (whole,)
+    size = SAME * grid.maximum(np.abs(block), initial=0.0)
     if whole < 0 and grid.maximum(np.abs(block.real), initial=0.0) > size:
         return None
     if block.ndim == 1:

@@ -1,6 +1,7 @@
 """Fields over nodes: from a grid to one on twice as many nodes in each direction, or on others, and
 blurred."""
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -83,7 +84,7 @@ def _line(start, extent, total):
     return matrix
 
 
-def resampled(grid, finer, fields):
+def resampled(grid, finer, fields, make=None):
     """Fields (components, *grid) on the finer grid, with the same waves except the coarse one's
     shortest.
 
@@ -91,19 +92,24 @@ def resampled(grid, finer, fields):
     ----------
     grid, finer : Grid
     fields : array (components, *grid)
+    make : what makes transforms, as `cell.Transform`, which may be kept; None: as the grid has it
     """
     count, half = len(fields), grid.shape[-1] // 2
-    source = grid.transform(grid, grid.shape, count)
+    source = (make or grid.transform)(grid, grid.shape, count)
     source.real[...] = fields
     source.forward()
-    target = finer.transform(finer, finer.shape, count)
-    kept = [np.r_[0:n // 2, -n // 2 + 1:0] for n in grid.shape[:-1]]
+    target = (make or finer.transform)(finer, finer.shape, count)
     columns = finer.first_column + np.arange(target.spectrum.shape[-1])
     columns = columns[columns < half]
-    target.spectrum[np.ix_(range(count), *kept, range(len(columns)))] = grid.waves_at(
-        source.spectrum, columns)[np.ix_(range(count), *kept, range(len(columns)))] / grid.size
+    waves = grid.waves_at(source.spectrum, columns) / grid.size
+    target.spectrum[...] = 0.0
+    # those of wave numbers from 0 on, and negative ones
+    for rows in itertools.product(*((slice(0, n // 2), slice(1 - n // 2, None))
+                                    for n in grid.shape[:-1])):
+        part = (slice(None), *rows, slice(0, len(columns)))
+        target.spectrum[part] = waves[part]
     target.backward()
-    return target.real.copy() if finer.shared else target.real
+    return target.real.copy() if make or finer.shared else target.real
 
 
 def smooth(window, values, width):

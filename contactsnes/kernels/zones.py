@@ -44,7 +44,7 @@ class CompiledZone:
         self._lay_out(window, options)
         self._circles = [[] for _ in range(count)]
         self._errors = []
-        own.missing = structures.Missing(self._circle_maker(window, count, quick))
+        own.missing = structures.Missing(self._circle_maker(window, quick))
         self._blocks(window, count)
         self._means(count)
         self.reference = ctypes.addressof(own)
@@ -102,7 +102,7 @@ class CompiledZone:
         own.means[:len(means)] = means
         own.columns = self._array(len(means), form.nodes)
 
-    def _circle_maker(self, window, count, quick):
+    def _circle_maker(self, window, quick):
         """What makes a circle for a component's core of a rounded extent, and enters it.
 
         It holds neither the form nor this object, which hold it.
@@ -120,7 +120,7 @@ class CompiledZone:
                 # cores of several extents may be on one circle, which one of them is on at a time
                 like = next((circle for circle in circles[component]
                              if circle.transform.shape == shape), None)
-                made = Circle(contact.circle(component, count, shape, window.even, boxes, signs),
+                made = Circle(contact.circle(component, shape, window.even, boxes, signs),
                               boxes, (first, second), quick, like)
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)

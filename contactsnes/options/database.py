@@ -196,12 +196,13 @@ def check_names(classes=()):
     classes : dataclasses of options, with a `prefix`, of our own PC and SNES types; they may stand
         under the prefixes of solvers inside others, too
     """
+    entries = database()
     for cls in COMMON:
-        cls.prepare(database)
+        cls.prepare(lambda: entries)
     names, own = known_options(classes), tuple(cls.prefix for cls in classes)
     prefixes = (*(cls.prefix for cls in COMMON), *own)
     sentences = []
-    for name in database():
+    for name in entries:
         head = "" if name.startswith(prefixes) else _head(name, own)
         inner = name[len(head):]
         if inner.startswith(prefixes) and inner not in names:

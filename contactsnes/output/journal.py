@@ -89,9 +89,6 @@ def encoded(point, arrays, before=0):
     before : int, bytes of room before the entry
     """
     values = list(map(np.asarray, arrays.values()))
-    for name, array in zip(arrays, values):
-        if array.dtype.hasobject:
-            raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
     # (states of planes are large: no further copy is made of what is)
     data = bytearray().join([bytes(before + ENTRY.size), heading(dict(zip(arrays, values))), *[
         array.tobytes() if array.nbytes < LARGE else np.ravel(array).view("u1")
@@ -102,17 +99,21 @@ def encoded(point, arrays, before=0):
 
 
 def heading(arrays):
-    """The line that tells names, types and shapes of arrays (name -> array, perhaps `Parted`)."""
+    """The line that tells names, types and shapes of arrays (name -> array, perhaps `Parted`);
+    ArchiveError for an array of objects."""
     values = arrays.values()
-    return _head(tuple(arrays), tuple([array.dtype.str for array in values]),
-                 tuple([array.shape for array in values])) + b"\n"
+    return _head(tuple(arrays), tuple([array.dtype for array in values]),
+                 tuple([array.shape for array in values]))
 
 
 @lru_cache(maxsize=4)
 def _head(names, kinds, shapes):
     """The line that tells names, types and shapes of arrays: that of one point is mostly that of
     the next."""
-    return json.dumps([*zip(names, kinds, shapes)]).encode()
+    for name, kind in zip(names, kinds):
+        if kind.hasobject:
+            raise ArchiveError(f"{name!r} is neither an array nor a number nor a text.")
+    return json.dumps([*zip(names, [kind.str for kind in kinds], shapes)]).encode() + b"\n"
 
 
 def decoded(data):

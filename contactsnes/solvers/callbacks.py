@@ -2,7 +2,7 @@
 Python, but for a circle of the preconditioner that is met for the first time."""
 
 import ctypes
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 from petsc4py import PETSc
@@ -65,6 +65,7 @@ def _call(name, *arguments):
         raise PETSc.Error(status)
 
 
+@cache
 def _function(name):
     """The address of a function of the library."""
     return library.pointer(connected()[0], name)

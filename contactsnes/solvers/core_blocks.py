@@ -32,8 +32,8 @@ class CoreBlock:
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, fast_length(_rounded(pad * extent)))
                        for extent, total in zip(extents, window.limits))
-        self.transform, compliance = form.contact.circle(component, form.components, circle,
-                                                         window.even, len(window.parts),
+        self.transform, compliance = form.contact.circle(component, circle, window.even,
+                                                         len(window.parts),
                                                          window.of(component) if window.even
                                                          else None)
         # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,

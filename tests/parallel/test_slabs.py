@@ -101,7 +101,7 @@ def inverted(grid, rows, columns, circle, single, scattered):
     chosen = np.flatnonzero(part_of(grid)(weight)) if scattered else slice(None)
     window = some(grid.whole, chosen) if scattered else grid.whole
     form = SimpleNamespace(window=window, components=1, contact=SimpleNamespace(
-        circle=lambda component, count, extents, *rest: (
+        circle=lambda component, extents, *rest: (
             (grid.circle or grid.transform)(grid, circle, 1),
             grid.symbols(symbols, 1, circle)[0, 0])))
     make = ScatteredBlock if scattered else CoreBlock

@@ -181,6 +181,17 @@ class Body(Declared):
         waves = self._check(wavevectors, components, last_even)
         return self._without_zero_mode(self._compliance_blocks(waves, components), waves)
 
+    def diagonal(self, wavevectors, components, *, last_even=True):
+        """The blocks C_ii of the `compliance` alone, for what leaves out how components couple.
+
+        Parameters
+        ----------
+        wavevectors, components, last_even : as of `compliance`
+        """
+        waves = self._check(wavevectors, components, last_even)
+        return self._without_zero_mode(self._blocks(self.surface(waves.wavenumber), 1.0, waves,
+                                                    components, (False, False)), waves)
+
     def stiffness(self, wavevectors, components, *, last_even=True):
         """Inverse of `compliance` among the given components, in the same blocks.
 
