@@ -135,10 +135,12 @@ class Balance:
         """The Imbalance of a state under controlled values, ranges of the law, that a form of the
         ``solver`` led to."""
         if self._halved(state, solver):
-            solver.set_load(load)
+            if load is not solver.load:
+                solver.set_load(load)
             return Imbalance(*asked(solver, state, self.contact.law.range)[:2])
         form = self._form_on(state.window, tuple(controls), solver)
-        form.set_load(load)
+        if load is not form.load:
+            form.set_load(load)
         if state.half is not None and form is not solver:  # the state keeps its half alone
             state = State(state.window, state.unfolded(state.once), state.means)
         norm, largest, acts = asked(form, state, self.contact.law.range)

@@ -131,6 +131,11 @@ class Contact:
         return self.scene.dimension == 2 and (self.grid.shared or (
             not self.convex and self.unevenness > UNEVEN))
 
+    @cached_property
+    def mean_gap(self):
+        """Mean of the initial gap over the cell, delta_n."""
+        return self.grid.sum(self.initial_gap.reshape(-1)) / self.grid.size
+
     @property
     def periodic(self):
         """The contact in a cell, whose damped motion can be followed: this one."""

@@ -64,7 +64,8 @@ def outline(window, values, level, crossed=crossings):
     crossed : what finds crossings on a line, as `contours.crossings`
     """
     shape = len(window.parts), *window.parts[0].shape
-    boxes = np.reshape(window.box(values, window.grid.maximum(values)), shape)
+    beyond = window.grid.maximum(values) if window.picked else np.inf
+    boxes = np.reshape(window.box(values, beyond), shape)
     made = partial(_intervals, crossed) if boxes.ndim == 2 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
     around = tuple(closed and any(part.occupied(box < level, axis)[[0, -1]].any()
@@ -75,8 +76,8 @@ def outline(window, values, level, crossed=crossings):
 
 def _places(part, places):
     """Coordinates, beta, of places in nodes of a box, array (..., directions)."""
-    first = np.subtract(part.start, np.floor_divide(part.grid.shape, 2))
-    return (places + first) * np.array(part.grid.spacings)
+    first = [start - total // 2 for start, total in zip(part.start, part.grid.shape)]
+    return (places + first) * part.grid.spacings
 
 
 def _intervals(crossed, part, box, level):

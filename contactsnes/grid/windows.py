@@ -90,6 +90,8 @@ class Window:
 
     def node_numbers(self):
         """Numbers of the nodes in the cell, array (nodes,)."""
+        if len(self.shape) == 1:
+            return (self.start[0] + np.arange(self.size)) % self.grid.size
         return self.take(np.arange(self.grid.size).reshape(self.grid.shape))
 
     def put(self, values, field):
