@@ -12,7 +12,8 @@ from .memory import memory, memory_of_solve
 MOST_UNKNOWNS = 2 ** 31 - 1
 """Unknowns that PETSc's whole numbers of 32 bits can count."""
 LITTLE = 2 ** 25
-"""Bytes that are there wherever Python and PETSc are: asking the system takes longer than a step."""
+"""Bytes that are there wherever Python and PETSc are: asking for what there is takes as long as a
+solve."""
 
 
 def refuse_too_large(scene, load, form):

@@ -55,6 +55,8 @@ class Contact:
     ----------
     grid : Grid
     kernels : as given, or chosen
+    transforms : what makes transforms that are kept, whose memory others use between two calls;
+        None on planes, where they would take too much
     law : Law
     ranges : (lambda_n, lambda_t, ...), one a component of the scene
     initial_gap : array over the cell, delta_n
@@ -77,6 +79,7 @@ class Contact:
         self.ranges = np.array(scene.ranges)
         self._signs = np.array([-1.0] + [1.0] * (len(self.ranges) - 1))
         self.kernels = chosen() if kernels is None else kernels
+        self.transforms = self.kernels.real if scene.dimension == 1 else None
         self.law = self.kernels.law(laws.of(scene) if law is None else law)
         if gap is None:
             gap = self.ranges[0] * self._initial_gap(heights)
@@ -131,11 +134,6 @@ class Contact:
         return self.scene.dimension == 2 and (self.grid.shared or (
             not self.convex and self.unevenness > UNEVEN))
 
-    @cached_property
-    def mean_gap(self):
-        """Mean of the initial gap over the cell, delta_n."""
-        return self.grid.sum(self.initial_gap.reshape(-1)) / self.grid.size
-
     @property
     def periodic(self):
         """The contact in a cell, whose damped motion can be followed: this one."""
@@ -165,12 +163,6 @@ class Contact:
         blocks = self.operator(components).blocks
         return np.array([1.0 / (self.grid.size * self.grid.maximum(blocks[i, i].real))
                          for i in range(components)])
-
-    @property
-    def transforms(self):
-        """What makes transforms over the cell that are kept, whose memory others use between two
-        calls; None on planes, where they would take too much."""
-        return self.kernels.real if self.scene.dimension == 1 else None
 
     def operator(self, components, kind="compliance"):
         """Operator of the mean-free compliance or stiffness among components, scaled to ranges of

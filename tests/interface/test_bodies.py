@@ -55,6 +55,18 @@ def test_a_coating_is_a_spring_at_each_place(dimension, poisson):
     assert coated.rigid_compliance == pytest.approx(np.add(layer.rigid_compliance, (0.7, 0.4)))
 
 
+@pytest.mark.parametrize("dimension", (1, 2))
+@pytest.mark.parametrize("poisson", (0.2, 0.5))
+def test_the_diagonal_is_that_of_all_blocks(dimension, poisson):
+    """Of the normal component it is the same whatever others there are."""
+    body, waves = Coated(poisson, 3.0, 0.7, 0.4), WAVES[dimension]
+    blocks, found = body.compliance(waves, dimension + 1), body.diagonal(waves, dimension + 1)
+    assert set(found) == {(i, i) for i in range(dimension + 1)}
+    for key, block in found.items():
+        np.testing.assert_array_equal(block, blocks[key])
+    np.testing.assert_array_equal(body.diagonal(waves, 1)[0, 0], blocks[0, 0])
+
+
 def test_no_coating_is_the_layer():
     point, same = last(Scene(**LINE)), last(Scene(**LINE, body="coated"))
     np.testing.assert_array_equal(point.state.displacement, same.state.displacement)

@@ -100,7 +100,7 @@ class Coupled(Law):
         coupled = gap[0] < self.range
         if self.decoupled_in_overlap:
             coupled &= gap[0] > 0.0
-        if (coupled & (slip > 0.0)).any():
+        if np.any(slip[coupled] > 0.0):
             return None
         return self.energy(gap[0]) - 1.0 + work_ratio * np.where(gap[0] < self.range,
                                                                  self.friction_energy(slip), 0.0)
