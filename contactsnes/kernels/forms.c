@@ -24,7 +24,8 @@ CLONES static void sheared_part(const Law *law, long components, long n, const d
         for (long k = 0; k < n; k++) slip[k] += s[i][k] * s[i][k];
     }
     for (long k = 0; k < n; k++) slip[k] = sqrt(slip[k]);
-    law->sheared(n, law->parameters, gap, slip, normal, secant, na, nb, sa, sb);
+    if (tangent.at) law->sheared(n, law->parameters, gap, slip, normal, secant, na, nb, sa, sb);
+    else law->tractions(n, law->parameters, gap, slip, normal, secant);
     if (tangent.at) memcpy(tangent.at, na, n * sizeof *na);
     for (long i = 1; i < components && tangent.at; i++) {
         double *restrict weakening = tangent.at + i * tangent.apart;

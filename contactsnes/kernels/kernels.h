@@ -21,10 +21,12 @@ enum { COLUMNS = 8 }; /* of spectra that are transformed at a time: a line of th
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
                         double *, double *, double *, double *);
+typedef void (*Tractions)(long, const double *, const double *, const double *, double *, double *);
 typedef void (*Normal)(long, const double *, const double *, double *, double *);
 
 typedef struct { /* a traction law: `laws.c` says what its functions fill */
     Sheared sheared;
+    Tractions tractions;
     Normal normal;
     const double *parameters;
     double peak, repulsion; /* largest attraction without slip; overlap of a factor e */

@@ -27,6 +27,7 @@ HEAD = """\
    and the tangent is dN/da = Na, dN/ds_j = Nb s_j, dt_i/da = Ta s_i and
    dt_i/ds_j = (i == j) S + Tb s_i s_j. Where dS/db is not 0 at b = 0 the last is only limited, and
    its product with s_i s_j is 0.
+   void NAME_tractions(n, p, a, b, N, S) fills the first two alone.
    void NAME_normal(n, p, a, N, Na) is the same at b = 0 alone.
    Below the law's deepest gap both continue linearly in a. No array may overlap another one. */
 #include <math.h>
@@ -57,17 +58,20 @@ OLD = ("exp", "log", "pow", "sin", "cos")
 TABLE = """\
 typedef void (*sheared_law)(long n, const double *p, const double *a, const double *b, double *N,
                             double *S, double *Na, double *Nb, double *Ta, double *Tb);
+typedef void (*tractions_of_law)(long n, const double *p, const double *a, const double *b,
+                                 double *N, double *S);
 typedef void (*normal_law)(long n, const double *p, const double *a, double *N, double *Na);
 
 /* All laws by name; names of parameters end with 0, and so does the table. */
 const struct traction_law {{
     const char *name;
     sheared_law sheared;
+    tractions_of_law tractions;
     normal_law normal;
     const char *const *parameters;
 }} traction_laws[] = {{
 {}
-    {{0, 0, 0, 0}}}};
+    {{0, 0, 0, 0, 0}}}};
 """
 
 INFIX = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "less": "<",
@@ -78,7 +82,8 @@ CALLED = {"power": "pow", "absolute": "fabs", "arctan": "atan",
           **{name: name for name in ("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "sinh",
                                      "cosh", "tanh", "erf", "erfc")}}
 
-OUTPUTS = ("N", "S", "Na", "Nb", "Ta", "Tb")
+OUTPUTS = {"": ("N", "S", "Na", "Nb", "Ta", "Tb"), "_tractions": ("N", "S"), "_normal": ("N", "Na")}
+"""What the names of a law's functions end with -> what these fill."""
 
 
 def _expression(node, names):
@@ -127,19 +132,17 @@ def _lines(formula, roots):
     return before, inside, [names[root.index] for root in roots]
 
 
-def _function(formula, name, sheared):
-    """A function of C."""
-    results = formula.results(sheared, True)
-    before, inside, values = _lines(formula, results)
-    outputs = OUTPUTS if sheared else (OUTPUTS[0], OUTPUTS[2])
+def _function(formula, name, kind):
+    """A function of C, of a kind of `OUTPUTS`."""
+    outputs, sheared = OUTPUTS[kind], kind != "_normal"
+    before, inside, values = _lines(formula, formula.results(sheared, True)[:len(outputs)])
     inputs = ("p", "a", "b") if sheared else ("p", "a")
     arrays = [*(f"const double *restrict {array}" for array in inputs),
               *(f"double *restrict {array}" for array in outputs)]
     start = ["const double x = a[k];"]
-    start += ["const double s = b[k], q = s * s;", "(void)s;"] if sheared else []
+    start += ["const double s = b[k], q = s * s;", "(void)s, (void)q;"] if sheared else []
     body = [*start, *inside, *(f"{out}[k] = {value};" for out, value in zip(outputs, values))]
-    title = name if sheared else f"{name}_normal"
-    return "\n".join([f"CLONES void {title}(long n,", f"    {_wrapped(arrays)})", "{",
+    return "\n".join([f"CLONES void {name}{kind}(long n,", f"    {_wrapped(arrays)})", "{",
                       *(f"    {line}" for line in ("(void)p;", *before)),
                       "    for (long k = 0; k < n; k++) {",
                       *(f"        {line}" for line in body), "    }", "}", ""])
@@ -152,8 +155,8 @@ def _wrapped(arguments):
 
 
 def functions(formula, name):
-    """C of both functions of a Formula, NAME and NAME_normal."""
-    return _function(formula, name, True) + "\n" + _function(formula, name, False)
+    """C of the functions of a Formula: NAME, NAME_tractions and NAME_normal."""
+    return "\n".join(_function(formula, name, kind) for kind in OUTPUTS)
 
 
 def head(text):
@@ -175,7 +178,8 @@ def package():
     for name, formula in made.items():
         listed = "".join(f'"{parameter}", ' for parameter in formula.parameters)
         names.append(f"static const char *const parameters_{name}[] = {{\n    {listed}0}};")
-        rows.append(f'    {{"{name}", law_{name}, law_{name}_normal,\n     parameters_{name}}},')
+        of_law = ", ".join(f"law_{name}{kind}" for kind in OUTPUTS)
+        rows.append(f'    {{"{name}", {of_law},\n     parameters_{name}}},')
     table = "\n".join(names) + "\n\n" + TABLE.format("\n".join(rows))
     return f"{head(text)}\n{text}\n{table}"
 

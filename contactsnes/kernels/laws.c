@@ -13,6 +13,7 @@
    and the tangent is dN/da = Na, dN/ds_j = Nb s_j, dt_i/da = Ta s_i and
    dt_i/ds_j = (i == j) S + Tb s_i s_j. Where dS/db is not 0 at b = 0 the last is only limited, and
    its product with s_i s_j is 0.
+   void NAME_tractions(n, p, a, b, N, S) fills the first two alone.
    void NAME_normal(n, p, a, N, Na) is the same at b = 0 alone.
    Below the law's deepest gap both continue linearly in a. No array may overlap another one. */
 #include <math.h>
@@ -50,7 +51,7 @@ CLONES void law_dugdale(long n,
     for (long k = 0; k < n; k++) {
         const double x = a[k];
         const double s = b[k], q = s * s;
-        (void)s;
+        (void)s, (void)q;
         const double v0 = -q;
         const double v1 = exp(v0);
         const double v2 = c4 * v1;
@@ -138,6 +139,80 @@ CLONES void law_dugdale(long n,
     }
 }
 
+CLONES void law_dugdale_tractions(long n,
+    const double *restrict p, const double *restrict a, const double *restrict b,
+    double *restrict N, double *restrict S)
+{
+    (void)p;
+    const double c0 = p[3] / p[2];
+    const double c1 = -c0;
+    const double c2 = exp(c1);
+    const double c3 = 1.0 + c2;
+    const double c4 = 1.0 - p[1];
+    const double c5 = 1.0 - p[0];
+    const double c6 = p[2] * (-30.0);
+    const double c7 = 1.0 / p[2];
+    for (long k = 0; k < n; k++) {
+        const double x = a[k];
+        const double s = b[k], q = s * s;
+        (void)s, (void)q;
+        const double v0 = -q;
+        const double v1 = exp(v0);
+        const double v2 = c4 * v1;
+        const double v3 = p[1] + v2;
+        const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
+        const double v5 = v4 - 0.7071067811865476;
+        const double v6 = v5 * v5;
+        const double v7 = -v6;
+        const double v8 = exp(v7);
+        const double v9 = c5 * v8;
+        const int v10 = s > 0.7071067811865476;
+        const double v11 = p[0] + v9;
+        const double v12 = v11 * 0.8577638849607068;
+        const double v13 = v12 / v4;
+        const double v14 = v1 * 2.0;
+        const double v15 = v10 ? v13 : v14;
+        const double v16 = x > c6 ? x : c6;
+        const double v17 = x - v16;
+        const double v18 = v16 - p[3];
+        const double v19 = 0.5 * v18;
+        const double v20 = v19 / p[2];
+        const double v21 = tanh(v20);
+        const double v22 = 0.5 * v21;
+        const double v23 = 0.5 - v22;
+        const double v24 = v16 / p[2];
+        const double v25 = -v24;
+        const double v26 = exp(v25);
+        const double v27 = 1.0 - v26;
+        const double v28 = v23 * v27;
+        const double v29 = c3 * v23;
+        const int v30 = v16 <= 0.0;
+        const double v31 = v30 ? 1.0 : v3;
+        const double v32 = v30 ? 1.0 : v29;
+        const double v33 = v28 * v31;
+        const double v34 = v15 * v32;
+        const double v35 = v21 * v21;
+        const double v36 = 1.0 - v35;
+        const double v37 = c7 * v36;
+        const double v38 = c7 * v26;
+        const double v39 = v27 * v37;
+        const double v40 = (-0.25) * v39;
+        const double v41 = v23 * v38;
+        const double v42 = v40 + v41;
+        const double v43 = c3 * v37;
+        const double v44 = (-0.25) * v43;
+        const double v45 = v30 ? 0.0 : v44;
+        const double v46 = v31 * v42;
+        const double v47 = v15 * v45;
+        const double v48 = v17 * v46;
+        const double v49 = v33 + v48;
+        const double v50 = v17 * v47;
+        const double v51 = v34 + v50;
+        N[k] = v49;
+        S[k] = v51;
+    }
+}
+
 CLONES void law_dugdale_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
@@ -190,7 +265,7 @@ CLONES void law_mcgarry(long n,
     for (long k = 0; k < n; k++) {
         const double x = a[k];
         const double s = b[k], q = s * s;
-        (void)s;
+        (void)s, (void)q;
         const double v0 = -q;
         const double v1 = exp(v0);
         const double v2 = x > (-30.0) ? x : (-30.0);
@@ -221,6 +296,37 @@ CLONES void law_mcgarry(long n,
         Nb[k] = v21;
         Ta[k] = v12;
         Tb[k] = v23;
+    }
+}
+
+CLONES void law_mcgarry_tractions(long n,
+    const double *restrict p, const double *restrict a, const double *restrict b,
+    double *restrict N, double *restrict S)
+{
+    (void)p;
+    for (long k = 0; k < n; k++) {
+        const double x = a[k];
+        const double s = b[k], q = s * s;
+        (void)s, (void)q;
+        const double v0 = -q;
+        const double v1 = exp(v0);
+        const double v2 = x > (-30.0) ? x : (-30.0);
+        const double v3 = x - v2;
+        const double v4 = -v2;
+        const double v5 = exp(v4);
+        const double v6 = v2 * v5;
+        const double v7 = v1 * v6;
+        const double v8 = v1 * v5;
+        const double v9 = 2.0 * v8;
+        const double v10 = v5 - v6;
+        const double v11 = v1 * v10;
+        const double v12 = v3 * v11;
+        const double v13 = v7 + v12;
+        const double v14 = v3 * v8;
+        const double v15 = (-2.0) * v14;
+        const double v16 = v9 + v15;
+        N[k] = v13;
+        S[k] = v16;
     }
 }
 
@@ -255,7 +361,7 @@ CLONES void law_modified(long n,
     for (long k = 0; k < n; k++) {
         const double x = a[k];
         const double s = b[k], q = s * s;
-        (void)s;
+        (void)s, (void)q;
         const double v0 = -q;
         const double v1 = exp(v0);
         const double v2 = c0 * v1;
@@ -326,6 +432,56 @@ CLONES void law_modified(long n,
     }
 }
 
+CLONES void law_modified_tractions(long n,
+    const double *restrict p, const double *restrict a, const double *restrict b,
+    double *restrict N, double *restrict S)
+{
+    (void)p;
+    const double c0 = 1.0 - p[1];
+    const double c1 = 1.0 - p[0];
+    for (long k = 0; k < n; k++) {
+        const double x = a[k];
+        const double s = b[k], q = s * s;
+        (void)s, (void)q;
+        const double v0 = -q;
+        const double v1 = exp(v0);
+        const double v2 = c0 * v1;
+        const double v3 = p[1] + v2;
+        const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
+        const double v5 = v4 - 0.7071067811865476;
+        const double v6 = v5 * v5;
+        const double v7 = -v6;
+        const double v8 = exp(v7);
+        const double v9 = c1 * v8;
+        const int v10 = s > 0.7071067811865476;
+        const double v11 = p[0] + v9;
+        const double v12 = v11 * 0.8577638849607068;
+        const double v13 = v12 / v4;
+        const double v14 = v1 * 2.0;
+        const double v15 = v10 ? v13 : v14;
+        const double v16 = x > (-30.0) ? x : (-30.0);
+        const double v17 = x - v16;
+        const double v18 = -v16;
+        const double v19 = exp(v18);
+        const double v20 = v16 * v19;
+        const int v21 = v16 <= 0.0;
+        const double v22 = v21 ? 1.0 : v3;
+        const double v23 = v21 ? 1.0 : v19;
+        const double v24 = v20 * v22;
+        const double v25 = v15 * v23;
+        const double v26 = v19 - v20;
+        const double v27 = v21 ? 0.0 : v19;
+        const double v28 = v22 * v26;
+        const double v29 = v15 * v27;
+        const double v30 = v17 * v28;
+        const double v31 = v24 + v30;
+        const double v32 = v17 * v29;
+        const double v33 = v25 - v32;
+        N[k] = v31;
+        S[k] = v33;
+    }
+}
+
 CLONES void law_modified_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
@@ -364,7 +520,7 @@ CLONES void law_pressure_friction(long n,
     for (long k = 0; k < n; k++) {
         const double x = a[k];
         const double s = b[k], q = s * s;
-        (void)s;
+        (void)s, (void)q;
         const double v0 = -q;
         const double v1 = exp(v0);
         const double v2 = c0 * v1;
@@ -438,6 +594,60 @@ CLONES void law_pressure_friction(long n,
     }
 }
 
+CLONES void law_pressure_friction_tractions(long n,
+    const double *restrict p, const double *restrict a, const double *restrict b,
+    double *restrict N, double *restrict S)
+{
+    (void)p;
+    const double c0 = 1.0 - p[1];
+    const double c1 = p[2] / 0.8577638849607068;
+    const double c2 = 1.0 - p[0];
+    for (long k = 0; k < n; k++) {
+        const double x = a[k];
+        const double s = b[k], q = s * s;
+        (void)s, (void)q;
+        const double v0 = -q;
+        const double v1 = exp(v0);
+        const double v2 = c0 * v1;
+        const double v3 = p[1] + v2;
+        const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
+        const double v5 = v4 - 0.7071067811865476;
+        const double v6 = v5 * v5;
+        const double v7 = -v6;
+        const double v8 = exp(v7);
+        const double v9 = c2 * v8;
+        const int v10 = s > 0.7071067811865476;
+        const double v11 = p[0] + v9;
+        const double v12 = 0.8577638849607068 * v11;
+        const double v13 = v12 / v4;
+        const double v14 = v1 * 2.0;
+        const double v15 = v10 ? v13 : v14;
+        const double v16 = x > (-30.0) ? x : (-30.0);
+        const double v17 = x - v16;
+        const double v18 = -v16;
+        const double v19 = exp(v18);
+        const double v20 = v16 * v19;
+        const int v21 = v16 <= 0.0;
+        const double v22 = v21 ? 1.0 : v3;
+        const double v23 = c1 * v20;
+        const double v24 = 1.0 - v23;
+        const double v25 = v21 ? v24 : v19;
+        const double v26 = v20 * v22;
+        const double v27 = v15 * v25;
+        const double v28 = v19 - v20;
+        const double v29 = c1 * v28;
+        const double v30 = v21 ? v29 : v19;
+        const double v31 = v22 * v28;
+        const double v32 = v15 * v30;
+        const double v33 = v17 * v31;
+        const double v34 = v26 + v33;
+        const double v35 = v17 * v32;
+        const double v36 = v27 - v35;
+        N[k] = v34;
+        S[k] = v36;
+    }
+}
+
 CLONES void law_pressure_friction_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
@@ -479,7 +689,7 @@ CLONES void law_xu_needleman(long n,
     for (long k = 0; k < n; k++) {
         const double x = a[k];
         const double s = b[k], q = s * s;
-        (void)s;
+        (void)s, (void)q;
         const double v0 = -q;
         const double v1 = exp(v0);
         const double v2 = 1.0 - v1;
@@ -535,6 +745,60 @@ CLONES void law_xu_needleman(long n,
     }
 }
 
+CLONES void law_xu_needleman_tractions(long n,
+    const double *restrict p, const double *restrict a, const double *restrict b,
+    double *restrict N, double *restrict S)
+{
+    (void)p;
+    const double c0 = 1.0 - p[0];
+    const double c1 = p[1] - 1.0;
+    const double c2 = c0 / c1;
+    const double c3 = p[1] - p[0];
+    const double c4 = c3 / c1;
+    const double c5 = c4 / p[0];
+    for (long k = 0; k < n; k++) {
+        const double x = a[k];
+        const double s = b[k], q = s * s;
+        (void)s, (void)q;
+        const double v0 = -q;
+        const double v1 = exp(v0);
+        const double v2 = 1.0 - v1;
+        const double v3 = x > (-30.0) ? x : (-30.0);
+        const double v4 = x - v3;
+        const double v5 = -v3;
+        const double v6 = exp(v5);
+        const double v7 = p[1] - v3;
+        const double v8 = c2 * v7;
+        const double v9 = v6 * v8;
+        const double v10 = v3 * v6;
+        const double v11 = v1 * v10;
+        const double v12 = v2 * v9;
+        const double v13 = v11 + v12;
+        const double v14 = c5 * v3;
+        const double v15 = 1.0 + v14;
+        const double v16 = v6 * v15;
+        const double v17 = v1 * v16;
+        const double v18 = 2.0 * v17;
+        const double v19 = -v9;
+        const double v20 = c2 * v6;
+        const double v21 = v19 - v20;
+        const double v22 = v6 - v10;
+        const double v23 = v1 * v22;
+        const double v24 = v2 * v21;
+        const double v25 = v23 + v24;
+        const double v26 = c5 * v6;
+        const double v27 = v26 - v16;
+        const double v28 = v1 * v27;
+        const double v29 = v4 * v25;
+        const double v30 = v13 + v29;
+        const double v31 = v4 * v28;
+        const double v32 = 2.0 * v31;
+        const double v33 = v18 + v32;
+        N[k] = v30;
+        S[k] = v33;
+    }
+}
+
 CLONES void law_xu_needleman_normal(long n,
     const double *restrict p, const double *restrict a, double *restrict N,
     double *restrict Na)
@@ -568,23 +832,26 @@ static const char *const parameters_xu_needleman[] = {
 
 typedef void (*sheared_law)(long n, const double *p, const double *a, const double *b, double *N,
                             double *S, double *Na, double *Nb, double *Ta, double *Tb);
+typedef void (*tractions_of_law)(long n, const double *p, const double *a, const double *b,
+                                 double *N, double *S);
 typedef void (*normal_law)(long n, const double *p, const double *a, double *N, double *Na);
 
 /* All laws by name; names of parameters end with 0, and so does the table. */
 const struct traction_law {
     const char *name;
     sheared_law sheared;
+    tractions_of_law tractions;
     normal_law normal;
     const char *const *parameters;
 } traction_laws[] = {
-    {"dugdale", law_dugdale, law_dugdale_normal,
+    {"dugdale", law_dugdale, law_dugdale_tractions, law_dugdale_normal,
      parameters_dugdale},
-    {"mcgarry", law_mcgarry, law_mcgarry_normal,
+    {"mcgarry", law_mcgarry, law_mcgarry_tractions, law_mcgarry_normal,
      parameters_mcgarry},
-    {"modified", law_modified, law_modified_normal,
+    {"modified", law_modified, law_modified_tractions, law_modified_normal,
      parameters_modified},
-    {"pressure_friction", law_pressure_friction, law_pressure_friction_normal,
+    {"pressure_friction", law_pressure_friction, law_pressure_friction_tractions, law_pressure_friction_normal,
      parameters_pressure_friction},
-    {"xu_needleman", law_xu_needleman, law_xu_needleman_normal,
+    {"xu_needleman", law_xu_needleman, law_xu_needleman_tractions, law_xu_needleman_normal,
      parameters_xu_needleman},
-    {0, 0, 0, 0}};
+    {0, 0, 0, 0, 0}};

@@ -9,7 +9,7 @@ import numpy as np
 from ..interface.laws import LAWS
 from ..interface.laws.law import Law
 from . import building, structures
-from .law_text import functions, head
+from .law_text import OUTPUTS, functions, head
 from .library import Unavailable, pointer, shared
 from .structures import address
 
@@ -19,7 +19,8 @@ AGREEMENT = 1e-9
 
 class _Entry(ctypes.Structure):
     _fields_ = [("name", ctypes.c_char_p), ("sheared", ctypes.c_void_p),
-                ("normal", ctypes.c_void_p), ("parameters", ctypes.POINTER(ctypes.c_char_p))]
+                ("tractions", ctypes.c_void_p), ("normal", ctypes.c_void_p),
+                ("parameters", ctypes.POINTER(ctypes.c_char_p))]
 
 
 class LawKernel:
@@ -28,7 +29,7 @@ class LawKernel:
     Parameters
     ----------
     law : Law
-    functions : (sheared, normal), addresses
+    functions : (sheared, tractions, normal), addresses
     parameters : names of the numbers that its functions take, in their order
     library : what keeps the functions
 
@@ -135,7 +136,7 @@ def _of_package(name):
             names = []
             while entry.parameters[len(names)] is not None:
                 names.append(entry.parameters[len(names)].decode())
-            return (entry.sheared, entry.normal), names
+            return (entry.sheared, entry.tractions, entry.normal), names
         place += 1
     raise Unavailable(f"the library has no law {name}")
 
@@ -148,7 +149,7 @@ def _compiled(law, cache):
                           "tractions(a, b) in place of it")
     text = functions(formula, "law")
     library = building.compiled(head(text) + text, cache)
-    kernel = LawKernel(law, [pointer(library, name) for name in ("law", "law_normal")],
+    kernel = LawKernel(law, [pointer(library, f"law{kind}") for kind in OUTPUTS],
                        formula.parameters, library)
     _compare(law, kernel)
     return kernel

@@ -33,27 +33,28 @@ def library(request, tmp_path_factory):
     return built(law_text.package(), tmp_path_factory.mktemp("laws"), FLAGS[request.param])
 
 
-def computed(library, name, values, *inputs):
-    """What a function of the library makes of a law's parameters and gap (and slip)."""
+def computed(library, name, kind, values, *inputs):
+    """What a function of a kind of the library makes of a law's parameters and gap (and slip)."""
     count = len(inputs[0])
-    outputs = np.full((6 if len(inputs) == 2 else 2, count), np.nan)
+    outputs = np.full((len(law_text.OUTPUTS[kind]), count), np.nan)
     arrays = [np.array([*values, 0.0]), *inputs, *outputs]
-    function = getattr(library, name if len(inputs) == 2 else f"{name}_normal")
+    function = getattr(library, name + kind)
     function.restype = None
     function(ctypes.c_long(count), *(ctypes.c_void_p(array.ctypes.data) for array in arrays))
     return outputs
 
 
 def compared(library, name, law):
-    """Both functions against the programs, at gaps from -40 to 40 and slips from 0 to 8."""
+    """All functions against the programs, at gaps from -40 to 40 and slips from 0 to 8."""
     rng = np.random.default_rng(3)
     a = np.concatenate([rng.uniform(-40.0, 40.0, 2000), rng.uniform(-1.0, 3.0, 1000),
                         [0.0, law.deepest, 1e-9]])
     b = np.concatenate([rng.uniform(0.0, 8.0, len(a) - 200), rng.uniform(0.0, 1e-6, 100),
                         np.zeros(100)])
     programs = Tractions(law.formula)
-    for inputs, given in (((a, b), (a, b * b)), ((a,), (a,))):
-        found = computed(library, name, law.formula.values, *map(np.ascontiguousarray, inputs))
+    for kind in law_text.OUTPUTS:
+        inputs, given = ((a,), (a,)) if kind == "_normal" else ((a, b), (a, b * b))
+        found = computed(library, name, kind, law.formula.values, *inputs)
         meant = programs.program(len(inputs) == 2, True, True).run(*given)
         for values, expected in zip(found, meant):
             np.testing.assert_allclose(values, expected, rtol=1e-13, atol=1e-14)
@@ -71,8 +72,9 @@ def test_a_table_has_all_laws(library):
     class Row(ctypes.Structure):
         """A row of the table."""
 
-        _fields_ = [("name", ctypes.c_char_p), ("sheared", ctypes.c_void_p),
-                    ("normal", ctypes.c_void_p), ("parameters", ctypes.POINTER(ctypes.c_char_p))]
+        _fields_ = [("name", ctypes.c_char_p), *((kind, ctypes.c_void_p)
+                                                 for kind in ("sheared", "tractions", "normal")),
+                    ("parameters", ctypes.POINTER(ctypes.c_char_p))]
 
     rows = (Row * (len(LAWS) + 1)).in_dll(library, "traction_laws")
     assert [row.name.decode() for row in rows[:-1]] == list(LAWS) and rows[-1].name is None
