@@ -197,6 +197,7 @@ class Corrector:
         solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
+        solution.destroy()  # at once: older petsc4py does so late
         if form.precision.turned > turned == 0:
             self.log(TURNED)
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()

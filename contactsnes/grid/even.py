@@ -68,7 +68,7 @@ def asymmetry(window, values, parities=None):
         if reach < 0:
             return math.inf
         # (an odd field vanishes in the middle, and where the cell closes on itself)
-        sign = np.moveaxis(signs[axis - 1], axis, 0)
+        sign = signs[axis - 1].swapaxes(axis, 0)
         after, before, first = window.images(box, axis, middle, reach)
         largest = np.maximum(largest, np.max(np.abs(after - sign * before), initial=0.0))
         if extent == total:

@@ -152,7 +152,7 @@ class Window:
         axis : int, from 1
         middle, reach : int, node of the mirror, and how far from it there are nodes on both sides
         """
-        nodes = np.moveaxis(box, axis, 0)
+        nodes = box.swapaxes(axis, 0)
         return nodes[middle:middle + 1 + reach], nodes[middle - reach:middle + 1][::-1], nodes[:1]
 
     def cut(self, box, part):

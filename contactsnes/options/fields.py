@@ -175,9 +175,9 @@ def checked(name, value, rule):
 
 
 @lru_cache(maxsize=1024)
-def _default(name, field):
-    """`checked` of a field's default, which most values are."""
-    return checked(name, field.default, field.metadata)
+def _default(cls, field):
+    """`checked` of the default of a field of a class, which most values are."""
+    return checked(cls.option_name(field.name), field.default, field.metadata)
 
 
 COMMON = []
@@ -229,12 +229,15 @@ class Options:
     title: ClassVar[str]
 
     def __post_init__(self):
-        for field in dataclasses.fields(self):
-            value, name = getattr(self, field.name), self.option_name(field.name)
-            if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, _default(name, field)
-                                   if value is field.default
-                                   else checked(name, value, field.metadata))
+        cls = type(self)
+        for field in dataclasses.fields(cls):
+            value = getattr(self, field.name)
+            if value is None and field.default is None:
+                continue
+            found = (_default(cls, field) if value is field.default
+                     else checked(cls.option_name(field.name), value, field.metadata))
+            if found is not value:
+                object.__setattr__(self, field.name, found)
 
     def __repr__(self):
         """What makes the instance: the values that are no defaults."""

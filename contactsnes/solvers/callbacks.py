@@ -59,8 +59,8 @@ def available(form):
 
 def _call(name, *arguments):
     """Call a function of PETSc by handles and addresses; PETSc.Error where it fails."""
-    status = getattr(connected()[1], name)(*(ctypes.c_void_p(part) if isinstance(part, int)
-                                             else part for part in arguments))
+    status = getattr(connected()[1], name)(*[ctypes.c_void_p(part) if isinstance(part, int)
+                                             else part for part in arguments])
     if status:
         raise PETSc.Error(status)
 
