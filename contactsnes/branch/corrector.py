@@ -36,17 +36,16 @@ def _names(cls):
 SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
 
 
-def known(grid, values):
-    """Whether values (components, nodes), or numbers, hold neither NaN nor infinite ones: their sum
-    is none."""
-    return not grid.any(not math.isfinite(np.add.reduce(values, axis=None)))
+def refuse_unknown(grid, *starts):
+    """NotConverged where what a solve begins with, arrays, holds infinite values or NaN: so does
+    its sum."""
+    if grid.any(not all(math.isfinite(np.add.reduce(start, axis=None)) for start in starts)):
+        raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
 
 
 def finite(state):
-    """A state from which a solve may begin; NotConverged for one that holds infinite values or
-    NaN."""
-    if not (known(state.window.grid, state.once) and known(state.window.grid, state.means)):
-        raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
+    """A state from which a solve may begin, as of `refuse_unknown`."""
+    refuse_unknown(state.window.grid, state.once, state.means)
     return state
 
 
@@ -192,8 +191,7 @@ class Corrector:
         turned, form.precision.allowed = form.precision.turned, trusted(form, near)
         if newton and most_iterations and not form.bounded:
             snes.setTolerances(max_it=most_iterations)
-        if not known(form.grid, unknown):
-            raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
+        refuse_unknown(form.grid, unknown)
         solution = create_vector(form, unknown)
         before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)

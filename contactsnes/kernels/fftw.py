@@ -2,6 +2,7 @@
 kept in a file."""
 
 import atexit
+import contextlib
 import ctypes
 import os
 from ctypes import POINTER, c_char_p, c_int, c_uint, c_void_p
@@ -117,9 +118,9 @@ def _keep():
     if _state["made"] - _state["read"] < 2:
         return
     part = file.with_name(f"{file.name}.{os.getpid()}")
-    try:
+    with contextlib.suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         if _calls().fftw_export_wisdom_to_filename(os.fsencode(part)):
             os.replace(part, file)
-    except OSError:
-        pass
+    with contextlib.suppress(OSError):  # what a full disk took of it, if anything
+        part.unlink()
