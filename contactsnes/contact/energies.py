@@ -248,10 +248,10 @@ class PathEnergies:
         if np.isnan(interface):
             # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end
             # more abruptly than gaps do. But a hundredth of the work on the interface may be more
-            # than all that a small jump loses, even than nothing.
+            # than all that a small jump loses, even than nothing. Below nothing it is wrong itself.
             interface = point.jump_work
             balance = "unknown" if np.isnan(point.jump_work) else "motion"
-            if abs(left - interface - point.viscous_work) > point.viscous_work:
+            if abs(left - interface - point.viscous_work) > point.viscous_work >= 0.0:
                 interface = left - point.viscous_work
         lost = left - interface
         return self._summed(point, before, external, interface, lost, jump_balance=balance)

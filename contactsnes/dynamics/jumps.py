@@ -139,15 +139,38 @@ def by_creep(system, state, controls, load, origin, options):
     if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     contact, state = system.contact, system.fitted(state)
+    beside = origin is not None and states.missed(contact, origin, state) <= BESIDE
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
-                              options, system.settings.linear_precision)
-    motion.measured = origin is not None and states.missed(contact, origin, state) <= BESIDE
+                              options, system.settings.linear_precision,
+                              carried(contact, origin, state) if beside else None)
+    motion.measured = beside
     point = at_rest(system, motion, controls, load)
     if not motion.measured:
         return point
     motion.works[0] += straight(contact, origin, state)
     works = contact.grid.node_area * motion.works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
+
+
+def carried(contact, origin, state):
+    """Tractions that the body carries (components, nodes of the window) in a state beside an
+    equilibrium.
+
+    The way from there is one of its modes, along which the body is in balance with the law's tangent:
+    with the law itself it is not, as far as that bends.
+
+    Parameters
+    ----------
+    contact : Contact
+    origin : State, the equilibrium
+    state : State
+    """
+    gap = states.onto(origin, state.window).copy()
+    way = state.displacement - gap
+    gap[0] += state.window.take(contact.initial_gap)
+    traction = contact.law.traction(gap)
+    traction += np.einsum("ijn,jn->in", contact.law.tangent(gap), way)
+    return traction
 
 
 def at_rest(system, motion, controls, load):

@@ -82,6 +82,7 @@ class OverdampedMotion:
         ``jacobian_products``), which are added to
     options : MotionOptions
     precision : str, of transforms inside linear solves, as of ``-contact_linear_precision``
+    elastic : array (components, nodes of the window), tractions of the body; None: those of the law
 
     Attributes
     ----------
@@ -93,7 +94,7 @@ class OverdampedMotion:
     """
 
     def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions(),
-                 precision="double"):
+                 precision="double", elastic=None):
         self.contact = contact
         self.symmetry = symmetry
         self.controls = controls
@@ -105,7 +106,7 @@ class OverdampedMotion:
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
         self._control = control(contact, len(controls))
-        self._begin(0.0, state)
+        self._begin(0.0, state, elastic)
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""

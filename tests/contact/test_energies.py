@@ -224,7 +224,7 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     before, jumped = found[-2], replace(found[-1], event="jump")
     free = jump.external_work - before.external_work - (jump.elastic_energy - before.elastic_energy)
     for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - 0.1, 0.03, 0.03),
-                                (free + 0.001, 1e-4, 1e-4)):
+                                (free + 0.001, 1e-4, 1e-4), (free - 0.1, -0.03, 0.1)):
         # A work on the interface whose error exceeds all that is lost says nothing of the latter.
         known = PathEnergies(contact, found[-3:-1]).completed(replace(jumped, jump_work=work,
                                                                       viscous_work=viscous))

@@ -203,6 +203,19 @@ def test_works_of_a_jump_balance(name, jumped, options):
     assert errors[0] < 0.03 and errors[1] < 0.006, errors
 
 
+def test_a_kick_spoils_no_work_where_the_law_bends_within_it():
+    """At the kick's end the body carries what balances it, not yet what such a law draws by: the
+    work against viscosity is known as the energy that is lost, which this law has."""
+    scene = Scene(points=256, period=40.0, normal_maugis=4.0, law="dugdale", dugdale_width=0.1)
+    points = list(Branch(scene, Load(path="normal_displacement=1; normal_displacement=-4.5")))
+    jumps = [k for k, point in enumerate(points) if point.event == "jump"]
+    assert len(jumps) > 2
+    for k in jumps:
+        lost = points[k].dissipated_work - points[k - 1].dissipated_work
+        assert points[k].jump_balance == "potential"
+        assert points[k].viscous_work == pytest.approx(lost, rel=0.1), k
+
+
 @pytest.mark.parametrize("kernels", ("auto", "off"))
 @pytest.mark.parametrize("name", ("jump-in under a force", "pull-off", "sliding", "sphere"))
 def test_motions_in_single_precision_end_in_the_same_state(name, kernels, jumped):
