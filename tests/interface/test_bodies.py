@@ -187,6 +187,11 @@ def test_a_body_of_ones_own():
     ({"rigid_compliance": 0.0}, "cannot be evaluated .TypeError"),
     ({"local_compliance": (-1.0, 0.0)}, "local_compliance is .-1.0, 0.0.: both have to be from 0"),
     ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
+    # at one of the grid's own waves
+    ({"surface": lambda self, q: Surface(np.where(abs(q - 0.942478) < 1e-6, -1, 2 / q), 2 / q, 2 / q,
+                                         0 * q)}, "normal compliance is -1 at the wave number 0.94"),
+    ({"surface": lambda self, q: Surface(2.0, 2 / q, 2 / q, 0 * q)},
+     "normal compliance has the shape .., .* give one value for each"),
 ))
 def test_what_is_wrong_with_a_body_is_told(changes, words):
     with pytest.raises(InputError, match=f"-scene_body is 'Other.*: .*{words}"):
