@@ -156,8 +156,8 @@ def carried(contact, origin, state):
     """Tractions that the body carries (components, nodes of the window) in a state beside an
     equilibrium.
 
-    The way from there is one of its modes, along which the body is in balance with the law's tangent:
-    with the law itself it is not, as far as that bends.
+    The way from there is one of its modes, along which the body is in balance with the law's
+    tangent: with the law itself it is not, as far as that bends.
 
     Parameters
     ----------

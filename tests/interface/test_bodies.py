@@ -188,8 +188,9 @@ def test_a_body_of_ones_own():
     ({"local_compliance": (-1.0, 0.0)}, "local_compliance is .-1.0, 0.0.: both have to be from 0"),
     ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
     # at one of the grid's own waves
-    ({"surface": lambda self, q: Surface(np.where(abs(q - 0.942478) < 1e-6, -1, 2 / q), 2 / q, 2 / q,
-                                         0 * q)}, "normal compliance is -1 at the wave number 0.94"),
+    ({"surface": lambda self, q: Surface(np.where(abs(q - 0.942478) < 1e-6, -1, 2 / q), 2 / q,
+                                         2 / q, 0 * q)},
+     "normal compliance is -1 at the wave number 0.94"),
     ({"surface": lambda self, q: Surface(2.0, 2 / q, 2 / q, 0 * q)},
      "normal compliance has the shape .., .* give one value for each"),
 ))
