@@ -12,6 +12,8 @@ from ..scene.resolution import PINNING, resolution
 
 FAR = 8.0
 """Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
+LEVEL = 1e-7
+"""Slope of the friction over its peak up to which it no longer depends on the slip."""
 
 
 class Ends:
@@ -67,8 +69,10 @@ class Ends:
         return ""
 
     def end_of_attraction(self, point, leg, position):
-        """The fold, at its position, of a body off the flat that a growing force moves; None for
-        any other.
+        """The fold, at its position, of a body off the flat that a growing force moves, or of one
+        that glides, under a falling force or pressed on; None for any other.
+
+        A gliding body is held by its residual friction wherever it is, and by no force below.
 
         Off the flat a body is attracted only, and less the farther it is away: as the force grows
         to zero, equilibria end out of the law's range, whatever the steps that led there.
@@ -78,6 +82,9 @@ class Ends:
         point, leg : Point, Leg
         position : of the point in the leg
         """
+        pull = leg.direction[1:] @ point.forces[1:]
+        if (pull < 0.0 or pull == 0.0 < leg.direction[0]) and self._glides(point):
+            return replace(point, position=position, fold_kind="sliding")
         if (point.controls[0] != FORCE or point.in_contact or leg.moving != 0
             or leg.direction[0] <= 0.0):
             return None
@@ -94,7 +101,28 @@ class Ends:
         return replace(self.solve(away, leg.controls, load), position=position)
 
     def within_range(self, point):
-        """A state within the law's range for a body that a force moves freely, off the flat; None
-        for any other."""
+        """A state within the law's range for a body that a force moves freely, off the flat, or
+        one with the slip of the friction's peak where it glides; None for any other."""
+        if self._glides(point):
+            return self._held(point.state)
         free = point.controls[0] == FORCE and not point.in_contact
         return states.within_range(self.contact, point.state) if free else None
+
+    def _glides(self, point):
+        """Whether a body in contact that a tangential force moves slips so far everywhere that its
+        friction no longer depends on the slip."""
+        if FORCE not in point.controls[1:] or not point.in_contact:
+            return False
+        touching = (states.normal_gap(self.contact, point.state)
+                    < self.contact.scene.contact_threshold)
+        least = self.contact.grid.minimum(slip_of(point.state.displacement), where=touching)
+        law, place = self.contact.law, np.array([[0.0], [least]])
+        return least > law.slip_peak and abs(law.tangent(place)[1, 1, 0]) < (LEVEL
+                                                                             * law.tangential_peak)
+
+    def _held(self, state):
+        """A gliding state taken back to where friction has its peak: it comes from more slip."""
+        means, moved = state.means.copy(), state.displacement.copy()
+        means[1:] *= self.contact.law.slip_peak / np.linalg.norm(means[1:])
+        moved[1:] = means[1:, None]
+        return states.State(state.window, moved, means)

@@ -202,7 +202,8 @@ class NaturalSteps(LoadSteps):
             return
         try:
             found = self._examined(passed if fold is None
-                                   else replace(fold, event="fold", fold_kind=fold_kind(self.leg)))
+                                   else replace(fold, event="fold", fold_kind=fold.fold_kind
+                                                or fold_kind(self.leg)))
         except NotConverged as second:
             raise NoFold(f"{error}; arc length led to another branch: {second}") from None
         yield from self._arrive(*found)

@@ -184,8 +184,8 @@ class Limits(Protocol):
         """
 
     def end_of_attraction(self, point: Point, leg: Leg, position: float) -> Optional[Point]:
-        """The fold, with its position, where a growing force ends what attracts a free body; None
-        for any other.
+        """The fold, with its position, where a growing force ends what attracts a free body, or a
+        falling one what moves a gliding body; None for any other.
 
         Parameters
         ----------
@@ -195,8 +195,8 @@ class Limits(Protocol):
         """
 
     def within_range(self, point: Point) -> Optional[Any]:
-        """A state in which something acts on a body that a force moves freely; None for any
-        other."""
+        """A state in which something acts on a body that a force moves freely, in which a gliding
+        one is held; None for any other."""
 
 
 @runtime_checkable

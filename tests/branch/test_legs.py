@@ -12,6 +12,7 @@ petsc4py.init([])
 from contactsnes.branch import first_points  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
+from contactsnes.contact import states  # noqa: E402
 from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.scene.load import Load, controls_along  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps  # noqa: E402
@@ -208,3 +209,35 @@ def test_a_failure_after_a_switch_is_explained_under_the_new_controls(monkeypatc
                 path="normal_displacement=-2.5; normal_force=hold; normal_force=-1.5")
     with pytest.raises(NotConverged, match=r"the last point is unstable \(1 modes"):
         list(Branch(scene, load, Steps(initial_step=0.1, largest_step=0.4)))
+
+
+@pytest.mark.parametrize("friction", (0.3, 1.0))
+def test_a_gliding_body_whose_force_is_taken_back_is_held_again(friction):
+    """Its residual friction balances no smaller force, wherever it is: it goes back to where
+    friction still grows with slip, as motion does that begins in the glide under a smaller
+    force."""
+    scene = Scene(points=256, period=40.0, height=50.0, normal_maugis=1.5, tangential_maugis=1.0,
+                  residual_friction=friction)
+    path = "normal_force=3; tangential_displacement=60; tangential_force="
+    points = list(Branch(scene, Load(path=path + "0")))
+    fold, jump = (point for point in points if point.leg == 3 and point.event)
+    assert (fold.event, fold.fold_kind, jump.event) == ("fold", "sliding", "jump")
+    assert jump.forces[1] == fold.forces[1] > 0.0
+    assert jump.displacements[1] < fold.displacements[1]
+    assert abs(points[-1].displacements[1]) < 1e-6 and points[-1].forces[1] == 0.0
+    less = 0.95 * fold.forces[1]
+    branch = Branch(scene, Load(path=path + str(less)))
+    *_, last = branch
+    moved = branch.corrector.settle(fold.state, last.controls, last.load, "there")
+    assert states.missed(branch.contact, moved.state, last.state) < 1e-6
+
+
+def test_a_gliding_body_that_is_pressed_on_is_held_by_what_glided():
+    scene = Scene(points=256, period=40.0, height=50.0, normal_maugis=1.5, tangential_maugis=1.0,
+                  residual_friction=0.5)
+    points = list(Branch(scene, Load(path="normal_force=3; tangential_displacement=60; "
+                                          "normal_force=4, tangential_force=hold")))
+    fold, jump = (point for point in points if point.leg == 3 and point.event)
+    assert (fold.event, fold.fold_kind, jump.event) == ("fold", "sliding", "jump")
+    assert points[-1].forces[0] == 4.0 and points[-1].forces[1] == fold.forces[1]
+    assert points[-1].displacements[1] < 0.5 * fold.displacements[1]
