@@ -105,7 +105,7 @@ def sides(system, leg, known):
     the one behind it, where the load rises again.
 
     The load is that of the way's begin, if it is as far above the low behind the fold as is asked
-    for, else one nearer to the fold's.
+    for, else one nearer to the fold's, and none that the way does not come to again.
 
     Parameters
     ----------
@@ -126,8 +126,10 @@ def sides(system, leg, known):
             above = loads[low] + ABOVE * (loads[fall] - loads[low])
             for place in (places[max(fall - 1, 0)], places[fall]):
                 before = known[place]
-                if before.position > above and (place < places[fall] or place == 0.0 or system
-                                                .direction(before, _chord(known), leg).rate > 0.0):
+                if not above < before.position <= loads[low:].max():
+                    continue
+                if (place < places[fall] or place == 0.0
+                    or system.direction(before, _chord(known), leg).rate > 0.0):
                     return before, _behind(system, leg, known, places[low], before.position)
         for part in _extremes(known)[:1 if turned else 2]:
             known[part] = _between(system, leg, known, part)

@@ -21,7 +21,7 @@ class Control(NamedTuple):
     exactness: float
 
 
-FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(4.0, 0.5, 1e-2, 3e-2)
+FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(4.0, 0.5, 1e-2, 0.1)
 """Of motions whose works are summed up, and of `rough` ones."""
 
 

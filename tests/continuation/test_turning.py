@@ -69,7 +69,8 @@ def test_what_strays_is_not_told_of():
 
 
 @pytest.mark.parametrize("depth, loads", [(-1 / 3, (0.2, 0.5)), (-1 / 3, (-0.5, 0.5)),
-                                          (-1 / 3, (0.38, 0.39)), (-0.3, (-1.0, 1.0)),
+                                          (-1 / 3, (0.38, 0.39)), (-1 / 3, (0.3, 0.37)),
+                                          (-1 / 3, (-0.381, 0.366)), (-0.3, (-1.0, 1.0)),
                                           (-0.1, (-1.0, 1.0)), (-0.03, (-1.0, 1.0))])
 def test_both_sides_of_a_fold_are_found_at_one_load(depth, loads):
     """u^3 + 3 depth u turns at u = -+ sqrt(-depth); next to its first fold the load is above that
@@ -96,6 +97,15 @@ def test_the_begin_of_a_way_is_the_side_before_its_fold_where_the_load_falls_bel
 def test_there_are_no_sides_of_no_fold(depth):
     system, leg, known, _ = followed(cusp(depth), -1.0, 1.0)
     with pytest.raises(NotConverged, match="too small"):
+        sides(system, leg, known)
+
+
+@pytest.mark.parametrize("loads", [(-0.38, 0.31), (-0.35, 0.19), (-0.11, 0.19)])
+def test_there_are_no_sides_where_the_way_ends_far_below_its_fold(loads):
+    """Its last point lies behind the fold, but under less than any load beside that."""
+    system, leg, known, turned = followed(cubic(), -1.1, 1.1, loads)
+    assert turned
+    with pytest.raises(NotConverged):
         sides(system, leg, known)
 
 
