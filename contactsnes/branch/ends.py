@@ -83,7 +83,8 @@ class Ends:
         position : of the point in the leg
         """
         pull = leg.direction[1:] @ point.forces[1:]
-        if (pull < 0.0 or pull == 0.0 < leg.direction[0]) and self._glides(point):
+        left = point.event == "jump" and point.leg == leg.number  # where it is held no better
+        if (pull < 0.0 or pull == 0.0 < leg.direction[0]) and not left and self._glides(point):
             return replace(point, position=position, fold_kind="sliding")
         if (point.controls[0] != FORCE or point.in_contact or leg.moving != 0
             or leg.direction[0] <= 0.0):

@@ -13,7 +13,7 @@ from contactsnes.branch import first_points  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.continuation.points import NotConverged  # noqa: E402
+from contactsnes.continuation.points import Leg, NotConverged  # noqa: E402
 from contactsnes.scene.load import Load, controls_along  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
@@ -241,3 +241,14 @@ def test_a_gliding_body_that_is_pressed_on_is_held_by_what_glided():
     assert (fold.event, fold.fold_kind, jump.event) == ("fold", "sliding", "jump")
     assert points[-1].forces[0] == 4.0 and points[-1].forces[1] == fold.forces[1]
     assert points[-1].displacements[1] < 0.5 * fold.displacements[1]
+
+
+def test_a_jump_that_ends_in_a_glide_is_no_fold_again():
+    branch, points = followed("normal_force=3; tangential_displacement=60")
+    forces, controls = np.array(points[-1].forces), (FORCED, FORCED)
+    glide = branch.corrector.adapted(points[-1], controls, forces)
+    leg = Leg(3, controls, forces, forces * [1.0, 0.5], 1, 0.1, 0.1, 1e-6)
+    ends = branch.corrector.end_of_attraction
+    assert ends(glide, leg, 0.0).fold_kind == "sliding"
+    assert ends(glide.changed(event="jump"), leg, 0.0) is not None
+    assert ends(glide.changed(event="jump", leg=3), leg, 0.0) is None
