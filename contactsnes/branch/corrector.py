@@ -72,8 +72,7 @@ class Corrector:
         self.settings = settings
         self.log = log
         self.tolerance = tolerance
-        self.form = None
-        self.snes = None
+        self.form = self.snes = None
         self.patience = Patience()
         self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
@@ -198,6 +197,7 @@ class Corrector:
         solution.destroy()  # at once: older petsc4py does so late
         if form.precision.turned > turned == 0:
             self.log(TURNED)
+        solution.destroy()  # at once: older petsc4py does so late
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None

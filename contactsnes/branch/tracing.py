@@ -19,8 +19,7 @@ from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.precision import pays
 from ..solvers.ritz import many
-from ..solvers.snes import WARM, create_snes, kept
-from ..solvers.vectors import create_vector
+from ..solvers.snes import WARM, create_snes, idle, kept
 from . import coarse_motion, crossing
 from .corrector import KSP_REASONS, Corrector, finite
 from .ends import Ends
@@ -119,7 +118,8 @@ class Tracer(Corrector, Neighbours, Ends):
         """
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
-        change = self._linear(snes, arc, arc.joined(np.zeros(form.size), 1.0), EXACT)
+        change = self._linear(snes, arc, lambda right: np.copyto(
+            right, arc.joined(np.zeros(form.size), 1.0)), EXACT)
         own, rate = arc.inner(change), float(arc.position(change))
         field = form.displacement(own)
         grid = self.contact.grid
@@ -157,11 +157,10 @@ class Tracer(Corrector, Neighbours, Ends):
         state, direction = self.fitted(point.state), leg.direction
         form = self.form_on(state, leg.controls)
         form.set_load(leg.load(position))
-        unknown = form.packed(state)
-        form.linearise(unknown)
-        change = self._linear(self.snes, form,
-                              form.load_derivative(-direction, np.empty(form.size)), 1e-3)
-        moved = unknown + step * change
+        form.linearise(form.packed(state))
+        moved = self._linear(self.snes, form,
+                             lambda right: form.load_derivative(-direction, right), 1e-3) * step
+        moved += form.packed(state)
         means = state.means + step * self.contact.far_displacement(form.components, direction)
         means[form.forced] = form.scalars(moved)
         ahead = self._regularised(form, state, moved, means)
@@ -212,11 +211,11 @@ class Tracer(Corrector, Neighbours, Ends):
         form.set_load([(force if control == FORCE else displacement) for control, force,
                        displacement in zip(controls, point.forces, point.displacements)])
         form.linearise(form.pack(state.displacement, state.means[form.forced]))
-        moved = form.load_derivative(-np.eye(form.components)[0], np.empty(form.size))
         try:
             snes = create_snes(form, "" if asked().has_tangent else "arc_",
                                packed=pays(form, self.settings.linear_precision))
-            change = self._linear(snes, form, moved, EXACT)
+            change = self._linear(snes, form, lambda right: form.load_derivative(
+                -np.eye(form.components)[0], right), EXACT)
         except NotConverged:
             return np.nan
         tangent = contact.law.tangent(gaps(contact, state))
@@ -252,7 +251,8 @@ class Tracer(Corrector, Neighbours, Ends):
         return form, arc, snes, unknown
 
     def _linear(self, snes, form, right, tolerance):
-        """J^-1 right at the last linearisation of the form of a SNES, by its KSP."""
+        """J^-1 of a ``right`` side, a function that fills an array, at the last linearisation of
+        the form of a SNES, by its KSP, in memory of the SNES."""
         ksp = kept(snes.getKSP())
         # The second of its matrices is ours, too, where the user has products by finite differences
         # (-snes_mf_operator).
@@ -267,11 +267,10 @@ class Tracer(Corrector, Neighbours, Ends):
         ksp.setTolerances(rtol=tolerance, atol=1e-50)
         if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
             ksp.setType("fgmres")
-        change = np.zeros(form.size)
-        vectors = create_vector(form, right), create_vector(form, change)
+        vectors = idle(snes, form)
+        right(vectors[0].getArray())
         callbacks.solve(ksp, vectors)
-        for vector in vectors:
-            vector.destroy()  # at once: older petsc4py does so late
+        change = vectors[1].getArray()
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         snes.setUseEW(forcing)

@@ -73,9 +73,9 @@ class NaturalSteps(LoadSteps):
                     if self.stopped:
                         return
                     if self.history[-1][1] is not before:
-                        failures = 0
+                        failures, searched = 0, None
                         step = self.history[-1][1].step
-                        searched = None
+                    del before  # which may take much memory
                 continue
             # However many iterations every solve takes, steps must not shrink without end.
             step, failures = point.position - position, 0

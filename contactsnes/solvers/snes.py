@@ -123,6 +123,19 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
     return snes
 
 
+def idle(snes, form):
+    """(right side, solution) for a linear solve between two solves of a SNES, in Vecs that it fills
+    anew when it begins: of its imbalance and its step.
+
+    Parameters
+    ----------
+    snes : SNES of the form
+    form : of the equations
+    """
+    own = snes.getFunction()[0], snes.getSolutionUpdate()
+    return tuple(vector if vector.handle else create_vector(form) for vector in own)
+
+
 def watch_modes(snes, form, method):
     """Give a form its monitor of Ritz values, which sees those of a method with a tangent.
 
