@@ -15,6 +15,23 @@ TRIFLE = 6e-8
 """Rounding of numbers in single precision."""
 
 
+class Rounded(NamedTuple):
+    """A vector rounded to short integers ``numbers``, times ``scales``, one for each piece of
+    `LENGTH` nodes."""
+
+    numbers: np.ndarray
+    scales: np.ndarray
+
+    @classmethod
+    def of(cls, size):
+        """Room for a vector of a size."""
+        return cls(np.empty(size, dtype=np.short), np.empty(-(-size // LENGTH)))
+
+    def wide(self):
+        """The vector in double precision."""
+        return self.numbers * np.repeat(self.scales, LENGTH)[:len(self.numbers)]
+
+
 class Changes(NamedTuple):
     """Changes of a vector: ``shifts``, one for each piece of `LENGTH` nodes; ``runs`` (first node,
     count), none longer than its piece, and ``values`` in single precision that stand there in

@@ -1,51 +1,131 @@
-/* Krylov vectors in single precision, rows of floats: sums are in double, a piece of the vector at a time
-   for all rows, while it is in the cache. */
+/* Krylov vectors in single precision or less, rows of floats or of short integers: sums are in double, a piece
+   of the vector at a time for all rows, while it is in the cache. */
 #include "kernels.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { PIECE = 1024, SAMPLES = 9 };
+enum { PIECE = 1024, SAMPLES = 9, AT_ONCE = 4 };
+static const double SHORTEST = 32767.0; /* largest of the short integers */
 enum { BETWEEN = 4 };              /* nodes that may be told with others though they are not changed */
 static const double TRIFLE = 6e-8;  /* rounding of floats */
 
-/* found[k] = inner product of row k and a vector of doubles, and last that of the vector with itself. */
-CLONES void inner_products(long count, long size, const float *const *rows, const double *vector,
-                           double *found)
+/* Rows of floats or, with scales, one for each piece, of short integers times these: AT_ONCE of them at a
+   time, so that a number of the vector is read once for all, and no sum waits for the one before. */
+#define PRODUCTS(KIND, DOT, ADD)                                                                            \
+    CLONES static void DOT(long n, const KIND *restrict a, const KIND *restrict b, const KIND *restrict c,  \
+                           const KIND *restrict d, const double *restrict v, double *found)                 \
+    {                                                                                                       \
+        double p = 0.0, q = 0.0, r = 0.0, s = 0.0;                                                          \
+        for (long i = 0; i < n; i++) {                                                                      \
+            p += (double)a[i] * v[i];                                                                       \
+            q += (double)b[i] * v[i];                                                                       \
+            r += (double)c[i] * v[i];                                                                       \
+            s += (double)d[i] * v[i];                                                                       \
+        }                                                                                                   \
+        found[0] = p;                                                                                       \
+        found[1] = q;                                                                                       \
+        found[2] = r;                                                                                       \
+        found[3] = s;                                                                                       \
+    }                                                                                                       \
+    CLONES static void ADD(long n, const KIND *restrict a, const KIND *restrict b, const KIND *restrict c,  \
+                           const KIND *restrict d, const double *factor, double *restrict v)                \
+    {                                                                                                       \
+        const double p = factor[0], q = factor[1], r = factor[2], s = factor[3];                            \
+        for (long i = 0; i < n; i++)                                                                        \
+            v[i] += p * (double)a[i] + q * (double)b[i] + (r * (double)c[i] + s * (double)d[i]);            \
+    }
+PRODUCTS(float, dot_floats, add_floats)
+PRODUCTS(short, dot_shorts, add_shorts)
+
+/* the scale of a row's piece */
+static double scale_of(const double *const *scales, long row, long from)
+{
+    return scales ? scales[row][from / PIECE] : 1.0;
+}
+
+/* Of rows k to k + AT_ONCE, the last of all in place of those beyond: where their pieces begin. */
+static void places(const void *const *rows, long k, long count, long from, int is_short, const void **at)
+{
+    for (long j = 0; j < AT_ONCE; j++) {
+        const void *row = rows[k + j < count ? k + j : count - 1];
+        at[j] = is_short ? (const void *)((const short *)row + from) : (const void *)((const float *)row + from);
+    }
+}
+
+CLONES static double square_of(long n, const double *restrict v)
+{
+    double square = 0.0;
+    for (long i = 0; i < n; i++) square += v[i] * v[i];
+    return square;
+}
+
+/* found[k] = inner product of row k and a vector of doubles, and last that of the vector with itself; of
+   rows of floats there are no scales. */
+void inner_products(long count, long size, const void *const *rows, const double *const *scales,
+                    const double *vector, double *found)
 {
     for (long k = 0; k <= count; k++) found[k] = 0.0;
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        const double *restrict v = vector + from;
-        for (long k = 0; k < count; k++) {
-            const float *restrict row = rows[k] + from;
-            double sum = 0.0;
-            for (long i = 0; i < n; i++) sum += (double)row[i] * v[i];
-            found[k] += sum;
+        const double *v = vector + from;
+        for (long k = 0; k < count; k += AT_ONCE) {
+            const void *at[AT_ONCE];
+            double sums[AT_ONCE];
+            places(rows, k, count, from, scales != 0, at);
+            if (scales) dot_shorts(n, at[0], at[1], at[2], at[3], v, sums);
+            else dot_floats(n, at[0], at[1], at[2], at[3], v, sums);
+            for (long j = k; j < count && j < k + AT_ONCE; j++) found[j] += sums[j - k] * scale_of(scales, j, from);
         }
-        double square = 0.0;
-        for (long i = 0; i < n; i++) square += v[i] * v[i];
-        found[count] += square;
+        found[count] += square_of(n, v);
     }
 }
 
 /* vector += sum over k of factors[k] times row k; its inner product with itself then. */
-CLONES double add_rows(long count, long size, const float *const *rows, const double *factors,
-                       double *vector)
+double add_rows(long count, long size, const void *const *rows, const double *const *scales,
+                const double *factors, double *vector)
 {
     double found = 0.0;
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        double *restrict v = vector + from;
-        for (long k = 0; k < count; k++) {
-            const float *restrict row = rows[k] + from;
-            const double factor = factors[k];
-            for (long i = 0; i < n; i++) v[i] += factor * (double)row[i];
+        double *v = vector + from;
+        for (long k = 0; k < count; k += AT_ONCE) {
+            const void *at[AT_ONCE];
+            double own[AT_ONCE] = {0.0};
+            places(rows, k, count, from, scales != 0, at);
+            for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = factors[j] * scale_of(scales, j, from);
+            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, v);
+            else add_floats(n, at[0], at[1], at[2], at[3], own, v);
         }
-        double square = 0.0;
-        for (long i = 0; i < n; i++) square += v[i] * v[i];
-        found += square;
+        found += square_of(n, v);
     }
     return found;
+}
+
+CLONES static void round_piece(long n, double *restrict v, short *restrict row, double *scale)
+{
+    double largest = 0.0;
+    int known = 1;
+    for (long i = 0; i < n; i++) {
+        const double size = fabs(v[i]);
+        largest = size > largest ? size : largest;
+        known &= size <= DBL_MAX;
+    }
+    /* what is no number makes its piece none */
+    const double own = *scale = known ? largest / SHORTEST : NAN;
+    const double inverse = known && largest > 0.0 ? SHORTEST / largest : 0.0;
+    for (long i = 0; i < n; i++) {
+        const double x = v[i] * inverse;
+        row[i] = (short)(int)(x + (x < 0.0 ? -0.5 : 0.5));
+        v[i] = row[i] * own;
+    }
+}
+
+/* Rounds a vector to short integers times a scale for each piece, the row. */
+void rounded(long size, double *vector, short *row, double *scales)
+{
+    for (long from = 0; from < size; from += PIECE)
+        round_piece(size - from < PIECE ? size - from : PIECE, vector + from, row + from, scales + from / PIECE);
 }
 
 /* The shift that most of some samples have in common. */
@@ -110,29 +190,25 @@ void changes(long size, const double *before, const double *after, double *shift
     told[1] = held;
 }
 
-CLONES static void add_shifted(long n, const float *restrict row, double shift, double factor, double *restrict v)
-{
-    for (long i = 0; i < n; i++) v[i] += factor * ((double)row[i] + shift);
-}
-
-CLONES static void add_instead(long n, const float *restrict row, double shift, const float *restrict value,
-                               double factor, double *restrict v)
-{
-    for (long i = 0; i < n; i++) v[i] += factor * ((double)value[i] - ((double)row[i] + shift));
-}
-
-CLONES static double square_of(long n, const double *restrict v)
-{
-    double square = 0.0;
-    for (long i = 0; i < n; i++) square += v[i] * v[i];
-    return square;
-}
+#define CHANGED(KIND, SHIFTED, INSTEAD)                                                                     \
+    CLONES static void SHIFTED(long n, const KIND *restrict row, double scale, double shift, double factor, \
+                               double *restrict v)                                                          \
+    {                                                                                                       \
+        for (long i = 0; i < n; i++) v[i] += factor * ((double)row[i] * scale + shift);                     \
+    }                                                                                                       \
+    CLONES static void INSTEAD(long n, const KIND *restrict row, double scale, double shift,                \
+                               const float *restrict value, double factor, double *restrict v)              \
+    {                                                                                                       \
+        for (long i = 0; i < n; i++) v[i] += factor * ((double)value[i] - ((double)row[i] * scale + shift)); \
+    }
+CHANGED(float, shifted_floats, instead_of_floats)
+CHANGED(short, shifted_shorts, instead_of_shorts)
 
 /* vector += sum over k of factors[k] times what row k was changed to (`changes`, with their number of runs);
    its inner product with itself then. */
-double add_changed(long count, long size, const float *const *rows, const double *const *shifts,
-                   const int *const *runs, const int *run_counts, const float *const *values,
-                   const double *factors, double *vector, int *work)
+double add_changed(long count, long size, const void *const *rows, const double *const *scales,
+                   const double *const *shifts, const int *const *runs, const int *run_counts,
+                   const float *const *values, const double *factors, double *vector, int *work)
 {
     double found = 0.0;
     memset(work, 0, 2 * count * sizeof *work);
@@ -140,12 +216,17 @@ double add_changed(long count, long size, const float *const *rows, const double
         const long n = size - from < PIECE ? size - from : PIECE;
         double *v = vector + from;
         for (long k = 0; k < count; k++) {
-            const double shift = shifts[k][from / PIECE];
+            const double shift = shifts[k][from / PIECE], scale = scale_of(scales, k, from);
+            const short *shorts = rows[k];
+            const float *floats = rows[k];
             int *run = work + 2 * k, *held = run + 1;
-            add_shifted(n, rows[k] + from, shift, factors[k], v);
+            if (scales) shifted_shorts(n, shorts + from, scale, shift, factors[k], v);
+            else shifted_floats(n, floats + from, scale, shift, factors[k], v);
             for (; *run < run_counts[k] && runs[k][2 * *run] < from + n; ++*run) {
                 const long first = runs[k][2 * *run], length = runs[k][2 * *run + 1];
-                add_instead(length, rows[k] + first, shift, values[k] + *held, factors[k], vector + first);
+                const float *value = values[k] + *held;
+                if (scales) instead_of_shorts(length, shorts + first, scale, shift, value, factors[k], vector + first);
+                else instead_of_floats(length, floats + first, scale, shift, value, factors[k], vector + first);
                 *held += length;
             }
         }

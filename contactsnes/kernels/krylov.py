@@ -1,16 +1,16 @@
-"""Krylov vectors in single precision in the library."""
+"""Krylov vectors in single precision, or rounded, in the library."""
 
 import numpy as np
 
-from ..grid.changes import LENGTH, Changes
+from ..grid.changes import LENGTH, Changes, Rounded
 from .library import shared
 from .structures import address
 
 
 def inner_products(rows, vector):
     """As `solvers.basis.inner_products`."""
-    found, places = np.empty(len(rows) + 1), _places(rows)
-    shared().inner_products(len(rows), len(vector), places.ctypes.data, address(vector),
+    found, (places, scales) = np.empty(len(rows) + 1), _rows(rows)
+    shared().inner_products(len(rows), len(vector), _data(places), _data(scales), address(vector),
                             address(found))
     return found
 
@@ -22,9 +22,19 @@ def add_rows(rows, factors, vector):
     ----------
     rows, factors, vector : as of that
     """
-    factors, places = np.ascontiguousarray(factors, dtype=float), _places(rows)
-    return shared().add_rows(len(rows), len(vector), places.ctypes.data, address(factors),
-                             address(vector))
+    factors, (places, scales) = np.ascontiguousarray(factors, dtype=float), _rows(rows)
+    return shared().add_rows(len(rows), len(vector), _data(places), _data(scales),
+                             address(factors), address(vector))
+
+
+def rounded(vector, row):
+    """As `solvers.basis.rounded`.
+
+    Parameters
+    ----------
+    vector, row : as of that
+    """
+    shared().rounded(len(vector), address(vector), address(row.numbers), address(row.scales))
 
 
 def changes(before, after, like=None):
@@ -42,7 +52,9 @@ def changes(before, after, like=None):
         shared().changes(len(before), address(before), address(after), address(shifts),
                          address(runs), count, address(values), held, address(told))
         if told[0] <= count and told[1] <= held:
-            return Changes(shifts, runs[:told[0]], values[:told[1]])
+            for array, length in (runs, 2 * told[0]), (values, told[1]):
+                array.resize((length, ), refcheck=False)  # what is too much is given back
+            return Changes(shifts, runs.reshape(-1, 2), values)
         count, held = told.tolist()
 
 
@@ -56,12 +68,24 @@ def add_changed(rows, changed, factors, vector):
     factors = np.ascontiguousarray(factors, dtype=float)
     shifts, runs, values = (_places(part) for part in zip(*changed))
     counts = np.array([len(each.runs) for each in changed], dtype=np.intc)
-    work, places = np.empty(2 * len(changed), dtype=np.intc), _places(rows)
+    work, (places, scales) = np.empty(2 * len(changed), dtype=np.intc), _rows(rows)
     return shared().add_changed(
-        len(changed), len(vector), places.ctypes.data, shifts.ctypes.data, runs.ctypes.data,
-        address(counts), values.ctypes.data, address(factors), address(vector), address(work))
+        len(changed), len(vector), _data(places), _data(scales), _data(shifts), _data(runs),
+        address(counts), _data(values), address(factors), address(vector), address(work))
 
 
-def _places(rows):
-    """Addresses of rows, an array."""
-    return np.array([address(row) for row in rows], dtype=np.uintp)
+def _rows(rows):
+    """Addresses of rows, and those of their scales, or None."""
+    if not (rows and isinstance(rows[0], Rounded)):
+        return _places(rows), None
+    return tuple(map(_places, zip(*rows)))
+
+
+def _places(arrays):
+    """Addresses of arrays, an array."""
+    return np.array([address(array) for array in arrays], dtype=np.uintp)
+
+
+def _data(places):
+    """Where an array begins; None without one."""
+    return None if places is None else places.ctypes.data

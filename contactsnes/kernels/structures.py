@@ -12,14 +12,15 @@ TOO_MANY = 83
 """Status of a count of transforms beyond its limit."""
 
 
-NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.complex64, np.intc)))
+NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.complex64, np.intc,
+                                     np.short)))
 """Types that kernels know."""
 
 _memory_of = (ctypes.c_char * 0).from_buffer
 
 
 def address(array):
-    """Where a contiguous array of floats or doubles, complex ones or C's ints begins; None of no
+    """Where a contiguous array of floats or doubles, complex ones or C's integers begins; None of no
     array.
 
     Raises

@@ -1,37 +1,54 @@
-"""Rows of vectors that a Krylov method keeps, in single or double precision: products with them,
-and vectors made orthogonal to them."""
+"""Rows of vectors that a Krylov method keeps, in double or single precision, or rounded: products
+with them, and vectors made orthogonal to them."""
 
 import math
 
 import numpy as np
 
-from ..grid.changes import changes
+from ..grid.changes import LENGTH, Rounded, changes
 
 PIECE = 2 ** 13
+"""Numbers of a row that are taken at a time, a multiple of `LENGTH`."""
+SHORTEST = 32767.0
+"""Largest of the short integers."""
 CANCELLED = 1e-3
 """Part of a vector below which what is left of it is made orthogonal once more."""
 LEFT = 1e-13
 """The same of a vector that the others span."""
 
 
+def wide(row, first=0, count=None):
+    """Some numbers of a row in single precision, or `Rounded`, in double.
+
+    Parameters
+    ----------
+    row : array of float32, or Rounded
+    first, count : the first of them, at which a piece of a rounded row begins, and their number;
+        None: all
+    """
+    if not isinstance(row, Rounded):
+        return row[first:None if count is None else first + count].astype(float)
+    last = len(row.numbers) if count is None else first + count
+    return Rounded(row.numbers[first:last], row.scales[first // LENGTH:]).wide()
+
+
 def inner_products(rows, vector):
-    """Inner products of rows in single precision and a vector, summed in double, and last that of
-    the vector with itself."""
+    """Inner products of rows in single precision, or `Rounded`, and a vector, summed in double, and
+    last that of the vector with itself."""
     found = np.zeros(len(rows) + 1)
     for first in range(0, len(vector), PIECE):
         part = vector[first:first + PIECE]
-        found += [*(np.dot(row[first:first + PIECE].astype(float), part) for row in rows),
-                  np.dot(part, part)]
+        found += [*(np.dot(wide(row, first, PIECE), part) for row in rows), np.dot(part, part)]
     return found
 
 
 def add_rows(rows, factors, vector):
-    """Add rows in single precision, times factors, to a vector in place; its inner product with
-    itself then.
+    """Add rows in single precision, or rounded, times factors, to a vector in place; its inner
+    product with itself then.
 
     Parameters
     ----------
-    rows : list of arrays of float32
+    rows : list of arrays of float32, or of Rounded
     factors : numbers, one a row
     vector : array of float
     """
@@ -39,14 +56,14 @@ def add_rows(rows, factors, vector):
     for first in range(0, len(vector), PIECE):
         part = vector[first:first + PIECE]
         for row, factor in zip(rows, factors):
-            part += factor * row[first:first + PIECE].astype(float)
+            part += factor * wide(row, first, PIECE)
         square += np.dot(part, part)
     return square
 
 
 def add_changed(rows, changed, factors, vector):
-    """Add what rows in single precision were changed to, times factors, to a vector in place; its
-    inner product with itself then.
+    """Add what rows in single precision, or rounded, were changed to, times factors, to a vector in
+    place; its inner product with itself then.
 
     Parameters
     ----------
@@ -54,8 +71,28 @@ def add_changed(rows, changed, factors, vector):
     changed : list of Changes, of these rows
     """
     for row, each, factor in zip(rows, changed, factors):
-        vector += factor * each.applied(row)
+        vector += factor * each.applied(wide(row))
     return np.dot(vector, vector)
+
+
+def rounded(vector, row):
+    """Round a vector, in place, to what a `Rounded` row holds of it: short integers times a scale
+    for each of its pieces.
+
+    Parameters
+    ----------
+    vector : array of float
+    row : Rounded, which is filled
+    """
+    starts = np.arange(0, len(vector), LENGTH)
+    counts = np.minimum(len(vector) - starts, LENGTH)
+    largest = np.maximum.reduceat(np.abs(vector), starts)
+    row.scales[...] = largest / SHORTEST
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = np.where(largest > 0.0, SHORTEST / largest, 0.0)
+        parts = vector * np.repeat(inverse, counts)
+        row.numbers[...] = (parts + np.copysign(0.5, parts)).astype(np.short)
+    vector[...] = row.wide()
 
 
 class Basis:
@@ -92,6 +129,17 @@ class Basis:
         """Add the first rows, times factors, to a vector in place; its length then."""
         return math.sqrt(self._grid.together(self._products.add_rows(self._rows[:len(factors)],
                                                                      factors, vector)))
+
+
+class Short(Basis):
+    """Rows that are `Rounded`: what is taken of a vector, and left of it, is the rounded one, so
+    that products with it are exact; parameters as of `Basis`."""
+
+    def keep(self, place, vector):
+        """Take a vector as the row of a number, the first that is free at most, and round it."""
+        if place == len(self._rows):
+            self._rows.append(Rounded.of(len(vector)))
+        self._products.rounded(vector, self._rows[place])
 
 
 class Made(Basis):
@@ -164,6 +212,7 @@ class InSingle:
     """The products of rows in single precision, NumPy's."""
 
     inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
+    rounded = staticmethod(rounded)
     changes, add_changed = staticmethod(changes), staticmethod(add_changed)
 
 

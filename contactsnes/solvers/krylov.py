@@ -1,5 +1,5 @@
-"""Flexible GMRES for many unknowns: its vectors are in the precision of the products, are made when
-an iteration asks for them, and are given back when a nonlinear solve has ended.
+"""Flexible GMRES for many unknowns: its vectors are as exact as what is asked for needs, are made
+when an iteration asks for them, and are given back when a nonlinear solve has ended.
 
 PETSc's own makes twice ten of them at once, in double precision, and keeps them: more than all else
 that a plane takes.
@@ -9,8 +9,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..kernels import krylov as compiled
-from .basis import Basis, Changed, InDouble, InSingle, Made, orthogonalised
-from .precision import PATIENCE, SAFE
+from .basis import Basis, Changed, InDouble, InSingle, Made, Short, orthogonalised
+from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
 LARGE = 2 ** 16
@@ -56,8 +56,8 @@ class FlexibleGMRES:
     preconditioned from the right, with classical Gram-Schmidt.
 
     A cycle that is asked for no more of the residual it begins with than single precision holds
-    keeps its vectors so, whatever the products are in. That residual is found anew, in double
-    precision.
+    keeps its vectors so, whatever the products are in, and one that is asked for little rounds them
+    to short integers. That residual is found anew, in double precision.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class FlexibleGMRES:
     def __init__(self, grid, interpreted=False):
         self._grid = grid
         self._products = InSingle if interpreted else compiled
-        self._single, self.triangle, self._restart = None, None, PATIENCE
+        self._kept, self.triangle, self._restart = (None, None), None, PATIENCE
 
     def setFromOptions(self, ksp):
         """Read -ksp_gmres_restart, and ask for the side and the norm that are ours."""
@@ -78,12 +78,12 @@ class FlexibleGMRES:
 
     def release(self):
         """Give back the vectors."""
-        self._single = None
+        self._kept = None, None
 
     def view(self, ksp, viewer):
         """What -ksp_view prints."""
-        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors in the precision "
-                           "of the products\n")
+        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors as exact as what is "
+                           "asked for needs\n")
 
     def solve(self, ksp, b, x):
         """Solve for x.
@@ -107,7 +107,8 @@ class FlexibleGMRES:
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
-            basis = self._basis(aim >= SAFE * size)
+            basis = self._basis(Short if aim >= ROUNDED * size else
+                                Basis if aim >= SAFE * size else None)
             factors = self._cycle(ksp, (vector, work), size, basis)
             if not again:
                 x.set(0.0)
@@ -126,16 +127,17 @@ class FlexibleGMRES:
         """Ritz values of the last cycle, none of no solve."""
         return np.zeros(0) if self.triangle is None else self.triangle.ritz_values()
 
-    def _basis(self, single):
-        """(rows of the space, what the preconditioner made of them); those in single precision are
-        kept for the next solve."""
-        if not single:
+    def _basis(self, kind):
+        """(rows of the space, what the preconditioner made of them), of a kind: None in double
+        precision; others are kept for the next solve."""
+        if kind is None:
             self.release()
             return tuple(made(float, InDouble, self._grid) for made in (Basis, Made))
-        if self._single is None:
-            space = Basis(np.float32, self._products, self._grid)
-            self._single = space, Changed(space, self._products, self._grid)
-        return self._single
+        if self._kept[0] is not kind:
+            self.release()
+            space = kind(np.float32, self._products, self._grid)
+            self._kept = kind, (space, Changed(space, self._products, self._grid))
+        return self._kept[1]
 
     def _judge(self, ksp, iteration, norm):
         """Tell PETSc of an iteration, and ask whether it is the last."""
@@ -164,7 +166,7 @@ class FlexibleGMRES:
             vector.scale(1.0 / size)
         while triangle.count < self._restart and not ksp.getConvergedReason():
             place = triangle.count
-            space.keep(place, vector.getArray(readonly=True))
+            space.keep(place, vector.getArray())
             pc.apply(vector, work)
             made.take(place, vector.getArray(readonly=True), work.getArray(readonly=True))
             operator.mult(work, vector)

@@ -13,6 +13,11 @@ SAFE = 1e-5
 """Relative tolerance asked of a linear solve down to which its products are in single precision,
 whose rounding is 6e-8: what is lost in them stays far below."""
 
+ROUNDED = 2.5e-4
+"""The same down to which its vectors are rounded to short integers times a scale, by 1.5e-5 of the
+largest of a thousand numbers at most: mostly some 3e-5 of their norm, of which a part is left in
+the residual."""
+
 PATIENCE = 60
 """Iterations after which a solve goes on in double precision: a cycle of FGMRES, which then finds
 its residual anew."""
