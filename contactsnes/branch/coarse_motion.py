@@ -93,6 +93,7 @@ def _settled(system, state, controls, load, where, origin):
     def motion(coarse, level):
         point = _settled(coarse, level.injected(state), controls, level.load(controls, load), where,
                          level.origin)
+        coarse.release()
         return with_works(corrected(system, level.prolonged(point.state), controls, load), point)
 
     return (coarsely(system, controls, origin, motion)
@@ -118,6 +119,7 @@ def coarsely(system, controls, origin, motion):
             or (coarse := resolving(system, False)) is None):
         return None
     level = Departure(contact, coarse.contact, origin)
+    system.release()
     try:
         return motion(coarser(system, level.contact, None), level)
     except NoWayBack:

@@ -4,7 +4,6 @@ import math
 import time
 
 import numpy as np
-from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
@@ -24,16 +23,8 @@ from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
-from ..solvers.snes import WARM, create_snes
+from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes
 from ..solvers.vectors import collect, create_vector
-
-
-def _names(cls):
-    """Value -> name of the enumeration that petsc4py keeps as class attributes."""
-    return {value: name for name, value in vars(cls).items() if isinstance(value, int)}
-
-
-SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
 
 
 def refuse_unknown(grid, *starts):
@@ -158,10 +149,8 @@ class Corrector:
             if len(guess.window.parts) != self.boxes:
                 self.boxes = len(guess.window.parts)
                 self.log(in_words(guess.window))
-            self.form = self.snes = self.arc = kept = None
-            if len(controls) * guess.window.total >= LARGE:
-                self.contact.circle.cache_clear()
-            collect()  # the old one's memory is the new one's
+            kept = None
+            self.release()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,
@@ -170,6 +159,15 @@ class Corrector:
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
+
+    def release(self):
+        """Give back the form and its SNES, whose memory others take, until a solve asks for
+        them."""
+        large = self.form is not None and self.form.size >= LARGE
+        self.form = self.snes = self.arc = None
+        if large:
+            self.contact.circle.cache_clear()
+        collect()
 
     def run(self, form, unknown, most_iterations, snes=None):
         """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or
@@ -183,7 +181,7 @@ class Corrector:
         snes : SNES, if not the corrector's own
         """
         snes = snes or self.snes
-        newton = of_snes(snes).has_tangent
+        newton, before, products = of_snes(snes).has_tangent, form.evaluations, form.products
         self.patience.short = warm = most_iterations == WARM
         step_from_afar(form, not warm)
         near = most_iterations is not None and most_iterations <= WARM
@@ -192,9 +190,7 @@ class Corrector:
             snes.setTolerances(max_it=most_iterations)
         refuse_unknown(form.grid, unknown)
         solution = create_vector(form, unknown)
-        before, products = form.evaluations, form.products
         callbacks.solve(snes, solution)
-        solution.destroy()  # at once: older petsc4py does so late
         if form.precision.turned > turned == 0:
             self.log(TURNED)
         solution.destroy()  # at once: older petsc4py does so late
@@ -210,7 +206,7 @@ class Corrector:
             raise NotConverged(f"SNES {SNES_REASONS.get(reason, reason)} after {iterations} "
                                f"iterations, residual {snes.getFunctionNorm():.2e}, inner "
                                f"KSP {inner}")
-        # Iterations of other methods say nothing about the length of a step.
+        # (those of other methods say nothing about the length of a step)
         return unknown, iterations if newton else 0
 
     def balanced(self, form, unknown, state, system=None, snes=None):

@@ -62,6 +62,7 @@ def _crossing(system, last, load, beyond, where):
         begin, end = level.load(controls, load), level.load(controls, beyond)
         found = _crossing(coarse, coarse.solve(level.origin, controls, begin), begin, end, where)
         at = load + found.begin * (beyond - load)
+        coarse.release()
 
         def fine(point, most):
             return corrected(system, level.prolonged(point.state), controls, at, most)

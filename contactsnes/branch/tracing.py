@@ -19,9 +19,9 @@ from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.precision import pays
 from ..solvers.ritz import many
-from ..solvers.snes import WARM, create_snes, idle, kept
+from ..solvers.snes import KSP_REASONS, WARM, create_snes, idle, kept
 from . import coarse_motion, crossing
-from .corrector import KSP_REASONS, Corrector, finite
+from .corrector import Corrector, finite
 from .ends import Ends
 from .neighbours import Neighbours
 

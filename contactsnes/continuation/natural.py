@@ -7,7 +7,7 @@ import numpy as np
 from . import bifurcations, branching, departures
 from .folds import SHORT, FoldSearch
 from .load_steps import LoadSteps
-from .points import NoEquilibrium, NoFold, NotConverged
+from .points import NoEquilibrium, NoFold, NotConverged, without_frames
 from .predictors import after_failure
 
 SAME = 1e-6
@@ -62,6 +62,7 @@ class NaturalSteps(LoadSteps):
                 point, critical = self._tried(target, self._again() if failures
                                               else self.predictor)
             except NotConverged as error:
+                without_frames(error)
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
                                 f"next one is {step:.3g} of the leg")

@@ -56,6 +56,14 @@ class TooCoarse(RuntimeError):
         self.error = error
 
 
+def without_frames(error):
+    """Drop where an error, and those it came from, were raised: frames hold forms and states, while
+    what stopped a step is looked for."""
+    while error is not None:
+        error.__traceback__ = None
+        error = error.__context__
+
+
 class NoEquilibrium(RuntimeError):
     """No equilibrium exists under the present loads: the body leaves, or slides without end."""
 

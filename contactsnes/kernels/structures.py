@@ -20,8 +20,8 @@ _memory_of = (ctypes.c_char * 0).from_buffer
 
 
 def address(array):
-    """Where a contiguous array of floats or doubles, complex ones or C's integers begins; None of no
-    array.
+    """Where a contiguous array of floats or doubles, complex ones or C's integers begins; None of
+    no array.
 
     Raises
     ------

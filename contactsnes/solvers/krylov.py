@@ -82,8 +82,8 @@ class FlexibleGMRES:
 
     def view(self, ksp, viewer):
         """What -ksp_view prints."""
-        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors as exact as what is "
-                           "asked for needs\n")
+        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors as exact as what "
+                           "is asked for needs\n")
 
     def solve(self, ksp, b, x):
         """Solve for x.

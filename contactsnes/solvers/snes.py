@@ -24,6 +24,14 @@ NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
 """Reason to stop at a norm that is no number, by its older or its newer name."""
 
 
+def _names(cls):
+    """Value -> name of the enumeration that petsc4py keeps as class attributes."""
+    return {value: name for name, value in vars(cls).items() if isinstance(value, int)}
+
+
+SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
+
+
 COLD, WARM = 200, 16
 """Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
 shorter."""

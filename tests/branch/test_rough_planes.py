@@ -1,5 +1,8 @@
 """First points and jumps of a rough plane: on coarser grids, compared with motion of everything."""
 
+import gc
+import weakref
+
 import numpy as np
 import petsc4py
 import pytest
@@ -11,6 +14,7 @@ from petsc4py import PETSc  # noqa: E402
 from contactsnes import Branch, Load, Scene  # noqa: E402
 from contactsnes.branch import coarse_motion, crossing  # noqa: E402
 from contactsnes.branch.coarser import resolving  # noqa: E402
+from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.departure import Departure  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
@@ -211,6 +215,36 @@ def test_an_equilibrium_stands_still_on_the_coarser_grid(heights, tmp_path, cont
     assert states.missed(level.contact, level.origin, found.state, largest=True) < 1e-6
     again = level.prolonged(level.injected(point.state))
     assert states.missed(system.contact, again, point.state, largest=True) < 1e-12
+
+
+def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path, monkeypatch):
+    """Nor does what was told of the step that was refused: a form's memory, and that of its SNES,
+    is that of the motion."""
+    form_on, follow = Corrector.form_on, jumps.OverdampedMotion.follow
+    forms, held = weakref.WeakSet(), []
+
+    def made(system, *given):
+        form = form_on(system, *given)
+        forms.add(form)
+        return form
+
+    def followed(motion, *given):
+        finer = [form for form in forms if form.contact.grid.size > motion.contact.grid.size]
+        held.append(len(finer))
+        return follow(motion, *given)
+
+    monkeypatch.setattr(Corrector, "form_on", made)
+    monkeypatch.setattr(jumps.OverdampedMotion, "follow", followed)
+    branch = branch_of(heights(128), tmp_path / "heights.npy",
+                       path=f"normal_displacement={END}",
+                       steps=Steps(initial_step=0.04, largest_step=0.08))
+    gc.collect()
+    gc.disable()
+    try:
+        assert "jump" in [point.event for point in branch]
+    finally:
+        gc.enable()
+    assert len(held) > 1 and not any(held)
 
 
 @pytest.mark.parametrize("norms, reason", [

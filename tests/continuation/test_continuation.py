@@ -1,6 +1,7 @@
 """Continuation on problems of one or two unknowns whose branches, folds and bends are known in
 closed form."""
 
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +29,7 @@ from contactsnes.continuation.points import (
     NotConverged,
     Point,
     lagrange_weights,
+    without_frames,
 )
 from contactsnes.continuation.predictors import PREDICTORS
 from contactsnes.continuation.steppers import TracedSteps
@@ -1415,3 +1417,24 @@ def test_a_walk_can_be_left_at_any_point():
     steps = iter(NaturalSteps(system, leg, [(0.0, first)], PREDICTORS["edge"], "jump"))
     assert next(steps).leg == 1
     steps.close()
+
+
+def test_an_error_without_frames_holds_nothing_of_where_it_was_raised():
+    class Held:
+        pass
+
+    def failed(seen):
+        held = Held()
+        seen.append(weakref.ref(held))
+        try:
+            raise NotConverged("first")
+        except NotConverged:
+            raise NotConverged("then") from None
+
+    seen = []
+    try:
+        failed(seen)
+    except NotConverged as error:
+        assert seen[0]() is not None
+        without_frames(error)
+        assert seen[0]() is None and str(error) == "then"
