@@ -104,20 +104,24 @@ double add_rows(long count, long size, const void *const *rows, const double *co
 
 CLONES static void round_piece(long n, double *restrict v, short *restrict row, double *scale)
 {
-    double largest = 0.0;
-    int known = 1;
+    /* sizes of numbers are in the order of their bits, what is no number last: vectors compare these */
+    long long most = 0;
     for (long i = 0; i < n; i++) {
-        const double size = fabs(v[i]);
-        largest = size > largest ? size : largest;
-        known &= size <= DBL_MAX;
+        long long bits;
+        memcpy(&bits, v + i, sizeof bits);
+        bits &= 0x7fffffffffffffffLL;
+        most = bits > most ? bits : most;
     }
-    /* what is no number makes its piece none */
+    double largest;
+    memcpy(&largest, &most, sizeof most);
+    const int known = largest <= DBL_MAX; /* else its piece is none */
     const double own = *scale = known ? largest / SHORTEST : NAN;
     const double inverse = known && largest > 0.0 ? SHORTEST / largest : 0.0;
     for (long i = 0; i < n; i++) {
         const double x = v[i] * inverse;
-        row[i] = (short)(int)(x + (x < 0.0 ? -0.5 : 0.5));
-        v[i] = row[i] * own;
+        const int whole = (int)(x + copysign(0.5, x));
+        row[i] = whole;
+        v[i] = whole * own;
     }
 }
 

@@ -13,6 +13,9 @@ from .basis import Basis, Changed, InDouble, InSingle, Made, Short, orthogonalis
 from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
+WIDE = 2 ** 17
+"""Unknowns from which vectors are rounded to short integers: fewer are near the processor, and take
+longer to be widened than to be read."""
 LARGE = 2 ** 16
 """Unknowns from which that is taken, on planes: below, and on lines, PETSc's own vectors take
 little memory, and the way into Python would take time."""
@@ -56,8 +59,8 @@ class FlexibleGMRES:
     preconditioned from the right, with classical Gram-Schmidt.
 
     A cycle that is asked for no more of the residual it begins with than single precision holds
-    keeps its vectors so, whatever the products are in, and one that is asked for little rounds them
-    to short integers. That residual is found anew, in double precision.
+    keeps its vectors so, whatever the products are in, and one that is asked for little rounds
+    those of many unknowns to short integers. That residual is found anew, in double precision.
 
     Parameters
     ----------
@@ -107,8 +110,8 @@ class FlexibleGMRES:
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
-            basis = self._basis(Short if aim >= ROUNDED * size else
-                                Basis if aim >= SAFE * size else None)
+            few = aim >= ROUNDED * size and b.getSize() >= WIDE
+            basis = self._basis(Short if few else Basis if aim >= SAFE * size else None)
             factors = self._cycle(ksp, (vector, work), size, basis)
             if not again:
                 x.set(0.0)

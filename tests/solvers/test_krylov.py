@@ -25,6 +25,12 @@ REASONS = PETSc.KSP.ConvergedReason
 SIZE = 300
 
 
+@pytest.fixture(autouse=True)
+def rounding(monkeypatch):
+    """Vectors are rounded whatever their size."""
+    monkeypatch.setattr(krylov, "WIDE", 1)
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(7)
@@ -141,6 +147,16 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
     np.testing.assert_allclose(found, expected, atol=10.0 * tolerance)
     left = np.linalg.norm(system[0] @ found - system[1])
     assert left <= 1.001 * tolerance * np.linalg.norm(system[1])
+
+
+def test_few_unknowns_are_not_rounded(system, monkeypatch):
+    monkeypatch.setattr(krylov, "WIDE", SIZE + 1)
+    own, seen = FlexibleGMRES(ALONE, True), []
+    cycle = own._cycle
+    monkeypatch.setattr(own, "_cycle", lambda *given: seen.append(type(given[-1][0]))
+                        or cycle(*given))
+    solved(ksp_of(system[0], own, rtol=1e-2), system[1])
+    assert set(seen) == {krylov.Basis}
 
 
 def test_what_a_solve_begins_with_counts(system):
