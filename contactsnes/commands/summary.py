@@ -31,7 +31,8 @@ def start_window(settings, branch):
     if settings.form.form == "force" or settings.form.window == "off":
         return contact.grid.whole
     state = states.undeformed(contact, (initial[0].control,), [initial[0].value])
-    if contact.scattered:
+    sheared = scenes.tangential_legs(settings.scene, settings.load)[0]
+    if branch.corrector.symmetry.scatters(settings.scene.components if sheared else 1):
         return on_nodes(contact, state, afresh=True).window
     return contact.window(states.normal_gap(contact, state).reshape(contact.grid.local_shape))
 
@@ -222,7 +223,8 @@ def about_unknowns(settings, branch):
         components = scene.components if sheared else 1
         forced = sum(controls[i].control == "force"
                      for i in range(components)) if settings.form.form == "displacement" else 0
-        nodes = _extents(window) if uneven else [extent // 2 + 1 for extent in window.shape]
+        nodes = _extents(window) if uneven else [extent // 2 + 1
+                                                   for extent in window.parts[0].extents]
         count = components * math.prod(nodes) + forced
         largest = max(largest, count)
         lines.append(

@@ -98,7 +98,7 @@ def asked(form, state, reach):
     reach : normal gap within which the law acts, ranges
     """
     grid = form.grid
-    if form.kernel and not grid.shared:
+    if form.kernel:
         return form.kernel.imbalance(form.nodal(state), state.means[form.forced], reach)
     plain, displacement = getattr(form, "half", form), form.nodal(state)
     # (in the form's own memory: a large plane has no room for copies)

@@ -75,16 +75,16 @@ class Mirrored(State):
 
 def once_or_all(contact, state):
     """Normal gap (*box) of a state on a window of one box, delta_n, and the half it is given at,
-    each node once, or None: at all nodes, as where several processes share them.
+    each node once, or None: at all nodes.
 
     Parameters
     ----------
     contact : Contact
     state : State
     """
-    half = None if contact.grid.shared else state.half
-    nodes, normal = (state.window, state.normal) if half is None else (half, state.once[0])
-    return nodes.box(normal + contact.gap_on(nodes)), half
+    nodes = state.nodes
+    normal = state.normal if state.half is None else state.once[0]
+    return nodes.box(normal + contact.gap_on(nodes)), state.half
 
 
 def onto(state, window):

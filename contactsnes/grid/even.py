@@ -224,7 +224,7 @@ class EvenWindow:
 
     def along(self, line, axis):
         """A line of the full window along an axis, from that at these nodes and the apex on."""
-        return np.concatenate([line[:0:-1], line[:self.full.shape[axis] - len(line) + 1]])
+        return np.concatenate([line[:0:-1], line[:self.full.extents[axis] - len(line) + 1]])
 
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes."""

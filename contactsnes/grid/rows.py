@@ -39,7 +39,17 @@ class Rows:
         field : array (..., rows of this process, columns)
         wanted : array of int, numbers of rows in the cell; each process asks for its own
         """
-        asked, own = self.comm.allgather(np.asarray(wanted)), self.comm.rank
+        return self.given(field, self.comm.allgather(np.asarray(wanted)))
+
+    def given(self, field, asked):
+        """The same where each process knows what all of them ask for, which need not be told then.
+
+        Parameters
+        ----------
+        field : array (..., rows of this process, columns)
+        asked : for each process an array of int, numbers of rows in the cell
+        """
+        own = self.comm.rank
         mine = asked[own]
         found = np.empty((*field.shape[:-2], len(mine), field.shape[-1]), dtype=field.dtype)
         on_way, coming = [], []
@@ -68,14 +78,12 @@ class Rows:
         Parameters
         ----------
         field : array (..., rows of this process, columns)
-        before, after : int
+        before, after : int, the same in all processes
         """
-        numbers = np.arange(-before, self.count + after) + self.first
-        outside = np.r_[0:before, before + self.count:len(numbers)]
-        wide = np.empty((*field.shape[:-2], len(numbers), field.shape[-1]), dtype=field.dtype)
-        wide[..., before:before + self.count, :] = field
-        wide[..., outside, :] = self.at(field, self._inside(numbers[outside]))
-        return wide
+        asked = [self._inside(np.r_[first - before:first, first + number:first + number + after])
+                 for first, number in self.parts]
+        found = self.given(field, asked)
+        return np.concatenate([found[..., :before, :], field, found[..., before:, :]], axis=-2)
 
     def _inside(self, numbers):
         """Numbers of the rows that stand for those of numbers beyond the first or the last one."""
@@ -131,7 +139,8 @@ class Rows:
 
 def _slice(numbers):
     """Numbers as a slice, where they follow each other upwards: no copy is made to pick them."""
-    if len(numbers) and np.all(np.diff(numbers) == 1):
+    if len(numbers) and numbers[-1] - numbers[0] == len(numbers) - 1 and np.all(
+            numbers[1:] > numbers[:-1]):
         return slice(int(numbers[0]), int(numbers[-1]) + 1)
     return numbers
 

@@ -54,7 +54,8 @@ class SlabCosines(Filtering):
         """
         columns = [share(self.shape[1], rank, comm.size) for rank in range(comm.size)]
         widths = [part.stop - part.start for part in columns]
-        rows, here = comm.allgather(rows), widths[comm.rank]
+        self._parts = rows = comm.allgather(rows)
+        here = widths[comm.rank]
         mine = rows[comm.rank][1]
         shapes = (self._count, mine, self.shape[1]), (self._count, self.shape[0], here)
         # what is sent, or has come, stands in memory of its own

@@ -74,7 +74,8 @@ class SlabEven(EvenWindow):
         arrays (components, nodes) alone."""
         numbers = self.full.rows.numbers, np.arange(self.full.extents[1])
         half, columns = self.full.extents[0] // 2, self.full.extents[1]
-        rows = self.rows.at(self.box(values), np.abs(numbers[0] - half))
+        rows = self.rows.given(self.box(values), [np.abs(np.arange(first, first + count) - half)
+                                                  for first, count in self.full.rows.parts])
         found = np.concatenate([rows[..., columns // 2:0:-1], rows[..., :columns - columns // 2]],
                                axis=-1)
         for field, signs in zip(found, self.parities or () if found.ndim > 2 else ()):

@@ -19,6 +19,13 @@ static float *field_of(const Transform *t, long field)
     return (float *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
 }
 
+/* a pair of rows: of slabs, those of this process lie elsewhere */
+static float *pair_of(const Transform *t, const Shares *s, long field, long pair)
+{
+    return s ? row_that_came(s, field, pair, field_of(t, field), t->shape[1])
+             : field_of(t, field) + 2 * pair * t->shape[1];
+}
+
 /* to w, for k from 1 on, what stands at n - k, times a sign */
 CLONES static void mirror(const float *restrict x, float *restrict w, long n, float sign)
 {
@@ -143,13 +150,13 @@ static void lines(const Line *l, float *x, long apart, long count, int back, lon
 }
 
 /* Some columns of a field's rows, pair after pair, zero beyond the rows used. */
-CLONES static void gather(const Transform *t, long field, long first, long columns, long used)
+CLONES static void gather(const Transform *t, const Shares *s, long field, long first, long columns, long used)
 {
-    const long r = t->shape[0], c = t->shape[1], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
+    const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
     const long filled = used + used % 2;
     float *restrict to = t->block + field * PAIRS * apart;
     for (long p = 0; p < filled / 2; p++) {
-        const float *restrict z = field_of(t, field) + 2 * (p * c + first);
+        const float *restrict z = pair_of(t, s, field, p) + 2 * first;
         for (long q = 0; q < pairs; q++) {
             const int two = 2 * q + 1 < columns;
             float *restrict o = to + q * apart + 4 * p;
@@ -162,12 +169,13 @@ CLONES static void gather(const Transform *t, long field, long first, long colum
     for (long q = 0; q < pairs; q++) memset(to + q * apart + 2 * used, 0, (apart - 2 * used) * sizeof *to);
 }
 
-CLONES static void scatter(const Transform *t, long field, long first, long columns, long used)
+CLONES static void scatter(const Transform *t, const Shares *s, long field, long first, long columns,
+                           long used)
 {
-    const long r = t->shape[0], c = t->shape[1], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
+    const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
     const float *restrict from = t->block + field * PAIRS * apart;
     for (long p = 0; p < (used + 1) / 2; p++) {
-        float *restrict z = field_of(t, field) + 2 * (p * c + first);
+        float *restrict z = pair_of(t, s, field, p) + 2 * first;
         for (long q = 0; q < pairs; q++) {
             const float *restrict o = from + q * apart + 4 * p;
             z[4 * q] = o[0];
@@ -213,28 +221,36 @@ static void multiply(const Transform *t, const Response *response, const float *
         }
 }
 
-/* The rows of all fields, of which some are used, transformed; or back. */
-void folded_rows(const Transform *t, long used, int back)
+/* The rows of all fields, of which some are used, transformed; or back. Of slabs they go to what is sent
+   while they are in the processor's cache, or come from there. */
+void folded_rows(const Transform *t, const Shares *s, long used, int back)
 {
+    const long c = t->shape[1], pairs = (used + 1) / 2;
     for (long i = 0; i < t->count; i++)
-        lines(&t->line[1], field_of(t, i), t->shape[1], (used + 1) / 2, back, t->odd[i][1]);
+        for (long p = 0; p < pairs; p += PAIRS) {
+            const long some = pairs - p < PAIRS ? pairs - p : PAIRS;
+            float *x = field_of(t, i) + 2 * p * c;
+            if (s && back) share_rows(s, i, p, some, x, back);
+            lines(&t->line[1], x, c, some, back, t->odd[i][1]);
+            if (s && !back) share_rows(s, i, p, some, x, back);
+        }
 }
 
 /* The columns of rows that are transformed: there, times symbols, and back. */
-void folded_columns(const Transform *t, const Response *response, const float *symbol, long used,
-                    int transposed)
+void folded_columns(const Transform *t, const Shares *s, const Response *response, const float *symbol,
+                    long used, int transposed)
 {
     const long r = t->shape[0], c = t->shape[1], apart = r + r % 2, wide = PAIRS * 2 * apart;
     for (long first = 0; first < c; first += COLUMNS) {
         const long columns = c - first < COLUMNS ? c - first : COLUMNS, pairs = (columns + 1) / 2;
         for (long i = 0; i < t->count; i++) {
-            gather(t, i, first, columns, used);
+            gather(t, s, i, first, columns, used);
             lines(&t->line[0], t->block + i * wide, apart, pairs, 0, t->odd[i][0]);
         }
         multiply(t, response, symbol, first, pairs, transposed);
         for (long i = 0; i < t->count; i++) {
             lines(&t->line[0], t->block + i * wide, apart, pairs, 1, t->odd[i][0]);
-            scatter(t, i, first, columns, used);
+            scatter(t, s, i, first, columns, used);
         }
     }
 }
@@ -243,9 +259,9 @@ void folded_columns(const Transform *t, const Response *response, const float *s
 void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed)
 {
-    folded_rows(t, used, 0);
-    folded_columns(t, response, symbol, used, transposed);
-    folded_rows(t, used, 1);
+    folded_rows(t, 0, used, 0);
+    folded_columns(t, 0, response, symbol, used, transposed);
+    folded_rows(t, 0, used, 1);
 }
 
 /* the symbol 1 / gain / (1 + C D), pair after pair, from compliances column after column */

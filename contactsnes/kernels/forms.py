@@ -78,9 +78,8 @@ def _response(convolution, count, transform):
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:
-        # (in double precision on slabs Python multiplies)
-        by_python = window.grid.shared and not transform.structure.packed
-        product = (None if by_python or all(i == j for i, j in symbols) else _copied(transform))
+        product = (None if all(i == j for i, j in symbols)
+                   else _copied(transform, window.grid.shared))
     elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
         product = _copied(transform, window.grid.shared)
     if product is not None:
@@ -243,9 +242,8 @@ class SharedForm(CompiledForm):
 
     def _respond(self, single, transposed=False):
         """What stands in the transform times the operator."""
-        response, (transform, symbols, _) = (self._quick if single
-                                             else (self._response, self._kept[0]))
-        transform.respond(response, transposed, symbols)
+        response, (transform, *_) = self._quick if single else (self._response, self._kept[0])
+        transform.respond(response, transposed)
 
     def residual(self, unknown, out):
         """F."""
@@ -259,6 +257,25 @@ class SharedForm(CompiledForm):
         rows = half.row_scale * total - half.row_target
         out[half.count:] = self.grid.held(rows[half.forced])
         return out
+
+    def imbalance(self, displacement, scalars, reach):
+        """Norm of F, the largest imbalance and whether the law acts, at the nodes of all processes.
+
+        Parameters
+        ----------
+        displacement, scalars, reach : as of `CompiledForm`
+        """
+        half, found, grid = self.half, np.empty(3), self.grid
+        displacement = np.ascontiguousarray(displacement)
+        total = self._totals(self.library.begin_imbalance, displacement)
+        self._respond(False)
+        mean = half.far - half.rigid_compliance * total / grid.size
+        mean[half.forced] = scalars
+        self.library.end_imbalance(self.reference, address(displacement), address(mean), reach,
+                                   address(found))
+        rows = (half.row_scale * total - half.row_target)[half.forced]
+        squares, largest = grid.together(found[0]) + rows @ rows, grid.largest(found[1:])
+        return math.sqrt(squares), float(largest[0]), bool(largest[1])
 
     def apply_jacobian(self, vector, out, single=False):
         """out = J vector.

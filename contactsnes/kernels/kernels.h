@@ -63,6 +63,13 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
 
+typedef struct { /* rows here, of which processes get columns: what is sent, or has come, lies block after block */
+    long parts, own, rows, place; /* processes; this one; its rows, and the first of them among all */
+    long field, size;             /* bytes from a field to the next one there, and of a number */
+    const long *first;            /* of each process its first column, and how many there are */
+    char *packed;
+} Shares;
+
 typedef struct { /* of `count` half spectra some columns, rows x columns waves each (slabs.c) */
     long count, rows, columns, single;
     void *spectrum, *block; /* block: a few columns of each field and of a symbol, column after column */
@@ -176,7 +183,7 @@ struct Libraries {
 };
 extern struct Libraries libraries;
 
-void along_rows(const Line *l, void *x, long count, int back, int odd, int single);
+void along_rows(const Line *l, void *x, long count, int back, int odd, long used, int single);
 void turn_field(void *a, long rows, long columns, void *b, int back, int single);
 int forward(Transform *t, long used);
 int backward(Transform *t, long used);
@@ -218,9 +225,13 @@ void packed_multiply(const Transform *t, const Response *response, const float *
                      int transposed);
 void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
                      int transposed);
-void folded_rows(const Transform *t, long used, int back);
-void folded_columns(const Transform *t, const Response *response, const float *symbol, long used,
-                    int transposed);
+void folded_rows(const Transform *t, const Shares *s, long used, int back);
+void folded_columns(const Transform *t, const Shares *s, const Response *response, const float *symbol,
+                    long used, int transposed);
+void share_rows(const Shares *s, long field, long row, long count, void *x, int back);
+void *row_that_came(const Shares *s, long field, long row, void *others, long wide);
+void even_rows(const Transform *t, const Shares *s, long used, int back);
+void even_columns(const Transform *t, const Shares *s, const Response *r, long used, int transposed);
 void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    float *symbol);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,

@@ -365,24 +365,34 @@ void releases(const Law *law, long m, long nodes, const double *foretold, const 
     }
 }
 
-/* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
-   the largest imbalance at a node where the law acts, ranges, and at how many it does. */
-int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *numbers)
+/* the form whose unknowns are the displacements */
+static Form plain_of(const Form *f)
 {
-    const long n = f->nodes, m = f->components;
-    Form plain = *f; /* whose unknowns are the displacements */
-    double sum[MOST], mean[MOST], squares = 0.0, largest = 0.0, acting = 0.0;
+    Form plain = *f;
     plain.root = 1.0;
     plain.scale = plain.unscale = 0;
+    return plain;
+}
+
+/* Tractions at displacements, in the transform; their sums over the cell, or what of it is here. */
+void begin_imbalance(Form *f, const double *displacement, double *sum)
+{
+    const long n = f->nodes, m = f->components;
+    Form plain = plain_of(f);
     begin_residual(&plain, displacement, sum);
     f->evaluations = plain.evaluations;
     if ((f->known = plain.known)) /* at the unknown that they are packed to */
         for (long k = 0; k < m * n; k++)
             f->last[k] = displacement[k] / f->root * (f->scale ? f->scale[k % n] : 1.0);
-    int status = convolve(f->response, 0);
-    if (status) return status;
-    for (long i = 0; i < m; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
-    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
+}
+
+/* Of the response to these: squares of F, the largest imbalance and at how many nodes the law acts, of the
+   nodes here. */
+void end_imbalance(Form *f, const double *displacement, const double *mean, double reach, double *numbers)
+{
+    const long n = f->nodes, m = f->components;
+    const Form plain = plain_of(f);
+    double squares = 0.0, largest = 0.0, acting = 0.0;
     assemble(&plain, f->response, mean, 1.0, displacement, f->work);
     for (long i = 0; i < m; i++) squares += weighted_squares(f->work + i * n, f->weight, n);
     for (long k = 0; k < n; k++) {
@@ -390,14 +400,26 @@ int imbalance(Form *f, const double *displacement, const double *scalars, double
         for (long i = 0; i < m; i++) largest = greater(fabs(f->work[i * n + k]), largest);
         acting += 1.0;
     }
-    squares /= f->root * f->root;
-    for (long row = 0; row < f->forced_count; row++) {
-        const double missing = f->row_scale[f->forced[row]] * sum[f->forced[row]] - f->target[f->forced[row]];
-        squares += missing * missing;
-    }
-    numbers[0] = squares;
+    numbers[0] = squares / (f->root * f->root);
     numbers[1] = largest;
     numbers[2] = acting;
+}
+
+/* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
+   the largest imbalance at a node where the law acts, ranges, and at how many it does. */
+int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *numbers)
+{
+    double sum[MOST], mean[MOST];
+    begin_imbalance(f, displacement, sum);
+    int status = convolve(f->response, 0);
+    if (status) return status;
+    for (long i = 0; i < f->components; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
+    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
+    end_imbalance(f, displacement, mean, reach, numbers);
+    for (long row = 0; row < f->forced_count; row++) {
+        const double missing = f->row_scale[f->forced[row]] * sum[f->forced[row]] - f->target[f->forced[row]];
+        numbers[0] += missing * missing;
+    }
     return 0;
 }
 

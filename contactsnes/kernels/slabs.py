@@ -141,14 +141,13 @@ class SlabReal(OfLibrary, SlabTransform):
         """Transform the columns of waves."""
         self.library.along_columns(self._reference, not back, back, None, 0)
 
-    def respond(self, response, transposed, symbols=None):
+    def respond(self, response, transposed):
         """What stands in ``real`` times an operator, or its transpose, in place.
 
         Parameters
         ----------
         response : structure of the library, with the operator's symbols
         transposed : bool
-        symbols : these as arrays, which are not asked for
         """
         self._to_columns()
         self.library.along_columns(self._reference, True, True, ctypes.addressof(response),

@@ -71,6 +71,14 @@ class Response(ctypes.Structure):
                 ("on_circle", c_void_p), ("in_box", c_void_p)]
 
 
+class Shares(ctypes.Structure):
+    """Rows of which processes get columns."""
+
+    _fields_ = [("parts", c_long), ("own", c_long), ("rows", c_long), ("place", c_long),
+                ("field", c_long), ("size", c_long), ("first", POINTER(c_long)),
+                ("packed", c_void_p)]
+
+
 class Columns(ctypes.Structure):
     """Columns of spectra that are shared out."""
 

@@ -14,11 +14,12 @@ struct Libraries libraries;
         else name##_in_double(__VA_ARGS__); \
     } while (0)
 
-/* Rows of an even field, or an odd one, one after another, from the axis outwards, in place; or back. */
-void along_rows(const Line *l, void *x, long count, int back, int odd, int single)
+/* Rows of an even field, or an odd one, one after another, from the axis outwards, in place; or back. The
+   first `used` numbers of each hold anything, or are asked for. */
+void along_rows(const Line *l, void *x, long count, int back, int odd, long used, int single)
 {
-    if (single) rows_in_single(l, x, count, back, odd, l->points);
-    else rows_in_double(l, x, count, back, odd, l->points);
+    if (single) rows_in_single(l, x, count, back, odd, used);
+    else rows_in_double(l, x, count, back, odd, used);
 }
 
 /* b (columns x rows) = transpose of a (rows x columns), or a that of b */

@@ -63,7 +63,8 @@ class CoreBlock:
         self._into = self._back = np.sqrt(box[self.core])
         if scale is not None:
             scale = scale.reshape(self.boxes)[self.core]
-            self._into, self._back = self._into / scale, self._into * scale
+            self._into = self._into / scale
+            self._back *= scale
         return [part.stop - part.start for part in parts]
 
     def _lay_out(self, window):
