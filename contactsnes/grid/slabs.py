@@ -20,6 +20,8 @@ from .slab_even import SlabEven
 from .slab_fields import SlabFields
 from .slab_transform import SlabCircle, SlabTransform, share
 
+STRIP = 2 ** 20
+"""Waves for which symbols are made at a time."""
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them."""
 
@@ -123,11 +125,17 @@ class Slabs(SlabFields, Grid):
         """
         first, second = super().wavevectors(shape)
         here = share(second.size, self.comm.rank, self.comm.size)
-        last = here.stop == second.size and (shape or self.shape)[1] % 2 == 0
-        # What blocks there are hangs on the longest waves, which one process has: all take them.
-        columns = np.r_[0:2, here]
-        blocks = make((first, second[:, columns]), components, last_even=last)
-        return {key: np.ascontiguousarray(block[:, 2:]) for key, block in blocks.items()}
+        found, some = {}, max(1, STRIP // first.size)
+        for begin in range(here.start, max(here.stop, here.start + 1), some):
+            end = min(begin + some, here.stop)
+            last = end == second.size and (shape or self.shape)[1] % 2 == 0
+            # What blocks there are hangs on the longest waves, which one process has: all take
+            # them.
+            blocks = make((first, second[:, np.r_[0:2, begin:end]]), components, last_even=last)
+            for key, block in blocks.items():
+                found.setdefault(key, np.empty((first.size, here.stop - here.start), block.dtype))
+                found[key][:, begin - here.start:end - here.start] = block[:, 2:]
+        return found
 
     def room(self, place, shape, kind):
         """Memory of a name that transforms use in turn, as an array that is not cleared.

@@ -11,6 +11,9 @@ import scipy
 from .active import Nodes
 from .windows import Window
 
+STRIP = 2 ** 20
+"""Nodes of a plane that are interpolated at a time."""
+
 
 class Cell(NamedTuple):
     """Points of a cell, of which a window may be."""
@@ -185,16 +188,26 @@ def refined(grid, values):
     between these, in each direction."""
     if not grid.shared:
         return interpolated(grid.whole, values).reshape(grid.shape)
-    begin, end = (grid.rows.first + shift for shift in (-8, grid.rows.count + 8))
-    begin -= begin % 2
-    rows = np.arange(begin // 2, (end + 1) // 2)
-    # rows of a larger cell, at whose ends nothing goes on
-    shape = 2 * len(rows), grid.shape[1]
-    part = Window(Cell((2 * shape[0], shape[1])), (0, 0), shape)
-    number = rows % (grid.shape[0] // 2)
+    first, count = grid.rows.first, grid.rows.count
+    begin, end = _beneath(first, count)
+    number = np.arange(begin, end) % (grid.shape[0] // 2)
     values = values[number] if grid.half is None else grid.half.rows.at(values, number)
-    wide = interpolated(part, values).reshape(shape)
-    return wide[grid.rows.first - begin:][:grid.rows.count]
+    found, some = np.empty(grid.local_shape), max(1, STRIP // grid.shape[1])
+    for at in range(first, first + count, some):
+        rows = min(some, first + count - at)
+        low, high = _beneath(at, rows)
+        # rows of a larger cell, at whose ends nothing goes on
+        shape = 2 * (high - low), grid.shape[1]
+        part = Window(Cell((2 * shape[0], shape[1])), (0, 0), shape)
+        wide = interpolated(part, values[low - begin:high - begin]).reshape(shape)
+        found[at - first:at - first + rows] = wide[at - 2 * low:][:rows]
+    return found
+
+
+def _beneath(first, count):
+    """The first of the rows of a coarser grid from which some of the finer one are interpolated,
+    and the one after the last."""
+    return (first - 8) // 2, (first + count + 9) // 2
 
 
 def extent(mask, axis, margin=0):

@@ -7,6 +7,9 @@ import numpy as np
 from ..grid.cell import Grid
 from ..options.fields import LARGEST, InputError, as_text
 
+STRIP = 2 ** 20
+"""Nodes of a plane whose second differences are in memory at a time."""
+
 
 def evaluated(shape, coordinates, scene):
     """The gap that a shape has on nodes, u_n,r.
@@ -154,20 +157,40 @@ def is_convex(gap, grid=None):
     rounding = 8.0 * np.finfo(float).eps * max(abs(lowest), abs(highest))
     if highest - lowest <= rounding:
         return False
-    summit, around, axes = grid.highest(-gap), grid.whole.ringed(gap), range(gap.ndim)
-    steps = np.eye(gap.ndim, dtype=int)
-    bends = [(_beside(around, step) - gap) - (gap - _beside(around, -step)) for step in steps]
     # A summit between two nodes has the border half a spacing beside the array's end.
-    inside = [_about(grid, summit, [2 if other == axis else 1 for other in axes]) for axis in axes]
-    if min(grid.minimum(bend, where=nodes) for bend, nodes in zip(bends, inside)) < -rounding:
+    summit, around, axes = grid.highest(-gap), grid.whole.ringed(gap), range(gap.ndim)
+    borders = [[2 if other == axis else 1 for other in axes] for axis in axes] + [[2] * gap.ndim]
+    inside = [_about(grid, summit, border) for border in borders]
+    some = max(1, STRIP * len(gap) // max(gap.size, 1))
+    found = np.array([_bent(around[first:first + some + 3],
+                            [[rows[first:first + some], *others] for rows, *others in inside])
+                      for first in range(0, len(gap), some)]).reshape(-1, 3).T
+    if grid.minimum(found[0]) < -rounding:
         return False
-    if gap.ndim == 1:
-        return True
+    steepest = grid.maximum(found[1])
+    return gap.ndim == 1 or bool(grid.minimum(found[2]) >= -rounding * steepest)
+
+
+def _bent(around, inside):
+    """Smallest and largest second differences along the directions, and smallest determinant of
+    those of a plane, among some nodes.
+
+    Parameters
+    ----------
+    around : array, values with a ring around them (`windows.Window.ringed`)
+    inside : for each direction, and for the determinant, masks along the directions of what counts
+    """
+    masks = [reduce(np.logical_and.outer, lines) for lines in inside]
+    steps = np.eye(around.ndim, dtype=int)
+    gap = _beside(around, 0 * steps[0])
+    bends = [(_beside(around, step) - gap) - (gap - _beside(around, -step)) for step in steps]
+    least = min(np.min(bend, where=mask, initial=np.inf) for bend, mask in zip(bends, masks))
+    most = max(np.max(bend, where=mask, initial=-np.inf) for bend, mask in zip(bends, masks))
+    if around.ndim == 1:
+        return least, most, 0.0
     twist = (_beside(around, (1, 1)) - _beside(around, (1, -1)) - _beside(around, (-1, 1))
              + _beside(around, (-1, -1))) / 4
-    steepest = max(grid.maximum(bend, where=nodes) for bend, nodes in zip(bends, inside))
-    return bool(grid.minimum(bends[0] * bends[1] - twist ** 2,
-                             where=_about(grid, summit, (2, 2))) >= -rounding * steepest)
+    return least, most, np.min(bends[0] * bends[1] - twist ** 2, where=masks[-1], initial=np.inf)
 
 
 def _beside(around, step):
@@ -177,8 +200,8 @@ def _beside(around, step):
 
 
 def _about(grid, summit, borders):
-    """Mask of the nodes that are here and so many nodes from the border of a cell about the summit,
-    in each direction.
+    """Masks, one a direction, of the nodes that are here and so many nodes from the border of a
+    cell about the summit.
 
     Parameters
     ----------
@@ -188,5 +211,5 @@ def _about(grid, summit, borders):
     """
     places = [grid.row_numbers, *map(np.arange, grid.shape[1:])]
     lines = [(place + n // 2 - top) % n for place, n, top in zip(places, grid.shape, summit)]
-    return reduce(np.logical_and.outer, [(line >= border) & (line < n - border) for line, n, border
-                                         in zip(lines, grid.shape, borders)])
+    return [(line >= border) & (line < n - border) for line, n, border
+            in zip(lines, grid.shape, borders)]

@@ -9,13 +9,12 @@ import numpy as np
 
 from . import structures
 from .laws import kernel_of
+from .responses import response
 from .slab_even import SlabEvenReal
 from .slabs import SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
 
-WAVES = 2048
-"""Waves of a spectrum that blocks are multiplied with at a time, as kernels.h has it."""
 KEPT = 2 ** 14
 """Numbers of a tangent up to which that of a residual is kept for a linearisation at the same
 unknown."""
@@ -50,48 +49,6 @@ def call(function, counter, *arguments):
         counter.check()
 
 
-def _copied(transform, by_columns=False):
-    """Memory for the part of spectra that blocks are multiplied with at a time."""
-    if by_columns or transform.structure.packed:
-        return np.empty_like(transform.block)
-    return np.empty((transform.count, WAVES), dtype=transform.spectrum.dtype)
-
-
-def _response(convolution, count, transform):
-    """The structure of a convolution's product, and what it keeps.
-
-    Parameters
-    ----------
-    convolution : with a compiled transform
-    count : int, number of components
-    transform : its own, or that in single precision
-    """
-    window = convolution.window
-    boxes = len(window.parts)
-    own = structures.Response(components=count, boxes=boxes)
-    own.transform = ctypes.pointer(transform.structure)
-    own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
-    blocks, product = convolution.blocks, None
-    symbols = {key: transform.fitting(block) for key, block in blocks.items()}
-    for (i, j), symbol in symbols.items():
-        own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
-    # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
-    # even fields
-    if window.even:
-        product = (None if all(i == j for i, j in symbols)
-                   else _copied(transform, window.grid.shared))
-    elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
-        product = _copied(transform, window.grid.shared)
-    if product is not None:
-        own.product = address(product)
-    if window.picked:
-        places = transform.places(window.on_circle)
-        own.picked, own.on_circle = window.size, address(places)
-        own.in_box = address(window.places)
-        product = product, places
-    return own, (transform, symbols, product)
-
-
 class CompiledForm:
     """Residual, tangent and products of a form, on its memory.
 
@@ -114,7 +71,7 @@ class CompiledForm:
             components=half.components, nodes=half.nodes, forced_count=len(half.forced),
             root=half.root, size=half.grid.size)
         own.forced[:len(half.forced)] = half.forced
-        self._response, kept = _response(half.convolution, half.components,
+        self._response, kept = response(half.convolution, half.components,
                                          half.convolution.transform)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
@@ -184,8 +141,8 @@ class CompiledForm:
         """Have what products in single precision take, in the memory of those in double."""
         if self._quick is None:
             convolution = self.half.convolution
-            self._quick = _response(convolution, self.half.components,
-                                    convolution.transform.single)
+            self._quick = response(convolution, self.half.components,
+                                   convolution.transform.single)
             self.structure.quick = ctypes.pointer(self._quick[0])
 
     def set_precision(self, single):

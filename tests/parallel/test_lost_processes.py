@@ -150,7 +150,7 @@ def test_a_full_disk(tmp_path):
     points = read(tmp_path / "run.h5").points
     assert len(done.told) == 1 and points, done.stderr
     assert "cannot be written (File too large)" in done.told[0]
-    assert f"{points} points are in" in done.told[0]
+    assert f"{points} {'points are' if points > 1 else 'point is'} in" in done.told[0]
 
 
 COUNTED = re.compile("; (?P<least>at least )?(?P<points>[0-9]+) points are in ")

@@ -9,6 +9,7 @@ PROGRAM = """
 import itertools
 import numpy as np
 from mpi4py import MPI
+from contactsnes.contact.balance import asked
 from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
@@ -102,6 +103,9 @@ for part, controls, arc, single in itertools.product(
         assert not last or np.allclose(scalars, tail, rtol=close, atol=close * most), case
         assert last or not scalars.size, case
     assert inner.evaluations == 2 and inner.products == 2
+    if not arc:
+        one, other = (asked(form, form.state(pressed(form, part)), 60.0) for form in (here, whole))
+        assert np.allclose(one, other, rtol=1e-12) and 0.0 < one[1], (part, controls, one, other)
 print("alike")
 """
 

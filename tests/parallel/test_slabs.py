@@ -14,6 +14,7 @@ from contactsnes.grid.nearest import nearest
 from contactsnes.grid.numbers import numbers_of, restored
 from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.spots import corrected_count, labelled, sizes
+from contactsnes.grid import transfer
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
 from contactsnes.solvers.core_blocks import CoreBlock, ScatteredBlock
@@ -72,6 +73,9 @@ alike("smooth", lambda grid, part: smooth(grid.whole, part(mask).reshape(-1), 0.
     grid.local_shape))
 alike("area", lambda grid, part: grid.whole.area_below(part(cell[0]).reshape(-1), 0.3))
 alike("every other", lambda grid, part: refined(grid, grid.every_other(part(cell[0]))))
+transfer.STRIP, whole = 150, transfer.STRIP  # some rows at a time
+alike("in strips", lambda grid, part: refined(grid, grid.every_other(part(cell[0]))))
+transfer.STRIP = whole
 
 
 def spectral(grid, part):

@@ -1,0 +1,53 @@
+"""Products with a convolution's symbols, as the library takes them."""
+
+import ctypes
+
+import numpy as np
+
+from . import structures
+from .structures import address
+
+WAVES = 2048
+"""Waves of a spectrum that blocks are multiplied with at a time, as kernels.h has it."""
+
+
+def _copied(transform, by_columns=False):
+    """Memory for the part of spectra that blocks are multiplied with at a time."""
+    if by_columns or transform.structure.packed:
+        return np.empty_like(transform.block)
+    return np.empty((transform.count, WAVES), dtype=transform.spectrum.dtype)
+
+
+def response(convolution, count, transform):
+    """The structure of a convolution's product, and what it keeps.
+
+    Parameters
+    ----------
+    convolution : with a compiled transform
+    count : int, number of components
+    transform : its own, or that in single precision
+    """
+    window = convolution.window
+    boxes = len(window.parts)
+    own = structures.Response(components=count, boxes=boxes)
+    own.transform = ctypes.pointer(transform.structure)
+    own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
+    blocks, product = convolution.blocks, None
+    symbols = {key: transform.fitting(block) for key, block in blocks.items()}
+    for (i, j), symbol in symbols.items():
+        own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
+    # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
+    # even fields
+    if window.even:
+        product = (None if all(i == j for i, j in symbols)
+                   else _copied(transform, window.grid.shared))
+    elif count > 1 or boxes > 1 or np.iscomplexobj(symbols[0, 0]):
+        product = _copied(transform, window.grid.shared)
+    if product is not None:
+        own.product = address(product)
+    if window.picked:
+        places = transform.places(window.on_circle)
+        own.picked, own.on_circle = window.size, address(places)
+        own.in_box = address(window.places)
+        product = product, places
+    return own, (transform, symbols, product)
