@@ -289,14 +289,12 @@ def _in_rows(contact, finer, state, ratio, stiffness):
     contact, finer, state : as of `refined`
     ratio, stiffness : float
     """
+    # (one name: what lies on the finest grid is not kept through the transforms that follow)
     gap = contact.extended(state)[0] + contact.initial_gap
     smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
-    smooth = refined_field(finer.grid, smooth.reshape(gap.shape))
-    gap = finer.law.gap_of_regularised(smooth.reshape(-1), stiffness)
-    del smooth  # (what lies on the finest grid is not kept through the transforms that follow)
-    whole = finer.grid.whole
-    window = some(whole, np.flatnonzero(gap < finer.law.range))
-    found = states.State(window, (gap[window.places] - window.take(finer.initial_gap))[None],
-                         state.means / ratio)
-    del gap
-    return states.State(whole, finer.extended(found).reshape(1, -1), found.means)
+    gap = refined_field(finer.grid, smooth.reshape(gap.shape)).reshape(-1)
+    gap = finer.law.gap_of_regularised(gap, stiffness)
+    window = some(finer.grid.whole, np.flatnonzero(gap < finer.law.range))
+    gap = gap[window.places] - window.take(finer.initial_gap)
+    found = states.State(window, gap[None], state.means / ratio)
+    return states.State(finer.grid.whole, finer.extended(found).reshape(1, -1), found.means)
