@@ -119,7 +119,7 @@ def test_coarser_grids_lead_to_the_first_point_of_motion_on_everything(heights, 
         found.append((next(iter(branch)), sum(branch.contact.grid.numbers[[0, 2]])))
     (point, cost), (direct, whole) = found
     assert point.forces[0] == pytest.approx(direct.forces[0], rel=1e-6)
-    assert cost < 0.4 * whole
+    assert cost < 0.5 * whole
     inertial = branch_of(heights(128), tmp_path / "heights.npy", start=0.0, cascade=False)
     state = states.undeformed(inertial.contact, (DISPLACEMENT,), np.zeros(1))
     fire = jumps.by_inertia(inertial.corrector, state, (DISPLACEMENT,), np.zeros(1), "here")
