@@ -29,7 +29,12 @@ class Rounded(NamedTuple):
 
     def wide(self):
         """The vector in double precision."""
-        return self.numbers * np.repeat(self.scales, LENGTH)[:len(self.numbers)]
+        found = self.numbers.astype(float)
+        whole = len(found) // LENGTH
+        pieces = found[:whole * LENGTH].reshape(whole, LENGTH)
+        pieces *= self.scales[:whole, None]
+        found[whole * LENGTH:] *= self.scales[whole:whole + 1]
+        return found
 
 
 class Changes(NamedTuple):
