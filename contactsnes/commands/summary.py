@@ -223,8 +223,8 @@ def about_unknowns(settings, branch):
         components = scene.components if sheared else 1
         forced = sum(controls[i].control == "force"
                      for i in range(components)) if settings.form.form == "displacement" else 0
-        nodes = _extents(window) if uneven else [extent // 2 + 1
-                                                   for extent in window.parts[0].extents]
+        nodes = (_extents(window) if uneven
+                 else [extent // 2 + 1 for extent in window.parts[0].extents])
         count = components * math.prod(nodes) + forced
         largest = max(largest, count)
         lines.append(

@@ -31,10 +31,11 @@ def check(law, name, in_file=True):
         if law.formula is not None:
             _check_formula(law, name)
         _check_tangent(law, name)
-        _check_finite(law, name)
+        lines = [(line, law.traction(line), law.tangent(line)) for line in _lines(law)]
+        _check_finite(lines, name)
         if in_file:
             _check_signs(law, name)
-        _check_jumps(law, name)
+        _check_jumps(law, name, lines)
         _check_declared(law, name)
         _check_potential(law, name)
 
@@ -139,10 +140,11 @@ def _lines(law):
             *(np.array([np.full_like(b, gap), b]) for gap in (-1.0, 0.0, 1.0))]
 
 
-def _check_finite(law, name):
-    """InputError where a traction or its tangent is not finite; ``name`` for the sentence."""
-    for line in _lines(law):
-        values = np.vstack([law.traction(line), law.tangent(line).reshape(4, -1)])
+def _check_finite(lines, name):
+    """InputError where a traction or its tangent is not finite on lines, [(gaps and slips,
+    tractions, tangents), ...]; ``name`` for the sentence."""
+    for line, traction, tangent in lines:
+        values = np.vstack([traction, tangent.reshape(4, -1)])
         wrong = ~np.isfinite(values)
         if wrong.any():
             place = np.flatnonzero(wrong.any(axis=0))[0]
@@ -151,13 +153,19 @@ def _check_finite(law, name):
                              "mend it")
 
 
-def _check_jumps(law, name):
+def _check_jumps(law, name, lines):
     """InputError where a traction jumps as the gap or the slip grows, or goes to infinity on both
-    sides of a place: no equilibrium is sure to exist there."""
-    for line in _lines(law):
-        low, high = line[:, :-1], line[:, 1:]
-        change = law.traction(high) - law.traction(low)
-        ends = [np.einsum("ijn,jn->in", law.tangent(end), high - low) for end in (low, high)]
+    sides of a place: no equilibrium is sure to exist there.
+
+    Parameters
+    ----------
+    law, name : Law, str
+    lines : as of `_check_finite`
+    """
+    for line, traction, tangent in lines:
+        low, high, change = line[:, :-1], line[:, 1:], np.diff(traction)
+        ends = [np.einsum("ijn,jn->in", end, high - low)
+                for end in (tangent[..., :-1], tangent[..., 1:])]
         # a pole turns round what the tangents at both of its sides say
         against = (change * ends[0] < 0.0) & (change * ends[1] < 0.0) & (np.abs(change) > 1e-6)
         steep = np.where(against, np.inf, np.abs(change) / (1e-9 + np.maximum(*np.abs(ends))))

@@ -72,7 +72,7 @@ class CompiledForm:
             root=half.root, size=half.grid.size)
         own.forced[:len(half.forced)] = half.forced
         self._response, kept = response(half.convolution, half.components,
-                                         half.convolution.transform)
+                                        half.convolution.transform)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
         roomy = half.tangent.size <= KEPT

@@ -13,7 +13,7 @@ TOO_MANY = 83
 
 
 NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.complex64, np.intc,
-                                     np.short)))
+                                   np.short)))
 """Types that kernels know."""
 
 _memory_of = (ctypes.c_char * 0).from_buffer
