@@ -1,5 +1,6 @@
 """Newton's steps in the regularised gap: its options, and how the steps of a SNES are taken so."""
 
+import weakref
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -62,7 +63,7 @@ class RegularisedStep:
     (pointwise, no transform)."""
 
     def __init__(self, form, stiffness):
-        self.form = form
+        self.form = weakref.proxy(form)  # the form holds its step: no cycle keeps both
         self.newton_stiffness = regularised_stiffness(form.contact.law, stiffness)
 
     def __call__(self, x, y):
