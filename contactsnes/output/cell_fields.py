@@ -65,4 +65,4 @@ def empty(group, name, kind, chunks, fields, packed, parted):
         group.create_dataset(name, (0, *shape), kind, fillvalue=np.nan, maxshape=(None, *shape),
                              **PACKED, chunks=(1, *inside))
     else:
-        make_field(group.id, name, kind, chunks, parted)
+        make_field(group.id, name, kind, chunks)

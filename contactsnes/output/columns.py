@@ -42,12 +42,10 @@ def make_columns(branch, columns, chunk):
     return found
 
 
-def make_field(group, name, kind, chunk, parted):
+def make_field(group, name, kind, chunk):
     """Make a dataset of fields without points.
 
-    The fill value makes a new chunk reach the file whole, before the index tells of it; for that
-    HDF5 holds a chunk as a whole. Where it is written in parts, nothing is filled: the file has
-    been made long enough before.
+    New chunks are not filled: the file has been made long enough before the index tells of them.
 
     Parameters
     ----------
@@ -55,7 +53,6 @@ def make_field(group, name, kind, chunk, parted):
     name : str
     kind : str, NumPy's type of the numbers
     chunk : tuple of int, (points, *shape of a field)
-    parted : bool, whether fields are written in parts
     """
     import h5py
 
@@ -64,8 +61,7 @@ def make_field(group, name, kind, chunk, parted):
     plan.set_chunk(chunk)
     plan.set_fill_value(np.array(np.nan, kind))
     plan.set_obj_track_times(False)
-    if parted:
-        plan.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    plan.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     h5py.h5d.create(group, name.encode(), h5py.h5t.py_create(kind), space, plan)
 
 

@@ -9,6 +9,7 @@ read it.
 """
 
 import contextlib
+import errno
 import math
 import os
 
@@ -29,6 +30,20 @@ def unwritten(path, error):
     """The error to raise where a disk does not take what is written for an archive."""
     return WriteError(f"{path} cannot be written ({reason(error)}): make room, or name another "
                       "-archive_file.")
+
+
+def _lengthen(path, more):
+    """Make a file longer by so many bytes, which its disk has then; OSError where it has not."""
+    with open(path, "rb+") as file:
+        end = file.seek(0, os.SEEK_END)
+        try:
+            os.posix_fallocate(file.fileno(), end, more)
+        # there are systems, and kinds of files, that have no such call
+        except (AttributeError, OSError) as error:
+            if getattr(error, "errno", errno.EOPNOTSUPP) not in (errno.EOPNOTSUPP, errno.EINVAL):
+                raise
+            for begin in range(0, more, ZEROS):
+                file.write(bytes(min(ZEROS, more - begin)))
 
 
 class Store:
@@ -122,14 +137,11 @@ class Store:
         if self.layout.active is not None:
             more += self.layout.active.more()
         if more:
-            with open(self.path, "rb+") as file:
-                file.seek(0, os.SEEK_END)
-                for begin in range(0, more, ZEROS):
-                    file.write(bytes(min(ZEROS, more - begin)))
+            _lengthen(self.path, more)
 
     def _write_anew(self, write, points, slot):
-        """Copy the archive beside itself, with room for twice so many points; let `write` act on
-        it; put it in place."""
+        """Copy the archive beside itself, with room for twice so many points, four times with all
+        fields, which take long to copy; let `write` act on it; put it in place."""
         import h5py
 
         partial = self.path.with_name(self.path.name + ".partial")
@@ -142,7 +154,7 @@ class Store:
                     slot = max([slot, *(state.size for state in states.values())])
                     if not self.layout.packed:
                         slot = max(slot * 3 // 2, min(slot * 4, ROOMY))
-                    chunk = max(1, -(-2 * points // CHUNKS))
+                    chunk = max(1, -(-(4 if self.layout.fields == "all" else 2) * points // CHUNKS))
                     self._frame(new, slot, chunk)
                     if old:
                         self.layout.copy(old, new, states)
