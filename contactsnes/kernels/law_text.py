@@ -52,6 +52,16 @@ VECTORS = """\
 #endif
 """
 
+EXP = """\
+/* exp(x), or 0 where it is below 1e-304: what underflows is computed number by number, not in
+   vectors */
+static inline double exp_or_0(double x)
+{
+    const double y = exp(x < -700.0 ? -700.0 : x);
+    return x < -700.0 ? 0.0 : y;
+}
+"""
+
 OLD = ("exp", "log", "pow", "sin", "cos")
 """Functions that libmvec has had from its beginning; others came with glibc 2.35."""
 
@@ -78,8 +88,8 @@ INFIX = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "less": "<
          "less_equal": "<=", "greater": ">", "greater_equal": ">=", "equal": "==",
          "not_equal": "!=", "logical_and": "&", "logical_or": "|"}
 
-CALLED = {"power": "pow", "absolute": "fabs", "arctan": "atan",
-          **{name: name for name in ("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "sinh",
+CALLED = {"power": "pow", "absolute": "fabs", "arctan": "atan", "exp": "exp_or_0",
+          **{name: name for name in ("sqrt", "expm1", "log", "log1p", "sin", "cos", "sinh",
                                      "cosh", "tanh", "erf", "erfc")}}
 
 OUTPUTS = {"": ("N", "S", "Na", "Nb", "Ta", "Tb"), "_tractions": ("N", "S"), "_normal": ("N", "Na")}
@@ -161,13 +171,15 @@ def functions(formula, name):
 
 def head(text):
     """What comes before functions: the comment, and the vector functions that they call."""
-    called = [name for name in CALLED.values() if re.search(rf"\b{name}\(", text)]
+    called = [name.removesuffix("_or_0") for name in CALLED.values()
+              if re.search(rf"\b{name}\(", text)]
     told = {old: [f"extern double {name}({'double, double' if name == 'pow' else 'double'}) VECTOR;"
                   for name in called if name not in ("sqrt", "fabs") and (name in OLD) == old]
             for old in (True, False)}
     newer = ["#if __GLIBC_PREREQ(2, 35)", *told[False], "#endif"] if told[False] else []
     lines = "\n".join([*told[True], *newer])
-    return HEAD + CLONES + (VECTORS.format(lines) if lines else "")
+    return (HEAD + CLONES + (VECTORS.format(lines) if lines else "")
+            + (EXP if "exp" in called else ""))
 
 
 def package():

@@ -33,6 +33,13 @@ extern double tanh(double) VECTOR;
 #endif
 #undef VECTOR
 #endif
+/* exp(x), or 0 where it is below 1e-304: what underflows is computed number by number, not in
+   vectors */
+static inline double exp_or_0(double x)
+{
+    const double y = exp(x < -700.0 ? -700.0 : x);
+    return x < -700.0 ? 0.0 : y;
+}
 
 CLONES void law_dugdale(long n,
     const double *restrict p, const double *restrict a, const double *restrict b,
@@ -42,7 +49,7 @@ CLONES void law_dugdale(long n,
     (void)p;
     const double c0 = p[3] / p[2];
     const double c1 = -c0;
-    const double c2 = exp(c1);
+    const double c2 = exp_or_0(c1);
     const double c3 = 1.0 + c2;
     const double c4 = 1.0 - p[1];
     const double c5 = 1.0 - p[0];
@@ -53,14 +60,14 @@ CLONES void law_dugdale(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c4 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c5 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -91,7 +98,7 @@ CLONES void law_dugdale(long n,
         const double v36 = 0.5 - v35;
         const double v37 = v29 / p[2];
         const double v38 = -v37;
-        const double v39 = exp(v38);
+        const double v39 = exp_or_0(v38);
         const double v40 = 1.0 - v39;
         const double v41 = v36 * v40;
         const double v42 = c3 * v36;
@@ -146,7 +153,7 @@ CLONES void law_dugdale_tractions(long n,
     (void)p;
     const double c0 = p[3] / p[2];
     const double c1 = -c0;
-    const double c2 = exp(c1);
+    const double c2 = exp_or_0(c1);
     const double c3 = 1.0 + c2;
     const double c4 = 1.0 - p[1];
     const double c5 = 1.0 - p[0];
@@ -157,14 +164,14 @@ CLONES void law_dugdale_tractions(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c4 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c5 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -182,7 +189,7 @@ CLONES void law_dugdale_tractions(long n,
         const double v23 = 0.5 - v22;
         const double v24 = v16 / p[2];
         const double v25 = -v24;
-        const double v26 = exp(v25);
+        const double v26 = exp_or_0(v25);
         const double v27 = 1.0 - v26;
         const double v28 = v23 * v27;
         const double v29 = c3 * v23;
@@ -234,7 +241,7 @@ CLONES void law_dugdale_normal(long n,
         const double v7 = 0.5 - v6;
         const double v8 = v0 / p[2];
         const double v9 = -v8;
-        const double v10 = exp(v9);
+        const double v10 = exp_or_0(v9);
         const double v11 = 1.0 - v10;
         const double v12 = v7 * v11;
         const int v13 = v0 <= 0.0;
@@ -267,11 +274,11 @@ CLONES void law_mcgarry(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = x > (-30.0) ? x : (-30.0);
         const double v3 = x - v2;
         const double v4 = -v2;
-        const double v5 = exp(v4);
+        const double v5 = exp_or_0(v4);
         const double v6 = v2 * v5;
         const double v7 = v1 * v6;
         const double v8 = v1 * v5;
@@ -309,11 +316,11 @@ CLONES void law_mcgarry_tractions(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = x > (-30.0) ? x : (-30.0);
         const double v3 = x - v2;
         const double v4 = -v2;
-        const double v5 = exp(v4);
+        const double v5 = exp_or_0(v4);
         const double v6 = v2 * v5;
         const double v7 = v1 * v6;
         const double v8 = v1 * v5;
@@ -340,7 +347,7 @@ CLONES void law_mcgarry_normal(long n,
         const double v0 = x > (-30.0) ? x : (-30.0);
         const double v1 = x - v0;
         const double v2 = -v0;
-        const double v3 = exp(v2);
+        const double v3 = exp_or_0(v2);
         const double v4 = v0 * v3;
         const double v5 = v3 - v4;
         const double v6 = v1 * v5;
@@ -363,14 +370,14 @@ CLONES void law_modified(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c0 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c1 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -394,7 +401,7 @@ CLONES void law_modified(long n,
         const double v29 = x > (-30.0) ? x : (-30.0);
         const double v30 = x - v29;
         const double v31 = -v29;
-        const double v32 = exp(v31);
+        const double v32 = exp_or_0(v31);
         const double v33 = v29 * v32;
         const int v34 = v29 <= 0.0;
         const double v35 = v34 ? 1.0 : v3;
@@ -444,14 +451,14 @@ CLONES void law_modified_tractions(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c0 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c1 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -462,7 +469,7 @@ CLONES void law_modified_tractions(long n,
         const double v16 = x > (-30.0) ? x : (-30.0);
         const double v17 = x - v16;
         const double v18 = -v16;
-        const double v19 = exp(v18);
+        const double v19 = exp_or_0(v18);
         const double v20 = v16 * v19;
         const int v21 = v16 <= 0.0;
         const double v22 = v21 ? 1.0 : v3;
@@ -494,7 +501,7 @@ CLONES void law_modified_normal(long n,
         const double v0 = x > (-30.0) ? x : (-30.0);
         const double v1 = x - v0;
         const double v2 = -v0;
-        const double v3 = exp(v2);
+        const double v3 = exp_or_0(v2);
         const double v4 = v0 * v3;
         const int v5 = v0 <= 0.0;
         const double v6 = v3 - v4;
@@ -522,14 +529,14 @@ CLONES void law_pressure_friction(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c0 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c2 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -553,7 +560,7 @@ CLONES void law_pressure_friction(long n,
         const double v29 = x > (-30.0) ? x : (-30.0);
         const double v30 = x - v29;
         const double v31 = -v29;
-        const double v32 = exp(v31);
+        const double v32 = exp_or_0(v31);
         const double v33 = v29 * v32;
         const int v34 = v29 <= 0.0;
         const double v35 = v34 ? 1.0 : v3;
@@ -607,14 +614,14 @@ CLONES void law_pressure_friction_tractions(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = c0 * v1;
         const double v3 = p[1] + v2;
         const double v4 = s > 0.7071067811865476 ? s : 0.7071067811865476;
         const double v5 = v4 - 0.7071067811865476;
         const double v6 = v5 * v5;
         const double v7 = -v6;
-        const double v8 = exp(v7);
+        const double v8 = exp_or_0(v7);
         const double v9 = c2 * v8;
         const int v10 = s > 0.7071067811865476;
         const double v11 = p[0] + v9;
@@ -625,7 +632,7 @@ CLONES void law_pressure_friction_tractions(long n,
         const double v16 = x > (-30.0) ? x : (-30.0);
         const double v17 = x - v16;
         const double v18 = -v16;
-        const double v19 = exp(v18);
+        const double v19 = exp_or_0(v18);
         const double v20 = v16 * v19;
         const int v21 = v16 <= 0.0;
         const double v22 = v21 ? 1.0 : v3;
@@ -660,7 +667,7 @@ CLONES void law_pressure_friction_normal(long n,
         const double v0 = x > (-30.0) ? x : (-30.0);
         const double v1 = x - v0;
         const double v2 = -v0;
-        const double v3 = exp(v2);
+        const double v3 = exp_or_0(v2);
         const double v4 = v0 * v3;
         const int v5 = v0 <= 0.0;
         const double v6 = v3 - v4;
@@ -691,12 +698,12 @@ CLONES void law_xu_needleman(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = 1.0 - v1;
         const double v3 = x > (-30.0) ? x : (-30.0);
         const double v4 = x - v3;
         const double v5 = -v3;
-        const double v6 = exp(v5);
+        const double v6 = exp_or_0(v5);
         const double v7 = p[1] - v3;
         const double v8 = c2 * v7;
         const double v9 = v6 * v8;
@@ -761,12 +768,12 @@ CLONES void law_xu_needleman_tractions(long n,
         const double s = b[k], q = s * s;
         (void)s, (void)q;
         const double v0 = -q;
-        const double v1 = exp(v0);
+        const double v1 = exp_or_0(v0);
         const double v2 = 1.0 - v1;
         const double v3 = x > (-30.0) ? x : (-30.0);
         const double v4 = x - v3;
         const double v5 = -v3;
-        const double v6 = exp(v5);
+        const double v6 = exp_or_0(v5);
         const double v7 = p[1] - v3;
         const double v8 = c2 * v7;
         const double v9 = v6 * v8;
@@ -809,7 +816,7 @@ CLONES void law_xu_needleman_normal(long n,
         const double v0 = x > (-30.0) ? x : (-30.0);
         const double v1 = x - v0;
         const double v2 = -v0;
-        const double v3 = exp(v2);
+        const double v3 = exp_or_0(v2);
         const double v4 = v0 * v3;
         const double v5 = v3 - v4;
         const double v6 = v1 * v5;
