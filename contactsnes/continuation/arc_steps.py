@@ -1,6 +1,7 @@
 """Points along a branch by arc length: predicted, solved, and refused where a step ends on another
 branch."""
 
+import operator
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +30,8 @@ class ArcSteps(NaturalSteps):
     """Steps along a branch by its length, from the last points of a leg; parameters as of
     `LoadSteps`."""
 
+    _gone = [], 0.0
+
     @property
     def heading(self):
         """1 where the load moves on towards the leg's end, -1 where it moves back."""
@@ -39,10 +42,18 @@ class ArcSteps(NaturalSteps):
     def _pace(self):
         """Length that a unit of position counts, so that the branch has a direction where its state
         stands still, too."""
-        pairs = [(first, last) for (_, first), (_, last) in zip(self.history, self.history[1:])]
-        moved = sum(self.system.chord_length(first.state, last.state) for first, last in pairs)
-        return PACE * moved / max(sum(abs(last.position - first.position) for first, last in pairs),
-                                  STILL)
+        points = [point for _, point in self.history]
+        gone = sum(abs(last.position - first.position) for first, last in zip(points, points[1:]))
+        return PACE * self._moved([point.state for point in points]) / max(gone, STILL)
+
+    def _moved(self, states):
+        """Length of the way through states, known until they are others: each length of a step
+        asks for it."""
+        known, moved = self._gone
+        if len(known) != len(states) or any(map(operator.is_not, known, states)):
+            moved = sum(map(self.system.chord_length, states, states[1:]))
+            self._gone = states, moved
+        return moved
 
     def _way(self, first, last):
         """Length of the way from one point to another."""

@@ -1,10 +1,12 @@
 """Modes of the projection of an operator on a space that grows, for each symmetry."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ..continuation.bifurcations import NEUTRAL
+from ..kernels.modes import ritz
 from .sectors import Sectors, Together
 
 
@@ -37,7 +39,7 @@ class Modes:
     certain: np.ndarray
     grid: object = None
 
-    @property
+    @cached_property
     def residuals(self):
         """|J x - s x| of each."""
         return lengths(self.defects, self.grid)
@@ -75,13 +77,16 @@ class Space:
                    else Together(operator.size))
         # the edges of contact have one each where no symmetry tells them apart
         self._certain = 2 if len(self.by.lengths) == 1 else 1
-        self._sectors = [_Sector(length, self.grid) for length in self.by.lengths]
+        self._kernels = (None if isinstance(self.by, Sectors)
+                         else getattr(operator, "kernels", None))
+        self._sectors = [_Sector(length, self.grid, bool(self._kernels))
+                         for length in self.by.lengths]
 
     def begin(self, vectors):
         """Hold these vectors, and no others: rounding of what is hardly new grows from each to the
         next."""
         for sector in self._sectors:
-            sector.count = 0
+            sector.clear()
         for vector in vectors:
             self.run(0.0, vector, 1)
 
@@ -99,10 +104,9 @@ class Space:
         begin : vector, overwritten
         count : int, products
         """
-        kernels = None if isinstance(self.by, Sectors) else getattr(self.operator, "kernels", None)
-        if kernels:
+        if self._kernels:
             size = lengths(begin)
-            for sector, part, kernel in zip(self._sectors, self.by.parts(begin), kernels):
+            for sector, part, kernel in zip(self._sectors, self.by.parts(begin), self._kernels):
                 if lengths(part) > 1e-6 * size:
                     sector.run(kernel, shift, part, count)
             return
@@ -151,11 +155,22 @@ class Space:
 class _Sector:
     """Orthonormal vectors of one symmetry and their images, rows of an array that grows, and the
     products of the first with the second.
+
+    Parameters
+    ----------
+    size : int, of vectors
+    grid : as of `hold`
+    compiled : bool, whether the library sums vectors
     """
 
-    def __init__(self, size, grid=None):
-        self._rows, self._products, self.count = np.empty((2, 8, size)), np.empty((8, 8)), 0
-        self._grid = grid
+    def __init__(self, size, grid=None, compiled=False):
+        self._rows, self._products = np.empty((2, 8, size)), np.empty((8, 8))
+        self._grid, self._compiled = grid, compiled
+        self.clear()
+
+    def clear(self):
+        """Hold no vectors."""
+        self.count, self._known = 0, None
 
     def _make_room(self, more):
         """Have room for more vectors."""
@@ -190,9 +205,13 @@ class _Sector:
 
     def modes(self, certain):
         """`Modes` of the projection, those after the unstable ones that are ``certain`` to be
-        accurate."""
-        held = slice(0, self.count)
-        return projected(*self._rows[:, held], self._products[held, held], certain, self._grid)
+        accurate; the same again as long as no vector is new."""
+        if self._known is None or self._known[0] != self.count:
+            held = slice(0, self.count)
+            self._known = self.count, projected(
+                *self._rows[:, held], self._products[held, held], certain, self._grid,
+                self._compiled)
+        return self._known[1]
 
 
 def hold(rows, products, count, pair, least, grid=None):
@@ -229,7 +248,7 @@ def hold(rows, products, count, pair, least, grid=None):
     return True
 
 
-def projected(basis, images, products, certain, grid=None):
+def projected(basis, images, products, certain, grid=None, compiled=False):
     """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
@@ -239,15 +258,22 @@ def projected(basis, images, products, certain, grid=None):
     products : array, products of the first with the second
     certain : int, modes after the unstable ones that are to be accurate
     grid : Grid that sums over processes, where vectors are shared out among some
+    compiled : bool, whether the library sums real vectors
     """
     values, coefficients = np.linalg.eig(products)
     kept = np.flatnonzero(values.imag >= 0.0)
     kept = kept[np.argsort(values[kept].real, kind="stable")]
     certain += np.sum(values[kept].real < 0.0)
     kept = kept[:certain + 1]
-    vectors, moved = (_combined(coefficients[:, kept].T, rows) for rows in (basis, images))
-    return Modes(values[kept], vectors, moved - values[kept, None] * vectors,
-                 np.arange(len(kept)) < certain, grid)
+    values, coefficients = values[kept], coefficients[:, kept].T
+    if not np.iscomplex(values).any():  # where others are not, all are told as complex
+        values, coefficients = values.real, coefficients.real
+    if compiled and not np.iscomplexobj(coefficients):
+        vectors, defects = ritz(coefficients, values, basis, images)
+    else:
+        vectors, moved = (_combined(coefficients, rows) for rows in (basis, images))
+        defects = moved - values[:, None] * vectors
+    return Modes(values, vectors, defects, np.arange(len(kept)) < certain, grid)
 
 
 def _combined(coefficients, rows):

@@ -13,10 +13,42 @@ CLONES static double inner(const double *restrict x, const double *restrict y, l
     return sum;
 }
 
-/* x -= y factor */
-CLONES static void subtract(double *restrict x, double factor, const double *restrict y, long n)
+/* part[k] += inner product of row k and x, n numbers of them; `size` numbers from one row to the next */
+CLONES static void add_inner(long count, long size, const double *restrict rows, const double *restrict x,
+                             double *restrict part, long n)
 {
-    for (long i = 0; i < n; i++) x[i] -= factor * y[i];
+    long k = 0;
+    for (; k + 4 <= count; k += 4) {
+        const double *r = rows + k * size;
+        double first = 0.0, second = 0.0, third = 0.0, fourth = 0.0;
+        for (long i = 0; i < n; i++) {
+            first += r[i] * x[i];
+            second += r[size + i] * x[i];
+            third += r[2 * size + i] * x[i];
+            fourth += r[3 * size + i] * x[i];
+        }
+        part[k] += first, part[k + 1] += second, part[k + 2] += third, part[k + 3] += fourth;
+    }
+    for (; k < count; k++)
+        for (long i = 0; i < n; i++) part[k] += rows[k * size + i] * x[i];
+}
+
+/* x += sum over k of sign factors[k] times row k, n numbers of them */
+CLONES static void add_rows(long count, long size, double sign, const double *restrict factors,
+                            const double *restrict rows, double *restrict x, long n)
+{
+    long k = 0;
+    for (; k + 4 <= count; k += 4) {
+        const double *r = rows + k * size;
+        const double first = sign * factors[k], second = sign * factors[k + 1], third = sign * factors[k + 2],
+                     fourth = sign * factors[k + 3];
+        for (long i = 0; i < n; i++)
+            x[i] += (first * r[i] + second * r[size + i]) + (third * r[2 * size + i] + fourth * r[3 * size + i]);
+    }
+    for (; k < count; k++) {
+        const double factor = sign * factors[k];
+        for (long i = 0; i < n; i++) x[i] += factor * rows[k * size + i];
+    }
 }
 
 /* part[k] = inner product of row k and x */
@@ -25,7 +57,7 @@ static void inner_with_rows(long count, long size, const double *rows, const dou
     for (long k = 0; k < count; k++) part[k] = 0.0;
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        for (long k = 0; k < count; k++) part[k] += inner(rows + k * size + from, x + from, n);
+        add_inner(count, size, rows + from, x + from, part, n);
     }
 }
 
@@ -34,7 +66,25 @@ static void subtract_rows(long count, long size, const double *rows, const doubl
 {
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        for (long k = 0; k < count; k++) subtract(x + from, part[k], rows + k * size + from, n);
+        add_rows(count, size, -1.0, part, rows + from, x + from, n);
+    }
+}
+
+/* Modes of a projection, and what J leaves of them: each vector is the sum of `count` rows of the basis by
+   the mode's coefficients, and its defect that of the images, less its value times the vector. */
+void ritz(long count, long size, const double *basis, const double *images, long modes,
+          const double *coefficients, const double *values, double *vectors, double *defects)
+{
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        for (long mode = 0; mode < modes; mode++) {
+            const double *factors = coefficients + mode * count;
+            double *vector = vectors + mode * size + from, *defect = defects + mode * size + from;
+            memset(vector, 0, n * sizeof *vector);
+            add_rows(count, size, 1.0, factors, basis + from, vector, n);
+            for (long i = 0; i < n; i++) defect[i] = -values[mode] * vector[i];
+            add_rows(count, size, 1.0, factors, images + from, defect, n);
+        }
     }
 }
 

@@ -24,6 +24,23 @@ def hold(rows, products, count, pair, least):
                               address(pair[1]), least))
 
 
+def ritz(coefficients, values, basis, images):
+    """Modes of a projection, and what J leaves of them: real rows.
+
+    Parameters
+    ----------
+    coefficients : array (modes, count)
+    values : array (modes,), their eigenvalues
+    basis, images : arrays (count, size), vectors and J times these
+    """
+    (modes, count), size = coefficients.shape, basis.shape[1]
+    coefficients, values = np.ascontiguousarray(coefficients), np.ascontiguousarray(values)
+    vectors, defects = np.empty((2, modes, size))
+    shared().ritz(count, size, address(basis), address(images), modes, address(coefficients),
+                  address(values), address(vectors), address(defects))
+    return vectors, defects
+
+
 class CompiledMotion:
     """J of overdamped motion from a compiled form and its preconditioner.
 

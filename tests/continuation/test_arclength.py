@@ -18,6 +18,7 @@ from contactsnes.contact import observables, states  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
 from contactsnes.contact.state import State  # noqa: E402
+from contactsnes.continuation.arc_steps import PACE  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
 from contactsnes.continuation.limit_points import BracketEnd, LimitPoint  # noqa: E402
 from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
@@ -377,3 +378,23 @@ def test_two_folds_near_each_other_are_found(back):
     found = [point.state[0] for point in points if point.event == "fold"]
     assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)],
                                                     rel=1e-3)
+
+
+def test_what_the_position_counts_follows_the_points():
+    asked = []
+
+    def length(first, last):
+        asked.append((first, last))
+        return abs(last - first)
+
+    steps = object.__new__(ArcLengthSteps)
+    steps.system = SimpleNamespace(chord_length=length)
+    steps.history = [(place, SimpleNamespace(state=state, position=place))
+                     for place, state in ((0.0, 0.0), (0.25, 3.0), (0.5, 5.0))]
+    for _ in range(3):
+        assert steps._pace == pytest.approx(PACE * 5.0 / 0.5)
+    assert len(asked) == 2  # lengths are taken once
+    steps.history = [*steps.history[1:], (0.6, SimpleNamespace(state=9.0, position=0.6))]
+    assert steps._pace == pytest.approx(PACE * 6.0 / 0.35)
+    steps.history[-2:] = steps.history[-2:][::-1]
+    assert steps._pace == pytest.approx(PACE * 10.0 / 0.45)

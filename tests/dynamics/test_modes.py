@@ -6,9 +6,10 @@ import pytest
 
 from contactsnes.continuation.points import NotConverged
 from contactsnes.dynamics.modes import NEUTRAL, leading_modes, oriented
-from contactsnes.dynamics.projection import Space, joined
+from contactsnes.dynamics.projection import Space, joined, projected
 from contactsnes.dynamics.sectors import Sectors
 from contactsnes.grid.contours import first_largest
+from contactsnes.kernels import library
 
 
 class Dense:
@@ -168,3 +169,16 @@ def test_images_of_nearly_dependent_vectors_stay_accurate():
     assert np.all(np.abs(found.values - 1.0) <= 0.5 + 1e-6)
     for value, mode, defect in zip(found.values, found.vectors, found.defects):
         assert operator.apply(mode) - value * mode == pytest.approx(defect, abs=1e-4)
+
+
+@pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
+@pytest.mark.parametrize("size, count", [(2500, 1), (2500, 7), (30, 8)])
+def test_modes_that_the_library_sums_are_numpys(size, count):
+    random = np.random.default_rng(3)
+    basis = np.linalg.qr(random.standard_normal((size, count)))[0].T.copy()
+    images = basis * np.linspace(-0.5, 2.0, size)
+    found, expected = (projected(basis, images, basis @ images.T, 2, compiled=compiled)
+                       for compiled in (True, False))
+    np.testing.assert_array_equal(found.values, expected.values)
+    np.testing.assert_allclose(found.vectors, expected.vectors, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(found.defects, expected.defects, rtol=0, atol=1e-14)

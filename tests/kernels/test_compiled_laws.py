@@ -56,6 +56,16 @@ def agree(law, made):
         np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
 
 
+def test_friction_that_underflows_is_numpys():
+    law = LAWS["modified"](residual_friction=0.0)
+    made = with_kernel(law, None)
+    gap = np.array([np.linspace(-2.0, 30.0, 400), np.linspace(20.0, 32.0, 400)])
+    for kind in ("traction", "tangent"):
+        found, expected = (getattr(one, kind)(gap) for one in (made, law))
+        assert np.all(np.isfinite(found))
+        np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-280)
+
+
 @pytest.mark.parametrize("name", sorted(LAWS))
 def test_laws_of_the_package_are_numpys(name, tmp_path):
     law = LAWS[name]()

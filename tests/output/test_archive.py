@@ -1,6 +1,7 @@
 """Archives: what is written is read, a kill at any moment leaves a readable archive, and a run
 resumes from it."""
 
+import errno
 import io
 import multiprocessing
 import os
@@ -473,6 +474,18 @@ def test_a_full_disk_ends_the_run_and_leaves_the_archive(tmp_path):
     append(Archive.resume(tmp_path / "run.h5", **fields_content("all")), 1)
     assert check(tmp_path / "run.h5", "all").points == points + 1
     assert os.listdir(tmp_path) == ["run.h5"]
+
+
+@pytest.mark.parametrize("lacking", [AttributeError(), OSError(errno.EOPNOTSUPP, "unsupported")])
+def test_files_grow_without_a_call_for_it(tmp_path, monkeypatch, lacking):
+    def refuse(*given):
+        raise lacking
+
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(archive, 1)
+    monkeypatch.setattr(os, "posix_fallocate", refuse)
+    append(archive, 5)
+    assert check(archive.path, "all").points == 6
 
 
 class Recorder(io.BytesIO):
