@@ -19,10 +19,10 @@ are made ten at a time); other methods hold a few in all."""
 
 
 def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
-    """Bytes of a solve: Krylov vectors and 16 arrays of the unknowns, 7 arrays over the cell.
+    """Bytes of a solve: Krylov vectors and 13 arrays of the unknowns, 7 arrays over the cell.
 
     Measured on rough planes without a window, in arrays of the nodes, with five to seven iterations
-    of a solve: 23 of one component on 1024 x 1024 nodes, 68 of three on 512 x 512.
+    of a solve: 22 of one component on 1024 x 1024 nodes, 60 of three on 512 x 512.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
     from petsc4py import PETSc  # its start takes options, which nobody has read when this is loaded
 
     kind = kind or PETSc.Options().getString("ksp_type", "own")
-    return 8 * ((HELD.get(kind, 0.0) * iterations + 16) * unknowns + 7 * whole)
+    return 8 * ((HELD.get(kind, 0.0) * iterations + 13) * unknowns + 7 * whole)
 
 
 def memory():

@@ -48,7 +48,8 @@ class DisplacementForm:
     even : whether states are taken for even about the apex, and half of them is solved for
     has_single : whether products may be in single precision
     tangent : array (components, components, nodes), the law's at the last ``linearise``
-    work : array (components, nodes) that every method may overwrite; the preconditioner borrows it
+    work : array (components, nodes) that every method may overwrite; the preconditioner borrows it,
+        and the library needs none
     drag : for each component, what the Jacobian's force row adds to the sum of tractions for a unit
         of mean displacement: 0 but in viscous motion
     """
@@ -82,9 +83,13 @@ class DisplacementForm:
         self.load, self.far, self.row_scale, self.row_target = np.zeros((4, self.components))
         self.set_load(self.load)
         self.tangent = np.zeros((self.components, *self.shape))
-        self.work = np.empty(self.shape)
         self.drag = np.zeros(self.components)
         self._evaluations = self._products = 0
+
+    @cached_property
+    def work(self):
+        """Memory of the methods, from the first of them on that asks for it."""
+        return np.empty(self.shape)
 
     @cached_property
     def quick(self):

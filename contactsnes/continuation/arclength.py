@@ -96,7 +96,7 @@ class ArcLengthSteps(FoldingSteps):
         left = 1.0 - here
         target = 1.0 if left <= step * (1.0 + 1e-9) else here + min(step, 0.5 * left)
         try:
-            point = self._step(target, self.predictor)
+            point = self._probed(self._step(target, self.predictor))
         except NotConverged as error:
             self.system.log(f"step to {self._place(target)} failed ({error}): looking "
                             "for the branch's direction")

@@ -35,7 +35,7 @@ class BracketingSteps(NaturalSteps):
         point = self._step(*self._foreseen(target, predictor))
         if point.stable < 0 and point.softest < 0.0 and not self.history[-1][1].softest < 0.0:
             raise NotConverged("a mode lost its stability in the step")
-        return self._examined(point)
+        return self._examined(self._probed(point))
 
     def _due(self, refused, failures):
         """Whether a refused step is to be taken for a fold."""
@@ -137,7 +137,7 @@ class BracketingSteps(NaturalSteps):
             yield fold
         yield replace(jump, spent={name: moved[name] + jump.spent[name] for name in moved})
         try:
-            point = self._examined(self._step(beyond, self.predictor, found.ahead))
+            point = self._examined(self._probed(self._step(beyond, self.predictor, found.ahead)))
         except NotConverged:
             return
         yield from self._arrive(replace(point[0], step=step), point[1])

@@ -107,7 +107,11 @@ class LoadSteps:
             raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
                                f"its prediction, {moved:.3g} from the last "
                                "point, perhaps on another branch")
-        point = point.changed(leg=self.leg.number, position=target)
+        return point.changed(leg=self.leg.number, position=target)
+
+    def _probed(self, point):
+        """The point of a step, asked for what lies in between (`bifurcations.probe`); apart from
+        the step, since predictions take much memory."""
         bifurcations.probe(self.system, self.leg, self.history, point)
         return point
 

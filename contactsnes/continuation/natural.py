@@ -89,7 +89,7 @@ class NaturalSteps(LoadSteps):
 
     def _tried(self, target, predictor):
         """The point of a step to a place, or nearer, and what bifurcates on the way."""
-        return self._examined(self._step(*self._foreseen(target, predictor)))
+        return self._examined(self._probed(self._step(*self._foreseen(target, predictor))))
 
     def _again(self):
         """The predictor of a step that is tried again, nearer."""

@@ -260,15 +260,22 @@ void begin_transposed(Form *f, const double *vector, double *sum)
 /* out = vector + D^T scale (response - mean) */
 CLONES void end_transposed(Form *f, const double *mean, const double *vector, double *out)
 {
-    const long n = f->nodes, m = f->components;
-    memset(out, 0, m * n * sizeof *out);
-    assemble(f, chosen(f), mean, 1.0, out, f->work); /* `out` is zero: the scaled response alone */
-    for (long i = 0; i < m; i++)
-        for (long k = 0; k < n; k++) {
-            double value = vector[i * n + k];
-            for (long j = 0; j < m; j++) value += f->tangent[(j * m + i) * n + k] * f->work[j * n + k];
-            out[i * n + k] = value;
+    const long nodes = f->nodes, m = f->components;
+    double part[MOST * PART];
+    memset(out, 0, m * nodes * sizeof *out);
+    assemble(f, chosen(f), mean, 1.0, out, out); /* which is zero: the scaled response alone */
+    for (long at = 0; at < nodes; at += PART) {
+        const long n = nodes - at < PART ? nodes - at : PART;
+        for (long j = 0; j < m; j++) memcpy(part + j * PART, out + j * nodes + at, n * sizeof *part);
+        for (long i = 0; i < m; i++) {
+            double *restrict o = out + i * nodes + at;
+            memcpy(o, vector + i * nodes + at, n * sizeof *o);
+            for (long j = 0; j < m; j++) {
+                const double *restrict d = f->tangent + (j * m + i) * nodes + at, *restrict w = part + j * PART;
+                for (long k = 0; k < n; k++) o[k] += d[k] * w[k];
+            }
         }
+    }
 }
 
 /* out = (response - mean) factor + own, of a response that was made by others than `convolve` */

@@ -82,7 +82,7 @@ class CompiledForm:
         self._kept = kept, weights, scale
         for name, array in {"scale": scale, "unscale": self._unscale, "weight": weights,
                             "initial_gap": half.initial_gap, "tangent": half.tangent,
-                            "work": half.work, "last": self._last, "ahead": self._ahead,
+                            "last": self._last, "ahead": self._ahead,
                             "rigid": half.rigid_compliance,
                             "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
                             "drag": half.drag}.items():
@@ -114,10 +114,14 @@ class CompiledForm:
         reach : normal gap within which the law acts, ranges
         """
         numbers, scalars = np.empty(3), np.ascontiguousarray(scalars, dtype=float)
-        call(self.library.imbalance, self.grid.counter, self.reference,
-             address(np.ascontiguousarray(displacement)), address(scalars), reach,
-             address(numbers))
+        displacement, row = np.ascontiguousarray(displacement), self._row()
+        call(self.library.imbalance, self.grid.counter, self.reference, address(displacement),
+             address(scalars), reach, address(row), address(numbers))
         return math.sqrt(numbers[0]), float(numbers[1]), numbers[2] > 0.0
+
+    def _row(self):
+        """Room for a row of a box."""
+        return np.empty(self._response.shape[1])
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""
@@ -223,13 +227,13 @@ class SharedForm(CompiledForm):
         displacement, scalars, reach : as of `CompiledForm`
         """
         half, found, grid = self.half, np.empty(3), self.grid
-        displacement = np.ascontiguousarray(displacement)
+        displacement, row = np.ascontiguousarray(displacement), self._row()
         total = self._totals(self.library.begin_imbalance, displacement)
         self._respond(False)
         mean = half.far - half.rigid_compliance * total / grid.size
         mean[half.forced] = scalars
         self.library.end_imbalance(self.reference, address(displacement), address(mean), reach,
-                                   address(found))
+                                   address(row), address(found))
         rows = (half.row_scale * total - half.row_target)[half.forced]
         squares, largest = grid.together(found[0]) + rows @ rows, grid.largest(found[1:])
         return math.sqrt(squares), float(largest[0]), bool(largest[1])

@@ -82,7 +82,7 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     double root, size;
     const double *scale, *unscale, *weight; /* null where all are one */
     const double *initial_gap;
-    double *tangent, *work;
+    double *tangent;
     double *ahead, *last; /* tangent at the last residual's unknown, which is `last`, if `known` */
     const double *rigid, *far, *row_scale, *target, *drag; /* by component */
     Law *law;

@@ -386,28 +386,48 @@ void begin_imbalance(Form *f, const double *displacement, double *sum)
             f->last[k] = displacement[k] / f->root * (f->scale ? f->scale[k % n] : 1.0);
 }
 
-/* Of the response to these: squares of F, the largest imbalance and at how many nodes the law acts, of the
-   nodes here. */
-void end_imbalance(Form *f, const double *displacement, const double *mean, double reach, double *numbers)
+/* What the imbalances of a component at some nodes, x, add to the numbers of `end_imbalance`. */
+CLONES static void add_imbalances(const Form *f, const double *displacement, long at, long n, double reach,
+                                  const double *restrict x, double *restrict numbers)
 {
-    const long n = f->nodes, m = f->components;
-    const Form plain = plain_of(f);
-    double squares = 0.0, largest = 0.0, acting = 0.0;
-    assemble(&plain, f->response, mean, 1.0, displacement, f->work);
-    for (long i = 0; i < m; i++) squares += weighted_squares(f->work + i * n, f->weight, n);
+    const double *restrict u = displacement + at, *restrict gap = f->initial_gap + at;
+    double largest = numbers[1], acting = 0.0;
     for (long k = 0; k < n; k++) {
-        if (!(displacement[k] + f->initial_gap[k] < reach)) continue;
-        for (long i = 0; i < m; i++) largest = greater(fabs(f->work[i * n + k]), largest);
-        acting += 1.0;
+        const int acts = u[k] + gap[k] < reach;
+        const double size = acts ? fabs(x[k]) : 0.0;
+        largest = size > largest ? size : largest;
+        acting += acts ? 1.0 : 0.0;
     }
-    numbers[0] = squares / (f->root * f->root);
+    numbers[0] += weighted_squares(x, f->weight ? f->weight + at : 0, n);
     numbers[1] = largest;
-    numbers[2] = acting;
+    numbers[2] += acting;
+}
+
+/* Of the response to these: squares of F, the largest imbalance and at how many nodes the law acts, of the
+   nodes here; a row at a time, for which there is room in `row`. */
+void end_imbalance(Form *f, const double *displacement, const double *mean, double reach, double *row,
+                   double *numbers)
+{
+    const Response *r = f->response;
+    const long n = f->nodes, c = r->shape[1];
+    memset(numbers, 0, 3 * sizeof *numbers);
+    for (long i = 0; i < f->components; i++)
+        for (long at = 0; at < n; at += c) {
+            const long some = n - at < c ? n - at : c, line = at / c;
+            const double *own = displacement + i * n + at;
+            if (r->on_circle) take_nodes(r->transform, i, r->on_circle + at, mean[i], 1.0, own, row, some);
+            else take_row(r->transform, i * r->boxes + line / r->shape[0], line % r->shape[0], mean[i], 1.0, 0,
+                          own, row, some);
+            add_imbalances(f, displacement, at, some, reach, row, numbers);
+        }
+    numbers[0] /= f->root * f->root;
+    numbers[2] /= f->components; /* for each of which they were counted */
 }
 
 /* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
-   the largest imbalance at a node where the law acts, ranges, and at how many it does. */
-int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *numbers)
+   the largest imbalance at a node where the law acts, ranges, and at how many it does; row as above. */
+int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *row,
+              double *numbers)
 {
     double sum[MOST], mean[MOST];
     begin_imbalance(f, displacement, sum);
@@ -415,7 +435,7 @@ int imbalance(Form *f, const double *displacement, const double *scalars, double
     if (status) return status;
     for (long i = 0; i < f->components; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
-    end_imbalance(f, displacement, mean, reach, numbers);
+    end_imbalance(f, displacement, mean, reach, row, numbers);
     for (long row = 0; row < f->forced_count; row++) {
         const double missing = f->row_scale[f->forced[row]] * sum[f->forced[row]] - f->target[f->forced[row]];
         numbers[0] += missing * missing;

@@ -94,7 +94,7 @@ class Form(ctypes.Structure):
                 ("forced", c_long * MOST), ("evaluations", c_long), ("products", c_long),
                 ("known", c_long), ("single", c_long), ("root", c_double), ("size", c_double),
                 *((name, c_void_p) for name in ("scale", "unscale", "weight", "initial_gap",
-                                                "tangent", "work", "ahead", "last", "rigid", "far",
+                                                "tangent", "ahead", "last", "rigid", "far",
                                                 "row_scale", "target", "drag")),
                 ("law", POINTER(Law)), ("response", POINTER(Response)),
                 ("quick", POINTER(Response))]

@@ -13,9 +13,10 @@ from ..kernels.zones import CompiledZone
 from ..options.database import read
 from ..options.fields import InputError
 from .core_zone import CoreOptions
-from .krylov import release
+from .krylov import of_ksp, release
 from .operators import about
 from .precision import PATIENCE, SAFE
+from .vectors import create_vector
 
 MULTIPLY, MULTIPLY_TRANSPOSED, VIEW = 3, 5, 61
 """PETSc's MATOP_MULT, MATOP_MULT_TRANSPOSE and MATOP_VIEW."""
@@ -31,6 +32,9 @@ CALLED = {"get_read": "VecGetArrayRead", "put_read": "VecRestoreArrayRead", "get
 
 OWN_ZONE = "contactsnes.solvers.preconditioners.ZonePC"
 """What -pc_python_type calls the form's own preconditioner."""
+
+FULL_STEPS = (b"basic", b"none")
+"""Line searches that take a step as it is, by their older and their newer name."""
 
 NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_operator, or "
                "-pc_type none with it")
@@ -235,6 +239,29 @@ def regularise(snes, stiffness):
     _call("SNESGetLineSearch", snes.handle, ctypes.byref(search))
     _call("SNESLineSearchSetPreCheck", search.value, _function("pre_check"), own.address)
     return own.structure
+
+
+def share_work(snes, form):
+    """Have full steps of Newton's method and linear solves of ours, which take turns, work in one
+    Vec; PETSc's line search gets no second one, of which full steps need none.
+
+    Parameters
+    ----------
+    snes : SNES, as options have it
+    form : of the equations
+    """
+    own = of_ksp(snes.getKSP())
+    if own is None or snes.getType() != PETSc.SNES.Type.NEWTONLS or connected() is None:
+        return
+    search, kind = ctypes.c_void_p(), ctypes.c_char_p()
+    _call("SNESGetLineSearch", snes.handle, ctypes.byref(search))
+    _call("SNESLineSearchGetType", search.value, ctypes.byref(kind))
+    if kind.value in FULL_STEPS:
+        own.idle = create_vector(form)
+        for _ in range(2):  # which PETSc destroys with its search, but does not count
+            own.idle.incRef()
+        _call("SNESLineSearchSetVecs", search.value, None, None, None, own.idle.handle,
+              own.idle.handle)
 
 
 def watch_modes(snes):

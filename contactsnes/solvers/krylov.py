@@ -66,12 +66,17 @@ class FlexibleGMRES:
     ----------
     grid : Grid of the unknowns, which sums over processes
     interpreted : bool, whether NumPy computes, not the library
+
+    Attributes
+    ----------
+    idle : Vec that nobody else uses while this solves; None: it makes one
     """
 
     def __init__(self, grid, interpreted=False):
         self._grid = grid
         self._products = InSingle if interpreted else compiled
         self._kept, self.triangle, self._restart = (None, None), None, PATIENCE
+        self.idle = None
 
     def setFromOptions(self, ksp):
         """Read -ksp_gmres_restart, and ask for the side and the norm that are ours."""
@@ -82,6 +87,12 @@ class FlexibleGMRES:
     def release(self):
         """Give back the vectors."""
         self._kept = None, None
+
+    def destroy(self, ksp):
+        """Give back all memory, with the KSP: older petsc4py does so late."""
+        self.release()
+        if self.idle:
+            self.idle.destroy()
 
     def view(self, ksp, viewer):
         """What -ksp_view prints."""
@@ -96,7 +107,7 @@ class FlexibleGMRES:
         ksp : petsc4py KSP
         b, x : petsc4py Vec; x is filled, or what the solve begins with
         """
-        vector, again = b.duplicate(), ksp.getInitialGuessNonzero()
+        vector, again = self.idle or b.duplicate(), ksp.getInitialGuessNonzero()
         if again:
             ksp.getOperators()[0].mult(x, vector)
             vector.aypx(-1.0, b)
@@ -124,7 +135,8 @@ class FlexibleGMRES:
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
-        vector.destroy()
+        if vector is not self.idle:
+            vector.destroy()
 
     def ritz_values(self):
         """Ritz values of the last cycle, none of no solve."""

@@ -119,6 +119,7 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
             snes.setUseEW(True)
             snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
         callbacks.set_from_options(snes)
+    callbacks.share_work(snes, form)
     if tolerance is not None:
         snes.setTolerances(atol=tolerance)
     if not database.hasName("ksp_atol") and snes.getKSP().getPCSide() == PETSc.PC.Side.RIGHT:

@@ -15,7 +15,7 @@ from contactsnes.kernels import krylov as compiled  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
-from contactsnes.solvers import basis, krylov  # noqa: E402
+from contactsnes.solvers import basis, callbacks, krylov  # noqa: E402
 from contactsnes.solvers.krylov import FlexibleGMRES, of_ksp  # noqa: E402
 from contactsnes.solvers.ritz import ritz_values  # noqa: E402
 
@@ -346,6 +346,29 @@ def test_vectors_are_made_when_they_are_asked_for_and_given_back(monkeypatch):
     assert max(rows for rows, _, _ in most) == 1 + max(place for _, _, place in most) < 20
     assert {kind for _, kind, _ in most} <= {krylov.Basis, krylov.Short}
     assert of_ksp(branch.corrector.snes.getKSP())._kept == (None, None)
+
+
+@pytest.mark.parametrize("search", ["basic", "none", "bt"])
+def test_full_steps_and_linear_solves_take_turns_in_a_vector(monkeypatch, options, search):
+    """Other line searches need their own; the way is the same with it and without."""
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    options(snes_linesearch_type=search)
+    found, _, branch = path()
+    own = of_ksp(branch.corrector.snes.getKSP())
+    if search == "bt" or library.reason() is not None:
+        assert own.idle is None
+        return
+    # of PETSc's two none is counted by it
+    assert own.idle.getRefCount() == 3 and own.idle.getSize() == branch.corrector.form.size
+    monkeypatch.setattr(callbacks, "share_work", lambda snes, form: None)
+    expected, _, other = path()
+    assert of_ksp(other.corrector.snes.getKSP()).idle is None and len(found) == len(expected) > 2
+    for point, like in zip(found, expected):
+        np.testing.assert_array_equal(point.state.displacement, like.state.displacement)
+        assert point.spent["linear_iterations"] == like.spent["linear_iterations"]
+    vector = own.idle
+    branch.corrector.release()
+    assert not vector
 
 
 def test_small_solves_and_those_in_double_precision_are_petscs(monkeypatch):
