@@ -688,9 +688,9 @@ def test_a_form_is_released_before_the_next_is_made(monkeypatch):
 @pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("body", ["thick", "soft"])
 def test_product_allocates_less_than_a_vector(kind, count, body):
-    contact = Contact(Scene(**{**PLANAR, "points": 256}, **BODIES[body]))
+    contact = Contact(Scene(**{**PLANAR, "points": 192}, **BODIES[body]))
     controls = (DISPLACEMENT,) * count
-    box = Window(contact.grid, (200, 40), (120, 112)) if kind == "window" else contact.grid.whole
+    box = Window(contact.grid, (140, 30), (110, 100)) if kind == "window" else contact.grid.whole
     form = ForceForm(contact, controls) if kind == "force" else DisplacementForm(contact, box,
                                                                                  controls)
     form.set_load(np.full(count, 0.5))

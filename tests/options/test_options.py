@@ -211,10 +211,10 @@ def random_instance(cls, random):
         high = next((rule[key] for key in ("maximum", "below") if rule[key] is not None), 1e3)
         return low + (high - low) * random.uniform(1e-3, 0.999)
 
-    values = {}
+    values, share = {}, random.uniform(0.0, 0.5)  # of many fields few go together
     for field in dataclasses.fields(cls):
         rule = field.metadata
-        if random.random() < 0.5:
+        if random.random() < share:
             many = rule["many"] in ("directions", "legs") and random.random() < 0.5
             values[field.name] = tuple(value(rule) for _ in range(2)) if many else value(rule)
     return cls(**values)

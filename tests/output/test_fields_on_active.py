@@ -25,7 +25,7 @@ SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangenti
 
 def written(folder, scene, path, on, precision="double", load_start=None):
     """(Branch, Record of all points of its path)."""
-    branch = Branch(scene, Load(start=load_start, path=path), Steps())
+    branch = Branch(scene, Load(start=load_start, path=path), Steps(initial_step=0.2))
     kept = {"compliance": compliance(branch.contact)} if on == "active" else {}
     rows = table(scene)
     archive = Archive.create(

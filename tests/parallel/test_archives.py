@@ -57,7 +57,7 @@ sys.exit(main(["run", *{words!r}]))"""
 
 @together
 @pytest.mark.parametrize("fields, on, precision, small", [
-    ("all", "cell", "double", 0), ("last", "cell", "single", 0), ("all", "active", "single", 0),
+    ("all", "cell", "single", 0), ("all", "active", "double", 0),
     ("last", "active", "single", 1000)])
 def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision, small, tmp_path):
     """Blocks of several rows, and of less than one; the file is made anew, resumed and packed."""

@@ -21,24 +21,27 @@ pytest.importorskip("wheel")
 SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", "contactsnes",
            "options")
 SCENES = {path.name for path in (ROOT / "options").glob("*.opts")}
-MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "contactsnes").rglob("*.py")}
+MODULES = {path.relative_to(ROOT).as_posix() for ending in ("py", "c", "h")
+           for path in (ROOT / "contactsnes").rglob(f"*.{ending}")}
 
 
-def run(*words, folder):
-    """What a program writes; it has to end well."""
+def run(*words, folder, **variables):
+    """What a program writes, with other variables of its environment; it has to end well."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    environment.update(variables)
     done = subprocess.run([*map(str, words)], cwd=folder, env=environment, capture_output=True,
                           text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
-def built(sources, folder):
-    """The wheel of a tree, built without a network."""
+def built(sources, folder, **variables):
+    """The names of what is in the wheel of a tree, and its path, built without a network."""
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation",
-        "--wheel-dir", folder, sources, folder=folder)
+        "--wheel-dir", folder, sources, folder=folder, **variables)
     (found,) = Path(folder).glob("*.whl")
-    return found
+    with zipfile.ZipFile(found) as archive:
+        return set(archive.namelist()), found
 
 
 @pytest.fixture(scope="module")
@@ -55,19 +58,20 @@ def sources(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def wheel(sources, tmp_path_factory):
-    """A wheel by way of a source distribution."""
+def unpacked(sources, tmp_path_factory):
+    """What comes out of a source distribution."""
     folder = tmp_path_factory.mktemp("distribution")
     run(sys.executable, "setup.py", "--quiet", "sdist", "--dist-dir", folder, folder=sources)
     (packed,) = folder.glob("*.tar.gz")
     with tarfile.open(packed) as archive:
         archive.extractall(folder)
-    return built(folder / packed.name.removesuffix(".tar.gz"), folder)
+    return folder / packed.name.removesuffix(".tar.gz")
 
 
-def test_distributions_bring_modules_and_scenes_along(wheel):
-    with zipfile.ZipFile(wheel) as archive:
-        names = set(archive.namelist())
+def test_distributions_bring_modules_and_scenes_along(unpacked, tmp_path):
+    """A wheel by way of a source distribution, on a machine without a compiler: it has all but the
+    compiled kernels."""
+    names, _ = built(unpacked, tmp_path, CC="false")
     scenes = {name.rsplit("/", 1)[1] for name in names if name.startswith("contactsnes/scenes/")}
     assert scenes >= SCENES and MODULES <= names
     others = {name.split("/")[0] for name in names} - {"contactsnes"}
@@ -76,8 +80,10 @@ def test_distributions_bring_modules_and_scenes_along(wheel):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("editable", [False, True])
-def test_an_installed_program_finds_its_scenes(wheel, sources, tmp_path, editable):
+def test_an_installed_program_finds_its_scenes(unpacked, sources, tmp_path, editable):
     """In an environment of its own that sees the packages of this one, from any folder."""
+    names, wheel = built(unpacked, tmp_path)
+    assert any(name.startswith("contactsnes/kernels/_compiled.") for name in names)
     place = tmp_path / "environment"
     venv.create(place, with_pip=False)
     python = place / "bin" / "python"
