@@ -428,7 +428,7 @@ def test_what_is_said_to_fit_does(monkeypatch, options):
         too_large.refuse_too_large(replace(scene, points=points), load, form)
         assert 100 * points ** scene.dimension > 2e7
     # a quarter of a sphere's plane is solved, of one that is sheared both ways all of it
-    monkeypatch.setattr(too_large, "memory", lambda: 4e9)
+    monkeypatch.setattr(too_large, "memory", lambda: 2.5e9)
     sphere = Scene(points=4096, dimension=2, geometry="sphere", normal_maugis=4.0, period=12.0)
     too_large.refuse_too_large(sphere, load, form)
     both = "normal_displacement=1; tangential_displacement_x=1, tangential_displacement_y=1"
