@@ -1,5 +1,5 @@
-/* Krylov vectors in single precision or less, rows of floats or of short integers: sums are in double, a piece
-   of the vector at a time for all rows, while it is in the cache. */
+/* Krylov vectors in single precision or less, rows of floats or of short integers: sums over pieces of the
+   vector are in double, a piece at a time for all rows, while it is in the cache. */
 #include "kernels.h"
 #include <float.h>
 #include <math.h>
@@ -10,18 +10,18 @@ static const double SHORTEST = 32767.0; /* largest of the short integers */
 enum { BETWEEN = 4 };              /* nodes that may be told with others though they are not changed */
 static const double TRIFLE = 6e-8;  /* rounding of floats */
 
-/* Rows of floats or, with scales, one for each piece, of short integers times these: AT_ONCE of them at a
-   time, so that a number of the vector is read once for all, and no sum waits for the one before. */
-#define PRODUCTS(KIND, DOT, ADD)                                                                            \
+/* Pieces of rows, AT_ONCE of them at a time, so that a number of the vector is read once for all, and no sum
+   waits for the one before: of floats in double precision, of short integers in floats, which hold these. */
+#define PRODUCTS(KIND, REAL, DOT, ADD)                                                                      \
     CLONES static void DOT(long n, const KIND *restrict a, const KIND *restrict b, const KIND *restrict c,  \
-                           const KIND *restrict d, const double *restrict v, double *found)                 \
+                           const KIND *restrict d, const REAL *restrict v, double *found)                   \
     {                                                                                                       \
-        double p = 0.0, q = 0.0, r = 0.0, s = 0.0;                                                          \
+        REAL p = 0, q = 0, r = 0, s = 0;                                                                    \
         for (long i = 0; i < n; i++) {                                                                      \
-            p += (double)a[i] * v[i];                                                                       \
-            q += (double)b[i] * v[i];                                                                       \
-            r += (double)c[i] * v[i];                                                                       \
-            s += (double)d[i] * v[i];                                                                       \
+            p += (REAL)a[i] * v[i];                                                                         \
+            q += (REAL)b[i] * v[i];                                                                         \
+            r += (REAL)c[i] * v[i];                                                                         \
+            s += (REAL)d[i] * v[i];                                                                         \
         }                                                                                                   \
         found[0] = p;                                                                                       \
         found[1] = q;                                                                                       \
@@ -29,14 +29,24 @@ static const double TRIFLE = 6e-8;  /* rounding of floats */
         found[3] = s;                                                                                       \
     }                                                                                                       \
     CLONES static void ADD(long n, const KIND *restrict a, const KIND *restrict b, const KIND *restrict c,  \
-                           const KIND *restrict d, const double *factor, double *restrict v)                \
+                           const KIND *restrict d, const double *factor, REAL *restrict v)                  \
     {                                                                                                       \
-        const double p = factor[0], q = factor[1], r = factor[2], s = factor[3];                            \
+        const REAL p = factor[0], q = factor[1], r = factor[2], s = factor[3];                              \
         for (long i = 0; i < n; i++)                                                                        \
-            v[i] += p * (double)a[i] + q * (double)b[i] + (r * (double)c[i] + s * (double)d[i]);            \
+            v[i] += p * (REAL)a[i] + q * (REAL)b[i] + (r * (REAL)c[i] + s * (REAL)d[i]);                    \
     }
-PRODUCTS(float, dot_floats, add_floats)
-PRODUCTS(short, dot_shorts, add_shorts)
+PRODUCTS(float, double, dot_floats, add_floats)
+PRODUCTS(short, float, dot_shorts, add_shorts)
+
+CLONES static void narrow(long n, const double *restrict v, float *restrict out)
+{
+    for (long i = 0; i < n; i++) out[i] = v[i];
+}
+
+CLONES static void add_narrow(long n, const float *restrict x, double *restrict v)
+{
+    for (long i = 0; i < n; i++) v[i] += x[i];
+}
 
 /* the scale of a row's piece */
 static double scale_of(const double *const *scales, long row, long from)
@@ -69,11 +79,13 @@ void inner_products(long count, long size, const void *const *rows, const double
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
         const double *v = vector + from;
+        float narrowed[PIECE];
+        if (scales) narrow(n, v, narrowed);
         for (long k = 0; k < count; k += AT_ONCE) {
             const void *at[AT_ONCE];
             double sums[AT_ONCE];
             places(rows, k, count, from, scales != 0, at);
-            if (scales) dot_shorts(n, at[0], at[1], at[2], at[3], v, sums);
+            if (scales) dot_shorts(n, at[0], at[1], at[2], at[3], narrowed, sums);
             else dot_floats(n, at[0], at[1], at[2], at[3], v, sums);
             for (long j = k; j < count && j < k + AT_ONCE; j++) found[j] += sums[j - k] * scale_of(scales, j, from);
         }
@@ -89,14 +101,16 @@ double add_rows(long count, long size, const void *const *rows, const double *co
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
         double *v = vector + from;
+        float added[PIECE] = {0.0f};
         for (long k = 0; k < count; k += AT_ONCE) {
             const void *at[AT_ONCE];
             double own[AT_ONCE] = {0.0};
             places(rows, k, count, from, scales != 0, at);
             for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = factors[j] * scale_of(scales, j, from);
-            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, v);
+            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, added);
             else add_floats(n, at[0], at[1], at[2], at[3], own, v);
         }
+        if (scales) add_narrow(n, added, v);
         found += square_of(n, v);
     }
     return found;

@@ -7,11 +7,31 @@ from .library import shared
 from .structures import address
 
 
-def inner_products(rows, vector):
-    """As `solvers.basis.inner_products`."""
-    found, (places, scales) = np.empty(len(rows) + 1), _rows(rows)
-    shared().inner_products(len(rows), len(vector), _data(places), _data(scales), address(vector),
-                            address(found))
+class Rows(list):
+    """Rows in single precision, or rounded, to which others are added: where they begin is found
+    once."""
+
+    _known, _told = None, (0, None)
+
+    def places(self):
+        """Where the addresses of the rows stand, and those of their scales, or None: for as long as
+        this list is."""
+        if self._told[0] != len(self):
+            self._known = _rows(self)
+            self._told = len(self), tuple(map(_data, self._known))
+        return self._told[1]
+
+
+def inner_products(rows, vector, count=None):
+    """As `solvers.basis.inner_products`.
+
+    Parameters
+    ----------
+    rows, vector, count : as of that
+    """
+    rows, count = _held(rows), len(rows) if count is None else count
+    found, (places, scales) = np.empty(count + 1), rows.places()
+    shared().inner_products(count, len(vector), places, scales, address(vector), address(found))
     return found
 
 
@@ -22,9 +42,10 @@ def add_rows(rows, factors, vector):
     ----------
     rows, factors, vector : as of that
     """
-    factors, (places, scales) = np.ascontiguousarray(factors, dtype=float), _rows(rows)
-    return shared().add_rows(len(rows), len(vector), _data(places), _data(scales),
-                             address(factors), address(vector))
+    factors, rows = np.ascontiguousarray(factors, dtype=float), _held(rows)
+    places, scales = rows.places()
+    return shared().add_rows(len(factors), len(vector), places, scales, address(factors),
+                             address(vector))
 
 
 def rounded(vector, row):
@@ -68,10 +89,16 @@ def add_changed(rows, changed, factors, vector):
     factors = np.ascontiguousarray(factors, dtype=float)
     shifts, runs, values = (_places(part) for part in zip(*changed))
     counts = np.array([len(each.runs) for each in changed], dtype=np.intc)
-    work, (places, scales) = np.empty(2 * len(changed), dtype=np.intc), _rows(rows)
+    work, rows = np.empty(2 * len(changed), dtype=np.intc), _held(rows)
+    places, scales = rows.places()
     return shared().add_changed(
-        len(changed), len(vector), _data(places), _data(scales), _data(shifts), _data(runs),
+        len(changed), len(vector), places, scales, _data(shifts), _data(runs),
         address(counts), _data(values), address(factors), address(vector), address(work))
+
+
+def _held(rows):
+    """Rows of a list that may be none."""
+    return rows if isinstance(rows, Rows) else Rows(rows)
 
 
 def _rows(rows):

@@ -32,9 +32,17 @@ def wide(row, first=0, count=None):
     return Rounded(row.numbers[first:last], row.scales[first // LENGTH:]).wide()
 
 
-def inner_products(rows, vector):
-    """Inner products of rows in single precision, or `Rounded`, and a vector, summed in double, and
-    last that of the vector with itself."""
+def inner_products(rows, vector, count=None):
+    """Inner products of the first rows in single precision, or `Rounded`, and a vector, summed in
+    double, and last that of the vector with itself.
+
+    Parameters
+    ----------
+    rows : list of arrays of float32, or of Rounded
+    vector : array of float
+    count : int, how many of the rows; None: all
+    """
+    rows = rows[:count]
     found = np.zeros(len(rows) + 1)
     for first in range(0, len(vector), PIECE):
         part = vector[first:first + PIECE]
@@ -43,13 +51,13 @@ def inner_products(rows, vector):
 
 
 def add_rows(rows, factors, vector):
-    """Add rows in single precision, or rounded, times factors, to a vector in place; its inner
-    product with itself then.
+    """Add the first rows in single precision, or rounded, times factors, to a vector in place; its
+    inner product with itself then.
 
     Parameters
     ----------
     rows : list of arrays of float32, or of Rounded
-    factors : numbers, one a row
+    factors : numbers, one for each of the first rows
     vector : array of float
     """
     square = 0.0
@@ -62,13 +70,13 @@ def add_rows(rows, factors, vector):
 
 
 def add_changed(rows, changed, factors, vector):
-    """Add what rows in single precision, or rounded, were changed to, times factors, to a vector in
-    place; its inner product with itself then.
+    """Add what the first rows in single precision, or rounded, were changed to, times factors, to a
+    vector in place; its inner product with itself then.
 
     Parameters
     ----------
     rows, factors, vector : as of `add_rows`
-    changed : list of Changes, of these rows
+    changed : list of Changes, of these first rows
     """
     for row, each, factor in zip(rows, changed, factors):
         vector += factor * each.applied(wide(row))
@@ -101,34 +109,34 @@ class Basis:
     Parameters
     ----------
     kind : type of their numbers
-    products : what computes: a module, or class, with ``inner_products`` and ``add_rows``
+    products : what computes: a module, or class, with ``inner_products`` and ``add_rows``, and the
+        kind of list that it takes, ``Rows``
     grid : Grid, which sums over processes
+
+    Attributes
+    ----------
+    rows : list of them
     """
 
     def __init__(self, kind, products, grid):
-        self._kind, self._products, self._rows = kind, products, []
+        self._kind, self._products, self.rows = kind, products, products.Rows()
         self._grid = grid
 
     def keep(self, place, vector):
         """Take a vector as the row of a number, the first that is free at most."""
-        if place == len(self._rows):
-            self._rows.append(np.empty(len(vector), dtype=self._kind))
-        self._rows[place][...] = vector
-
-    def rows(self, count):
-        """The first rows."""
-        return self._rows[:count]
+        if place == len(self.rows):
+            self.rows.append(np.empty(len(vector), dtype=self._kind))
+        self.rows[place][...] = vector
 
     def inner(self, count, vector):
         """Inner products of the first rows and a vector, and its length."""
-        *found, square = self._grid.together(self._products.inner_products(self._rows[:count],
-                                                                           vector))
+        *found, square = self._grid.together(self._products.inner_products(self.rows, vector,
+                                                                           count))
         return np.array(found), math.sqrt(square)
 
     def add(self, factors, vector):
         """Add the first rows, times factors, to a vector in place; its length then."""
-        return math.sqrt(self._grid.together(self._products.add_rows(self._rows[:len(factors)],
-                                                                     factors, vector)))
+        return math.sqrt(self._grid.together(self._products.add_rows(self.rows, factors, vector)))
 
 
 class Short(Basis):
@@ -137,9 +145,9 @@ class Short(Basis):
 
     def keep(self, place, vector):
         """Take a vector as the row of a number, the first that is free at most, and round it."""
-        if place == len(self._rows):
-            self._rows.append(Rounded.of(len(vector)))
-        self._products.rounded(vector, self._rows[place])
+        if place == len(self.rows):
+            self.rows.append(Rounded.of(len(vector)))
+        self._products.rounded(vector, self.rows[place])
 
 
 class Made(Basis):
@@ -182,18 +190,24 @@ class Changed:
 
     def add(self, factors, vector):
         """Add the first of them, times factors, to a vector in place; its length then."""
-        count = len(factors)
         return math.sqrt(self._grid.together(self._products.add_changed(
-            self._space.rows(count), self._changes[:count], factors, vector)))
+            self._space.rows, self._changes[:len(factors)], factors, vector)))
 
 
 class InDouble:
     """The products of rows in double precision."""
 
+    Rows = list
+
     @staticmethod
-    def inner_products(rows, vector):
-        """As of the module."""
-        return np.array([np.dot(row, vector) for row in [*rows, vector]])
+    def inner_products(rows, vector, count=None):
+        """As of the module.
+
+        Parameters
+        ----------
+        rows, vector, count : as of that
+        """
+        return np.array([np.dot(row, vector) for row in [*rows[:count], vector]])
 
     @staticmethod
     def add_rows(rows, factors, vector):
@@ -211,6 +225,7 @@ class InDouble:
 class InSingle:
     """The products of rows in single precision, NumPy's."""
 
+    Rows = list
     inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
     rounded = staticmethod(rounded)
     changes, add_changed = staticmethod(changes), staticmethod(add_changed)
