@@ -1,7 +1,7 @@
 """States on windows of any nodes of a plane, those on which the law acts, and on the boxes of
 such."""
 
-from ..grid.active import Nodes, within
+from ..grid.active import WORTH, Nodes, within
 from .states import State, normal_gap
 
 SPARSE = 0.6
@@ -33,9 +33,11 @@ def on_nodes(contact, state, afresh=False):
     state : State
     afresh : bool
     """
-    if not afresh and isinstance(state.window, Nodes):
+    some = isinstance(state.window, Nodes)
+    if not afresh and (some or state.window.is_whole):
         acting = contact.grid.count(normal_gap(contact, state) < contact.law.range)
-        if acting > SPARSE * state.window.size:
+        # more than WORTH of the cell, and no window but the cell holds them
+        if acting > (SPARSE * state.window.size if some else WORTH * state.window.total):
             return state
     cell = contact.extended(state)
     fresh = window(contact, cell[0] + contact.initial_gap)

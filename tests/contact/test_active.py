@@ -233,6 +233,21 @@ def test_a_window_shrinks_where_most_of_its_nodes_are_out_of_range(tmp_path, sel
     assert boxed(contact, low) is low
 
 
+@pytest.mark.parametrize("part", [0.74, 0.76])
+def test_the_cell_stays_where_the_law_acts_on_most_of_it(part, tmp_path, self_affine):
+    """No other window holds so many nodes: none is looked for. What few need is found."""
+    scene = rough(tmp_path, self_affine)
+    contact = Contact(scene, np.load(scene.geometry_file))
+    gap = contact.initial_gap.reshape(-1)
+    reach = np.quantile(gap, part) - contact.law.range
+    state = states.State(contact.widest, np.full((1, gap.size), -reach), np.array([-reach]))
+    found = on_nodes(contact, state)
+    again = on_nodes(contact, state, afresh=True)
+    assert found.window == again.window
+    if part > 0.75:
+        assert found is state and found.window.is_whole
+
+
 def test_even_and_convex_gaps_stay_on_boxes():
     for changes in ({"geometry": "sphere", "period": 12.0},
                     {"geometry": "sinusoid", "period": 12.0}):
