@@ -73,6 +73,8 @@ class Coupled(Law):
         no potential.
         """
         depth = np.minimum(normal_gap - self.deepest, 0.0)
+        if not np.any(depth):
+            return 1.0 - (1.0 + normal_gap) * np.exp(-normal_gap)
         bounded = normal_gap - depth
         traction, slope = self.normal(bounded)
         return 1.0 - (1.0 + bounded) * np.exp(-bounded) + depth * (traction + 0.5 * slope * depth)
