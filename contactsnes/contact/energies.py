@@ -10,16 +10,15 @@ the body is half the work of all its loads (Clapeyron).
 
 The right side is a line integral over a curve of few dimensions: the cubic through the last four
 points by chord length, so that its error falls as the fourth power of the step, through folds as
-well. Points at corners of the path, where legs or jumps begin, are not joined. Where the law has a
-potential the work done on the interface is that potential's difference, free of any step error: the
-two then test each other (``energy_imbalance``). Elsewhere it is what the balance leaves of the
-external work. A jump under fixed loads dissipates the work of the loads that is neither stored nor
+well (`work_along`). Points at corners of the path, where legs or jumps begin, are not joined.
+Where the law has a potential the work done on the interface is that potential's difference, free of
+any step error: the two then test each other (``energy_imbalance``). Elsewhere it is what the
+balance leaves of the external work. A jump under fixed loads dissipates the work of the loads that is neither stored nor
 done on the interface. Where there is no potential, the latter is summed up along the motion that
 was followed; if there was none, it is not known.
 """
 
 import math
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ import numpy as np
 from ..interface.laws.law import slip_of
 from ..kernels import points
 from .states import onto
+from .work_along import gauss, held, line_work
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -127,63 +127,6 @@ def straight(contact, first, last, panels=1):
                for part, share in zip((panel + 0.5 * (1.0 + places)) / panels, shares))
 
 
-@cache
-def gauss(count):
-    """Gauss and Legendre's rule of so many points: places in -1 to 1, and their shares."""
-    return np.polynomial.legendre.leggauss(count)
-
-
-def line_rule(places, first, rule):
-    """Arrays with which the sum of (values @ basis) (along @ slopes) is the integral of values
-    d(along) from place number ``first`` to the last, by polynomials through all places.
-
-    These are Lagrange's polynomials, and their slopes times shares, at the points of Gauss and
-    Legendre's rule of as many points, which is exact for them. (The sums come first: next to each
-    other places make large numbers that cancel.)
-
-    Parameters
-    ----------
-    places : array, distances along a path
-    first : number of the place from which on
-    rule : (places, shares) of Gauss and Legendre's of as many points
-    """
-    abscissas, shares = rule
-    half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
-    along, basis, slopes = (places[first] + half * (1.0 + abscissas)).tolist(), [], []
-    # (few numbers: floats are faster than arrays)
-    for j, own in enumerate(places):
-        others = [(other, 1.0 / (own - other)) for i, other in enumerate(places) if i != j]
-        for point in along:
-            value, slope = 1.0, 0.0
-            for other, scale in others:
-                apart = point - other
-                value, slope = value * apart * scale, (slope * apart + value) * scale
-            basis.append(value)
-            slopes.append(slope)
-    basis, slopes = np.array([basis, slopes]).reshape(2, len(places), -1)
-    return basis, half * shares * slopes
-
-
-def line_work(displacements, forces, give, weights, first, rule):
-    """Work of forces over displacements from point number ``first`` of a path to its last one, by
-    polynomials through all of its points.
-
-    These are of the chord length along the points, in which a force counts by how much gives way
-    to it.
-
-    Parameters
-    ----------
-    displacements, forces : arrays (points, components)
-    give, weights : arrays (components,); the second of what each does in a common unit
-    first : int
-    rule : (places, shares) of Gauss and Legendre's of as many points
-    """
-    along = np.concatenate([displacements, give * forces], axis=1)
-    places = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(along, axis=0), axis=1)))
-    basis, slopes = line_rule(places, first, rule)
-    return np.vdot(weights[:, None] * (forces.T @ basis), displacements.T @ slopes)
-
-
 class PathEnergies:
     """Energies and works of the points of a path, which are told in their order; needs the last
     four of them.
@@ -276,10 +219,11 @@ class PathEnergies:
         steps = 1 + (last.point.smooth_steps if entry.point.leg == last.point.leg else 0)
         entries = [*self.trail[-min(steps, 3):], entry]
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
+        along = [np.array([getattr(other, name) for other in entries])
+                 for name in ("displacements", "forces")]
         external = (points.line_work if self.contact.kernels.compiled else line_work)(
-            np.array([other.displacements for other in entries]),
-            np.array([other.forces for other in entries]), self._give,
-            self._weights, first, gauss(len(entries)))
+            *along, self._give, self._weights, first, gauss(len(entries)))
+        external = held(external, *along, self._weights, first)
         point, before = entry.point, entries[first].point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):

@@ -10,8 +10,9 @@ import pytest
 from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
-from contactsnes.contact.energies import PathEnergies, gauss, line_rule, stored, straight
+from contactsnes.contact.energies import PathEnergies, stored, straight
 from contactsnes.contact.observables import observe
+from contactsnes.contact.work_along import gauss, held, line_rule, line_work
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
 
@@ -125,6 +126,40 @@ def test_line_integrals_are_exact_for_cubics():
         basis, slopes = line_rule(places, first, gauss(4))
         area = (places ** 2 @ basis) @ ((places ** 3 - places ** 2 + places) @ slopes)
         assert area == pytest.approx(exact(places[-1]) - exact(places[first]), rel=1e-12)
+
+
+@pytest.mark.parametrize("soft, give, swings", [(0.0, 1.0, False), (0.9, 60.0, True)])
+def test_polynomials_that_swing_give_way_to_chords(soft, give, swings):
+    """A spring in series with a exp(-a), pulled in equal steps of its far end: where the spring is
+    nearly as soft as the law, the force falls within one step. Works have their exact integral, and
+    where nothing swings stay as exact as cubics are."""
+    compliance, unit = soft * np.exp(2.0), np.ones(1)
+    far = lambda a: a + compliance * a * np.exp(-a)
+    done = lambda a: 1.0 - (1.0 + a) * np.exp(-a) + 0.5 * compliance * (a * np.exp(-a)) ** 2
+    gaps = np.interp(np.arange(0.5, far(7.0), 0.3), far(np.linspace(0.0, 7.0, 2 ** 18)),
+                     np.linspace(0.0, 7.0, 2 ** 18))
+    places, forces = far(gaps)[:, None], (gaps * np.exp(-gaps))[:, None]
+    errors = []
+    for last in range(3, len(gaps)):
+        along = slice(last - 3, last + 1)
+        given = places[along], forces[along]
+        work = line_work(*given, give * unit, unit, 2, gauss(4))
+        exact = done(gaps[last]) - done(gaps[last - 1])
+        errors.append((abs(work - exact), abs(held(work, *given, unit, 2) - exact)))
+    errors = np.array(errors)
+    assert np.all(errors[:, 1] <= errors[:, 0] + 1e-15)
+    assert np.any(errors[:, 1] < 0.2 * errors[:, 0]) == swings
+
+
+def test_works_of_a_steep_fall_stay_near_what_is_stored():
+    """A flat that leaves a layer nearly as soft as the law: there is a potential, and the balance
+    is a test of the work of the load."""
+    scene = {"geometry": "flat", "points": 32, "period": 5.0, "height": 2.0, "poisson": 0.2,
+             "tangential": "off"}
+    _, _, numbers = points(scene, "normal_displacement=-4", start="normal_displacement=0")
+    imbalance, work = (np.array([row[name] for row in numbers])
+                       for name in ("energy_imbalance", "external_work"))
+    assert np.abs(imbalance).max() < 0.02 * work.max()  # 0.49 without chords
 
 
 @pytest.mark.parametrize("changes, start, path, step",

@@ -7,7 +7,8 @@ import pytest
 from scipy import ndimage
 
 from contactsnes import Contact, Scene
-from contactsnes.contact import acceptance, edges, energies, fronts, state, states, survey
+from contactsnes.contact import (acceptance, edges, energies, fronts, state, states, survey,
+                                work_along)
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point
@@ -291,9 +292,9 @@ def test_works_along_a_path(count, first):
     """By the library as by NumPy; of forces that are cubic in the distance, exactly."""
     numbers = np.random.default_rng(count)
     displacements, forces = np.cumsum(numbers.normal(size=(2, count, 2)), axis=1)
-    rule, give, parts = energies.gauss(count), np.array([1.5, 1.0]), np.array([1.0, 0.3])
+    rule, give, parts = work_along.gauss(count), np.array([1.5, 1.0]), np.array([1.0, 0.3])
     given = displacements, forces, give, parts, first, rule
-    assert points.line_work(*given) == pytest.approx(energies.line_work(*given), rel=1e-11)
+    assert points.line_work(*given) == pytest.approx(work_along.line_work(*given), rel=1e-11)
     straight = np.linspace(0.0, 1.0, count)[:, None] * [1.0, 0.0]
     given = straight, np.zeros((count, 2)) + straight ** (count - 1), 0.0 * give, parts, first, rule
     exact = (1.0 - straight[first, 0] ** count) / count

@@ -1,0 +1,83 @@
+"""Work of forces along a curve that some of its points tell of."""
+
+from functools import cache
+
+import numpy as np
+
+
+@cache
+def gauss(count):
+    """Gauss and Legendre's rule of so many points: places in -1 to 1, and their shares."""
+    return np.polynomial.legendre.leggauss(count)
+
+
+def line_rule(places, first, rule):
+    """Arrays with which the sum of (values @ basis) (along @ slopes) is the integral of values
+    d(along) from place number ``first`` to the last, by polynomials through all places.
+
+    These are Lagrange's polynomials, and their slopes times shares, at the points of Gauss and
+    Legendre's rule of as many points, which is exact for them. (The sums come first: next to each
+    other places make large numbers that cancel.)
+
+    Parameters
+    ----------
+    places : array, distances along a path
+    first : number of the place from which on
+    rule : (places, shares) of Gauss and Legendre's of as many points
+    """
+    abscissas, shares = rule
+    half, places = 0.5 * (places[-1] - places[first]), [float(place) for place in places]
+    along, basis, slopes = (places[first] + half * (1.0 + abscissas)).tolist(), [], []
+    # (few numbers: floats are faster than arrays)
+    for j, own in enumerate(places):
+        others = [(other, 1.0 / (own - other)) for i, other in enumerate(places) if i != j]
+        for point in along:
+            value, slope = 1.0, 0.0
+            for other, scale in others:
+                apart = point - other
+                value, slope = value * apart * scale, (slope * apart + value) * scale
+            basis.append(value)
+            slopes.append(slope)
+    basis, slopes = np.array([basis, slopes]).reshape(2, len(places), -1)
+    return basis, half * shares * slopes
+
+
+def line_work(displacements, forces, give, weights, first, rule):
+    """Work of forces over displacements from point number ``first`` of a path to its last one, by
+    polynomials through all of its points.
+
+    These are of the chord length along the points, in which a force counts by how much gives way
+    to it.
+
+    Parameters
+    ----------
+    displacements, forces : arrays (points, components)
+    give, weights : arrays (components,); the second of what each does in a common unit
+    first : int
+    rule : (places, shares) of Gauss and Legendre's of as many points
+    """
+    along = np.concatenate([displacements, give * forces], axis=1)
+    places = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(along, axis=0), axis=1)))
+    basis, slopes = line_rule(places, first, rule)
+    return np.vdot(weights[:, None] * (forces.T @ basis), displacements.T @ slopes)
+
+
+def held(work, displacements, forces, weights, first):
+    """A work by `line_work`, or that of the chords between the points where it is none that forces
+    between their values could do.
+
+    Polynomials by chord length swing where a step is many times as long as those before it: where
+    a load falls steeply, or fades. Forces that rise or fall from point to point leave less doubt
+    than half of their changes, over the displacements. (The change before counts as well: at an
+    extremum in the middle of a step the forces at its ends are equal.)
+
+    Parameters
+    ----------
+    work : float
+    displacements, forces, weights, first : as of `line_work`
+    """
+    steps = np.diff(displacements[first:], axis=0)
+    chords = np.sum(0.5 * (forces[first:-1] + forces[first + 1:]) * steps, axis=0)
+    changes = np.abs(np.diff(forces[max(first - 1, 0):], axis=0)).max(axis=0)
+    doubt = 0.5 * changes * np.abs(steps).sum(axis=0)
+    return work if abs(work - weights @ chords) <= weights @ doubt else float(weights @ chords)
