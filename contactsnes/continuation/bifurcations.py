@@ -37,6 +37,10 @@ BACK = 0.5
 and what part of the way that has to lead back."""
 
 
+class Parted(NotConverged):
+    """Two points are of two branches: between them states jump, and eigenvalues with them."""
+
+
 def examined(system, certify, leg, last, point):
     """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of
     another branch.
@@ -169,7 +173,8 @@ def between(system, stability, leg, before, after):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            if (before[1].unstable_modes - after[1].unstable_modes) % 2:
+            odd = (before[1].unstable_modes - after[1].unstable_modes) % 2
+            if odd or isinstance(error, Parted):
                 raise NotConverged(f"{sentence}: {error}") from None
             system.log(f"{sentence}: {error}")
             continue
@@ -237,7 +242,7 @@ def _root(system, stability, leg, ends, index):
     value(place)
     if abs(values[place]) > VANISHED * max(abs(first), abs(last)):
         if _apart(system, known, values) > PARTED * far:
-            raise NotConverged("an eigenvalue jumps through zero, and the state with it")
+            raise Parted("an eigenvalue jumps through zero, and the state with it")
         return None
     # A bifurcation next to a fold, whose copy this may be, is none.
     return replace(known[place], position=place, leg=leg.number, step=leg.initial,

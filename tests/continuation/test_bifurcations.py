@@ -336,10 +336,12 @@ def test_where_a_mode_has_softened_the_tangent_leads_back_or_the_step_jumped(sof
     assert ("hardly leads back" in str(found[1])) is refused
 
 
+@pytest.mark.parametrize("modes", [1, 2])
 @pytest.mark.parametrize("apart", [0.0, 0.05])
-def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apart):
+def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apart, modes):
     """Solves in between that end on two branches have eigenvalues of either sign, and no root; so
-    has a corner on one branch."""
+    has a corner on one branch. However many modes change: an even number is no excuse for states
+    that jump."""
     said = []
 
     class Halves(System):
@@ -355,7 +357,7 @@ def test_where_an_eigenvalue_jumps_states_tell_a_corner_from_another_branch(apar
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
     system.log = said.append
     ends = [(place, replace(system.solve(None, leg.controls, leg.load(place)),
-                            unstable_modes=modes)) for place, modes in ((0.0, 0), (1.0, 1))]
+                            unstable_modes=number)) for place, number in ((0.0, 0), (1.0, modes))]
     if apart:
         with pytest.raises(NotConverged, match="and the state with it"):
             between(system, Signs(), leg, *ends)
