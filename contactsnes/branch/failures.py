@@ -42,6 +42,12 @@ NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
        "another -continuation_predictor")
 
+CHOICE = re.compile("(snes|ksp|pc|snes_linesearch|ksp_norm)_type|ksp_pc_side")
+"""Options of methods that a solve may fail with."""
+USUAL_CHOICES = {("snes_type", "newtonls"), ("ksp_type", "fgmres"), ("ksp_type", "gmres"),
+                 ("snes_linesearch_type", "basic")}
+"""Those that are taken without being asked for."""
+
 
 class Resolution:
     """Marks points in their order: whether the grid resolves them, or makes folds of its own.
@@ -154,6 +160,13 @@ def narrow(contact, before, after):
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
 
 
+def way_out():
+    """What to try where a solver failed: first of all without methods of the user's choice."""
+    chosen = [f"-{name} {text}" for name, text in database().items()
+              if CHOICE.fullmatch(name) and text != "python" and (name, text) not in USUAL_CHOICES]
+    return f"try without {' '.join(chosen)}, or {TRY[4:]}" if chosen else TRY
+
+
 def beyond_rounding(contact, last):
     """What there is to say where -snes_atol asks for less than rounding leaves; else an empty text.
 
@@ -195,7 +208,7 @@ def explained(error, contact, sheared, modes, last=None):
     except (RuntimeError, ArithmeticError, ValueError):
         found = None
     if found is None:
-        return NotConverged(f"{error}; a failure of the solver: {TRY}")
+        return NotConverged(f"{error}; a failure of the solver: {way_out()}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
         why = (f"unstable ({found.unstable} modes, {told}): a bifurcation was "
@@ -205,7 +218,7 @@ def explained(error, contact, sheared, modes, last=None):
                "next to it; try smaller steps, or -continuation_type "
                "arclength")
     else:
-        why = f"stable ({told}), and no fold was found: a failure of the solver; {TRY}"
+        why = f"stable ({told}), and no fold was found: a failure of the solver; {way_out()}"
     return NotConverged(f"{error}; the last point is {why}")
 
 
@@ -235,4 +248,4 @@ def uncomputable(error, options):
         return (2, "numbers of the scene or the load are too large or "
                 f"too small to compute with ({error}): {extreme}")
     return (1, "a number became too large or too small to compute with "
-            f"on the way ({error}): a failure of the solver; {TRY}")
+            f"on the way ({error}): a failure of the solver; {way_out()}")

@@ -13,9 +13,9 @@ points by chord length, so that its error falls as the fourth power of the step,
 well (`work_along`). Points at corners of the path, where legs or jumps begin, are not joined.
 Where the law has a potential the work done on the interface is that potential's difference, free of
 any step error: the two then test each other (``energy_imbalance``). Elsewhere it is what the
-balance leaves of the external work. A jump under fixed loads dissipates the work of the loads that is neither stored nor
-done on the interface. Where there is no potential, the latter is summed up along the motion that
-was followed; if there was none, it is not known.
+balance leaves of the external work. A jump under fixed loads dissipates the work of the loads that
+is neither stored nor done on the interface. Where there is no potential, the latter is summed up
+along the motion that was followed; if there was none, it is not known.
 """
 
 import math

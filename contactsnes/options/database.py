@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .fields import COMMON, InputError, nearest
 from .files import is_option, read_file, with_files
-from .solver_values import blamed, refuse_values
+from .solver_values import blamed, refuse_values, without_entries
 from .values import BOOLEANS, instance
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
@@ -246,7 +246,8 @@ def petsc_sentence(error):
     error : PETSc.Error
     """
     last = str(error).splitlines()[-1].removeprefix("[0] ").strip()
-    return f"PETSc: {blamed(last, database(), SOLVER.match)} (error {error.ierr})"
+    said = without_entries(last, database()) or blamed(last, database(), SOLVER.match)
+    return f"PETSc: {said} (error {error.ierr})"
 
 
 def unused_options(classes=()):

@@ -54,6 +54,10 @@ RULES = {
 the law, of which one is no equilibrium."""
 
 
+MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
+"""Values of -pc_type that ask for no entries of a matrix."""
+
+
 def refuse_values(entries, nests):
     """InputError for a number of PETSc's options that it does not allow, or takes and cannot use.
 
@@ -76,6 +80,22 @@ def _holds(rule, text):
         return rule.holds(number(text.strip(), rule.convert))
     except ValueError:
         return False
+
+
+def without_entries(sentence, entries):
+    """What PETSc says of a method that needs the entries of the tangent, with the options that ask
+    for it and what to take; an empty text where that is not what it says.
+
+    Parameters
+    ----------
+    sentence, entries : as of `blamed`
+    """
+    if not re.search("(for Mat of|matrix) type (shell|python)|requires IJ", sentence):
+        return ""
+    guilty = [f"-{name} is '{text}'" if text else f"-{name}" for name, text in entries.items()
+              if re.search("pc_type$|^snes_fd|pc_factor_", name) and text not in MATRIX_FREE]
+    return (f"{'; '.join(guilty) or 'a solver'}: the entries of the tangent are asked for, of which "
+            f"products alone are known here; leave it out ({sentence})")
 
 
 def blamed(sentence, entries, is_solver):

@@ -55,6 +55,7 @@ class Record(Mapping):
         self.units = {name: part.attributes["unit"] for name, part in [*branch.items(),
                       *fields.items()] if "unit" in part.attributes}
         self.on_active, self._rebuilt = "active" in fields, None
+        self._stored = ("displacement", "traction", *["mode"] * ("mode" in fields))
         if self.on_active:
             self.units |= {name: item.attrs["unit"] for name, item in
                            fields["active"].item.items() if "unit" in item.attrs}
@@ -138,13 +139,32 @@ class Record(Mapping):
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
-        `field_points`, from the file."""
+        `field_points`, from the file; -1 is the last point. ArchiveError where it is not kept."""
+        point = self._number(point, name)
         if name == "mode" or not self.on_active:
             held = self.points - len(self._waiting)
             if held <= point < self.points and point in self.field_points:
                 return self._waiting[point - held].fields[name]
             return self._taken(lambda file: stored.field(file, name, point))
         return self._cell(name, self.active(point))
+
+    def _number(self, point, *names):
+        """The number from 0 of a point, which may be counted from the end; ArchiveError where it
+        has no fields of these names."""
+        number = point + self.points if point < 0 else point
+        if number not in self.field_points:
+            kept = self.field_points
+            raise ArchiveError(f"{self.path} keeps no fields of point {point}: "
+                               + (f"it keeps those of {kept[0]} to {kept[-1]}." if len(kept) > 1
+                                  else f"it keeps those of {kept[0]}." if kept
+                                  else "-archive_fields all or last keeps them."))
+        for name in names:
+            if name not in self._stored:
+                raise ArchiveError(f"{self.path} has no field '{name}': it has "
+                                   f"{', '.join(self._stored)}"
+                                   + ("" if name != "mode" else "; -continuation_stability "
+                                      "eigenvalue finds modes") + ".")
+        return number
 
     def _cell(self, name, kept):
         """The cell's 'displacement' or 'traction' from what is kept of a point on active nodes."""
@@ -156,7 +176,11 @@ class Record(Mapping):
         """What is kept of a point of `field_points` on the nodes where the law acts, a mapping:
         ``nodes`` (their numbers in the cell's fields), ``displacement`` and ``traction``
         (components, nodes) and ``mean`` displacement (components); of archives made with
-        -archive_fields_on active."""
+        -archive_fields_on active. ArchiveError where there is nothing of it."""
+        point = self._number(point)
+        if not self.on_active:
+            raise ArchiveError(f"{self.path} keeps fields of the whole cell, which `field` reads: "
+                               "-archive_fields_on active keeps those of active nodes.")
         held = self.points - len(self._waiting)
         if held <= point < self.points and point in self.field_points:
             return self._waiting[point - held].fields
@@ -171,6 +195,7 @@ class Record(Mapping):
         points : list of int, of `field_points`
         names : sequence of str
         """
+        points = [self._number(point, *names) for point in points]
         held = self.points - len(self._waiting)
         in_file = [point for point in points if not held <= point < self.points]
 

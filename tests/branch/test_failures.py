@@ -139,6 +139,14 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
                                                       False, broken))
 
 
+@pytest.mark.parametrize("given, told", (({"ksp_type": "cg"}, "try without -ksp_type cg, or smaller"),
+                                         ({"ksp_type": "fgmres", "pc_type": "python"},
+                                          "solver: try smaller steps")))
+def test_methods_of_the_users_choice_are_doubted_first(monkeypatch, given, told):
+    monkeypatch.setattr("contactsnes.branch.failures.database", lambda: given)
+    assert told in str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, lambda: None))
+
+
 def test_a_tolerance_below_rounding_is_named_as_the_reason():
     from petsc4py import PETSc
 

@@ -7,8 +7,16 @@ import pytest
 from scipy import ndimage
 
 from contactsnes import Contact, Scene
-from contactsnes.contact import (acceptance, edges, energies, fronts, state, states, survey,
-                                work_along)
+from contactsnes.contact import (
+    acceptance,
+    edges,
+    energies,
+    fronts,
+    state,
+    states,
+    survey,
+    work_along,
+)
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point

@@ -348,6 +348,26 @@ def test_what_petsc_refuses_is_told_with_the_option_it_is_about(petsc):
     assert "nonsense': " not in options.petsc_sentence(error.value)
 
 
+@pytest.mark.parametrize("kind", ["ilu", "lu"])
+def test_what_needs_entries_that_a_matrix_has_not_is_told_in_words(petsc, kind):
+    from petsc4py import PETSc
+
+    petsc["pc_type"] = kind
+    matrix = PETSc.Mat().create()
+    matrix.setSizes((2, 2))
+    matrix.setType("shell")
+    matrix.setUp()
+    solver = PETSc.PC().create()
+    solver.setFromOptions()
+    solver.setOperators(matrix)
+    with pytest.raises(PETSc.Error) as error:
+        solver.setUp()
+    solver.destroy()
+    matrix.destroy()
+    told = options.petsc_sentence(error.value)
+    assert f"-pc_type is '{kind}': the entries of the tangent" in told and "leave it out" in told
+
+
 def test_unused_options_of_petsc_are_found(petsc):
     from petsc4py import PETSc
 

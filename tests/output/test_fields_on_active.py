@@ -12,6 +12,7 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.observables import Measurement, compliance, frame, table  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.files import ArchiveError  # noqa: E402
 from contactsnes.output.layout import Column  # noqa: E402
 from contactsnes.output.reading import read  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
@@ -68,6 +69,33 @@ def test_the_cell_is_rebuilt(tmp_path, scene, path, start):
                                    cell.field("displacement", point), atol=1e-6)
         np.testing.assert_allclose(active.field("traction", point),
                                    cell.field("traction", point), atol=1e-13)
+
+
+def test_what_is_not_kept_is_said_and_nothing_else_given(tmp_path):
+    """A name that is none gave another field of an archive on active nodes, and was taken for
+    damage elsewhere."""
+    scene = Scene(**LINE)
+    for on in ("cell", "active"):
+        _, record = written(tmp_path, scene, "normal_displacement=0.5", on)
+        np.testing.assert_array_equal(record.field("traction", -1),
+                                      record.field("traction", record.points - 1))
+        (traction,), (again,) = record.each([0, np.int64(-record.points)], ["traction"])
+        np.testing.assert_array_equal(traction, again)
+        for name, point, told in (("displacment", 0, "no field 'displacment': it has displacement"),
+                                  ("mode", 0, "-continuation_stability eigenvalue"),
+                                  ("gap", -1, "no field 'gap'"),
+                                  ("traction", record.points, f"of 0 to {record.points - 1}"),
+                                  ("traction", -record.points - 1, "keeps no fields")):
+            with pytest.raises(ArchiveError, match=told):
+                record.field(name, point)
+        if on == "cell":
+            with pytest.raises(ArchiveError, match="-archive_fields_on active"):
+                record.active(0)
+        else:
+            with h5py.File(record.path) as file:
+                last = file["fields/active/offsets"][-2:]
+                np.testing.assert_array_equal(record.active(-1)["traction"],
+                                              file["fields/active/traction"][:, slice(*last)])
 
 
 def test_fields_in_si_and_in_single_precision(tmp_path):
