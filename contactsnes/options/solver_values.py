@@ -94,7 +94,7 @@ def without_entries(sentence, entries):
         return ""
     guilty = [f"-{name} is '{text}'" if text else f"-{name}" for name, text in entries.items()
               if re.search("pc_type$|^snes_fd|pc_factor_", name) and text not in MATRIX_FREE]
-    return (f"{'; '.join(guilty) or 'a solver'}: the entries of the tangent are asked for, of which "
+    return (f"{'; '.join(guilty) or 'a solver'}: it asks for entries of the tangent, of which "
             f"products alone are known here; leave it out ({sentence})")
 
 

@@ -139,7 +139,7 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
                                                       False, broken))
 
 
-@pytest.mark.parametrize("given, told", (({"ksp_type": "cg"}, "try without -ksp_type cg, or smaller"),
+@pytest.mark.parametrize("given, told", (({"ksp_type": "cg"}, "without -ksp_type cg, or smaller"),
                                          ({"ksp_type": "fgmres", "pc_type": "python"},
                                           "solver: try smaller steps")))
 def test_methods_of_the_users_choice_are_doubted_first(monkeypatch, given, told):

@@ -365,7 +365,7 @@ def test_what_needs_entries_that_a_matrix_has_not_is_told_in_words(petsc, kind):
     solver.destroy()
     matrix.destroy()
     told = options.petsc_sentence(error.value)
-    assert f"-pc_type is '{kind}': the entries of the tangent" in told and "leave it out" in told
+    assert f"-pc_type is '{kind}': it asks for entries" in told and "leave it out" in told
 
 
 def test_unused_options_of_petsc_are_found(petsc):
