@@ -3,6 +3,29 @@ these take a third of the time of h5py's."""
 
 import numpy as np
 
+from ..options.fields import nearest
+
+ASKED = {"stiffness": "-archive_stiffness", "error_": "-archive_errors"}
+"""Beginnings of the names of columns that a run writes where it is asked to -> the option."""
+
+
+def instead(name, known, shown=None):
+    """The end of a sentence on a column that an archive does not have: what writes it, what is
+    spelt like it, or what there is.
+
+    Parameters
+    ----------
+    name : str
+    known : list of str, names that would do
+    shown : list of str, those to show where none is alike; None: all
+    """
+    option = next((option for start, option in ASKED.items() if name.startswith(start)
+                   and not any(other.startswith(start) for other in known)), "")
+    if option:
+        return f": {option} writes it"
+    guess = nearest(name, known)
+    return f": did you mean {guess}?" if guess else f"; it has {', '.join(shown or known)}"
+
 
 def put_attributes(item, attributes):
     """Write attributes, a mapping, of a new group or dataset, given by its identifier."""

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..options.fields import InputError, nearest
+from ..options.fields import InputError
 from . import resuming
+from .columns import instead
 from .extras import extra
 from .files import ArchiveError
 from .reading import read
@@ -149,9 +150,8 @@ def _unknown(records, name):
     first = records[0]
     known = list(dict.fromkeys([*OWN, *(known for record in records for known in record),
                                 *(SCENE + other for other in first.scene)]))
-    guess = nearest(name, [*known, *resuming.entries(first.options)])
     return InputError(f"-columns: {first.path} has no column {name}"
-                      + (f": did you mean {guess}?" if guess else f"; it has {', '.join(known)}"))
+                      + instead(name, [*known, *resuming.entries(first.options)], known))
 
 
 def as_csv(table, units=False):

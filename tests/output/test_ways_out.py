@@ -81,6 +81,9 @@ def test_a_table_refuses_what_does_not_fit(tmp_path):
         tabular.tabulate([one, other], TableOptions())
     with pytest.raises(InputError, match="no column normal_forc: did you mean normal_force"):
         tabular.tabulate([one], TableOptions(columns="normal_forc"))
+    for name, option in (("stiffness", "-archive_stiffness"), ("error_slip", "-archive_errors")):
+        with pytest.raises(InputError, match=f"no column {name}: {option} writes it"):
+            tabular.tabulate([one], TableOptions(columns=name))
     with pytest.raises(InputError, match="-rows is 'some'"):
         read_words(["-rows", "some"], TableOptions)
     with pytest.raises(InputError, match="by -output"):

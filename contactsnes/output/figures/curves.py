@@ -5,7 +5,8 @@ from collections import Counter
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...options.fields import InputError, nearest
+from ...options.fields import InputError
+from ..columns import instead
 from .data import NothingToShow, shear, unsheared, varies
 from .measured import draw_measured
 from .parts import draw_branch, event_handles, place_legend
@@ -71,10 +72,8 @@ def _check(records, columns):
         for name in columns:
             known = [other for other in record if record[other].dtype.kind in "fiu"]
             if name not in known:
-                guess = nearest(name, known)
                 raise InputError(f"-plot_columns: {record.path} has no column {name} of numbers"
-                                 + (f": did you mean {guess}?" if guess
-                                    else f"; it has {', '.join(known)}"))
+                                 + instead(name, known))
 
 
 def together(records, measured):
