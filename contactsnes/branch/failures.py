@@ -214,9 +214,9 @@ def explained(error, contact, sheared, modes, last=None):
         why = (f"unstable ({found.unstable} modes, {told}): a bifurcation was "
                "passed, which -continuation_stability sign finds")
     elif found.leading.real < softest:
-        why = (f"stable, but hardly ({told}): a fold or a bifurcation is "
-               "next to it; try smaller steps, or -continuation_type "
-               "arclength")
+        along = database().get("continuation_type") == "arclength"
+        why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try smaller "
+               "steps" + ("" if along else ", or -continuation_type arclength"))
     else:
         why = f"stable ({told}), and no fold was found: a failure of the solver; {way_out()}"
     return NotConverged(f"{error}; the last point is {why}")

@@ -37,7 +37,7 @@ BACK = 0.5
 and what part of the way that has to lead back."""
 
 
-class Parted(NotConverged):
+class Apart(NotConverged):
     """Two points are of two branches: between them states jump, and eigenvalues with them."""
 
 
@@ -150,8 +150,8 @@ def between(system, stability, leg, before, after):
 
     None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a
     bracketed root of its eigenvalue (Brent's method) along the branch, which is solved for in
-    between. NotConverged where that fails and an odd number changes: that happens at folds and
-    bifurcations only (the index of a branch stays), so that the neighbours lie on two branches.
+    between. NotConverged where that fails and the neighbours lie on two branches: an odd number
+    changes away from folds and bifurcations, or the state jumps with an eigenvalue.
 
     Parameters
     ----------
@@ -173,8 +173,7 @@ def between(system, stability, leg, before, after):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            odd = (before[1].unstable_modes - after[1].unstable_modes) % 2
-            if odd or isinstance(error, Parted):
+            if isinstance(error, Apart) or (before[1].unstable_modes - after[1].unstable_modes) % 2:
                 raise NotConverged(f"{sentence}: {error}") from None
             system.log(f"{sentence}: {error}")
             continue
@@ -242,7 +241,7 @@ def _root(system, stability, leg, ends, index):
     value(place)
     if abs(values[place]) > VANISHED * max(abs(first), abs(last)):
         if _apart(system, known, values) > PARTED * far:
-            raise Parted("an eigenvalue jumps through zero, and the state with it")
+            raise Apart("an eigenvalue jumps through zero, and the state with it")
         return None
     # A bifurcation next to a fold, whose copy this may be, is none.
     return replace(known[place], position=place, leg=leg.number, step=leg.initial,

@@ -125,6 +125,14 @@ def test_reasons_are_told_apart(modes, words):
         raise told
 
 
+def test_what_is_taken_already_is_not_advised(monkeypatch):
+    soft = SimpleNamespace(unstable=0, leading=0.0001 + 0j)
+    for given, advised in (({}, True), ({"continuation_type": "arclength"}, False)):
+        monkeypatch.setattr("contactsnes.branch.failures.database", lambda given=given: given)
+        told = str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, lambda: soft))
+        assert "try smaller steps" in told and ("arclength" in told) is advised
+
+
 def test_a_tall_layer_is_not_taken_for_a_critical_point():
     """Its mean creeps back at the rate k_0/m_0: 0.0016 for L = 40, H = 2000."""
     contact = Contact(Scene(**LINE))
