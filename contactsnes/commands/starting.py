@@ -5,7 +5,7 @@ import os
 import sys
 
 from .. import __version__
-from ..options.database import database
+from ..options.database import BEGINNING, database
 from ..options.fields import InputError
 from ..system.devices import checksum
 from ..system.processes import launched, missing, world
@@ -52,9 +52,7 @@ def begin_petsc(words):
         os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
         os.environ.setdefault("OMPI_MCA_pml", "ob1")
     try:
-        # Unused options are our own business: PETSc would list those that a sentence on bad input
-        # leaves unread. Signals are, too: PETSc's handlers would abort.
-        petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler", *words])
+        petsc4py.init(["contactsnes", *BEGINNING, *words])
     except RuntimeError as error:
         raise InputError(
             f"PETSc does not start with these options ({error}); it says why above") from None

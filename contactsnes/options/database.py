@@ -23,6 +23,10 @@ along the arc, of finer grids."""
 NESTED = ("npc", "sub_0", "fas_coarse", "fas_levels", "first", "jump", "arc", "error")
 """Examples of these prefixes."""
 
+BEGINNING = ("-options_left", "no", "-no_signal_handler")
+"""What this program itself gives PETSc. Unused options are its own business: PETSc would list those
+that a sentence on bad input leaves unread. Signals are, too: PETSc's handlers would abort."""
+
 SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
 
@@ -215,7 +219,8 @@ def check_names(classes=()):
             # so much like ours.
             guess = nearest(head[:-1], NESTED, cutoff=0.7)
             sentences += [f"-{name} is no option: did you mean -{guess}_{inner}?"] * bool(guess)
-        elif not head and not inner.startswith(prefixes) and not SOLVER.match(name):
+        elif not (head or inner.startswith(prefixes) or SOLVER.match(name)
+                  or "-" + name in BEGINNING):
             guess = nearest(name, names, cutoff=0.85)
             sentences += [f"-{name} is no option: did you mean -{guess}?"] * bool(guess)
     if sentences:
