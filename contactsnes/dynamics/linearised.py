@@ -141,18 +141,11 @@ class Overdamped:
 
     def vector(self, mode):
         """The vector of a mode as a state: displacements on the window and means, ranges of the
-        law; of one on the nodes of a half, that of its part of these parities."""
+        law; on the nodes of a half, of one of these parities."""
         means, field = mode.means[self.means], mode.displacement
         if self.plain is self.form:
             return self.form.pack(field, means)
-        return self.form.scaled(self.plain.pack(self._own_part(field), means))
-
-    def _own_part(self, field):
-        """The part of a field (components, nodes of the window) that has these parities, at the
-        nodes of the half."""
-        for axis, signs in enumerate(np.transpose(self.form.parities)):
-            field = 0.5 * (field + mirrored(self.window, field, axis, signs))
-        return self.plain.window.fold(field)
+        return self.form.scaled(self.plain.pack(self.plain.window.fold(field), means))
 
     def state(self, vector):
         """The mode as a state, of a real vector."""

@@ -124,7 +124,8 @@ def summed(found):
 
 def _real(vectors, grid):
     """Real and imaginary parts of vectors, a list without what vanishes."""
-    parts = [part for vector in vectors for part in (vector.real, vector.imag)]
+    parts = (vectors if np.isrealobj(vectors)
+             else [part for vector in vectors for part in (vector.real, vector.imag)])
     return [part for part in parts if (part.any() if grid is None else grid.any(part))]
 
 

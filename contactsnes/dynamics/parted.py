@@ -8,7 +8,7 @@ import numpy as np
 from ..contact.states import State
 from ..grid.contours import first_largest
 from ..solvers.core_zone import CoreOptions
-from .linearised import Overdamped
+from .linearised import Overdamped, mirrored
 
 
 class Parted:
@@ -28,6 +28,7 @@ class Parted:
     shared = None
 
     def __init__(self, contact, window, controls, axes, options=CoreOptions()):
+        self._axes = axes
         signs = np.array([signs for _, signs in axes], dtype=int).T
         self.window, self.components = window, len(controls)
         self._each = [Overdamped(contact, window, controls, options,
@@ -70,7 +71,13 @@ class Parted:
 
     def vector(self, mode):
         """The vector of a mode as a state."""
-        return np.concatenate([one.vector(mode) for one in self._each])
+        parts = [mode.displacement]
+        for axis, signs in self._axes:
+            images = [mirrored(self.window, part, axis, signs) for part in parts]
+            parts = [0.5 * each for part, image in zip(parts, images)
+                     for each in (part + image, part - image)]
+        return np.concatenate([one.vector(State(self.window, part, mode.means))
+                               for one, part in zip(self._each, parts)])
 
     def state(self, vector):
         """The mode as a state, of a real vector."""

@@ -1,5 +1,6 @@
 """Modes of the projection of an operator on a space that grows, for each symmetry."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,7 +20,8 @@ def lengths(rows, grid=None):
     """Euclidean length of vectors (..., size), parts of which may be in other processes of a
     grid."""
     if grid is None:
-        return np.linalg.norm(rows, axis=-1)
+        return (np.linalg.norm(rows, axis=-1) if rows.ndim > 1
+                else math.sqrt(np.vdot(rows, rows).real))
     return np.sqrt(grid.together(np.sum(np.square(np.abs(rows)), axis=-1)))
 
 
@@ -261,19 +263,21 @@ def projected(basis, images, products, certain, grid=None, compiled=False):
     compiled : bool, whether the library sums real vectors
     """
     values, coefficients = np.linalg.eig(products)
-    kept = np.flatnonzero(values.imag >= 0.0)
-    kept = kept[np.argsort(values[kept].real, kind="stable")]
-    certain += np.sum(values[kept].real < 0.0)
-    kept = kept[:certain + 1]
-    values, coefficients = values[kept], coefficients[:, kept].T
-    if not np.iscomplex(values).any():  # where others are not, all are told as complex
+    kept = np.argsort(values.real, kind="stable")
+    if np.iscomplexobj(values):
+        kept = kept[values[kept].imag >= 0.0]
+    values = values[kept]
+    certain += np.count_nonzero(values.real < 0.0)
+    values, coefficients = values[:certain + 1], coefficients[:, kept[:certain + 1]].T
+    if np.iscomplexobj(values) and not values.imag.any():
+        # others are complex
         values, coefficients = values.real, coefficients.real
     if compiled and not np.iscomplexobj(coefficients):
         vectors, defects = ritz(coefficients, values, basis, images)
     else:
         vectors, moved = (_combined(coefficients, rows) for rows in (basis, images))
         defects = moved - values[:, None] * vectors
-    return Modes(values, vectors, defects, np.arange(len(kept)) < certain, grid)
+    return Modes(values, vectors, defects, np.arange(len(values)) < certain, grid)
 
 
 def _combined(coefficients, rows):
