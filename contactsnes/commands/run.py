@@ -210,8 +210,7 @@ class Run:
 
     def _accept(self, point):
         """Keep and show a point."""
-        measurement, output = (observables.Measurement(self.branch.contact, point),
-                               self.settings.output)
+        measurement = observables.Measurement(self.branch.contact, point)
         row = self.watch.row(point) if self.watch else {}
         if observables.STIFFNESS in self.table:
             row[observables.STIFFNESS] = self.branch.stiffness(point)
@@ -219,14 +218,23 @@ class Run:
         wanted = [name for name in self.table if self.archive or name in self.progress.taken]
         row |= {name: self.table[name].function(measurement) for name in wanted if name not in row}
         if self.archive:
-            fields, active = (), {}
-            if output.fields != "none" and output.on_active(self.settings.scene):
-                active = measurement.active_fields(self.nothing)
-            elif output.fields != "none":
-                fields = measurement.fields()
-            self.archive.append(row, self.branch.packed(point), *fields, **active)
+            self.archive.append(row, self.branch.packed(point), **self._fields(measurement))
         self.progress.point(row, point.position)
         self.branch.corrector.account()  # what observing and keeping took is not the next point's
+
+    def _fields(self, measurement):
+        """What the archive gets of a point besides its row and state, by name."""
+        output = self.settings.output
+        if output.fields == "none":
+            return {}
+        if output.on_active(self.settings.scene):
+            return measurement.active_fields(self.nothing)
+
+        def found():
+            return dict(zip(("displacement", "traction", "mode"), measurement.fields()))
+
+        # (several processes find them together)
+        return {"later": found} if output.fields == "last" and world.size == 1 else found()
 
     def _say_what_is_solved(self):
         """Before the first solve: what has no effect, what is skipped, what to beware of."""

@@ -12,14 +12,7 @@ import numpy as np
 
 from . import checksums, resuming, stored
 from .columns import put_attributes
-from .files import (
-    FORMAT,
-    ArchiveError,
-    check_folder,
-    check_new,
-    resolved,
-    safely,
-)
+from .files import FORMAT, ArchiveError, check_folder, check_new, resolved, safely
 from .journal import Journal, beside
 from .layout import Layout
 from .reading import read
@@ -94,7 +87,8 @@ class Archive:
         self._journal = Journal(beside(self.path), os.urandom(16).hex())
         self._store = Store(self.path, self._layout, self._write_frame)
         self._frame = None  # what it depends on, and its checksum
-        self._waiting = []  # points that are in the journal, but not in the file
+        # points that are in the journal, but not in the file, and what gives the last its fields
+        self._waiting, self._later = [], None
         self._settled = time.monotonic()
 
     @property
@@ -144,7 +138,7 @@ class Archive:
             archive.settle()
         return archive if archive.points else cls.create(path, overwrite=True, **content)
 
-    def append(self, row, state, displacement=None, traction=None, mode=None, **active):
+    def append(self, row, state, displacement=None, traction=None, mode=None, later=None, **active):
         """Add a point; when this returns, it survives a kill of the program.
 
         Parameters
@@ -155,19 +149,21 @@ class Archive:
         displacement, traction : (components, *grid) arrays, used if the archive keeps fields; on
             active nodes (components, nodes)
         mode : (components, *grid), if it keeps modes and the point has one
+        later : function that returns these as a mapping: of a last point alone it is asked for them
+            where the file is written
         active : on active nodes, their numbers ``nodes`` and the ``mean`` displacement (components)
         """
         if self.complete:
             raise ArchiveError(f"{self.path} is complete; no point can be added.")
-        fields = self._layout.checked({"displacement": displacement, "traction": traction,
-                                       "mode": mode, **active})
+        fields = {} if later else self._layout.checked(
+            {"displacement": displacement, "traction": traction, "mode": mode, **active})
         point = stored.Kept(self._layout.numbers(row), state, fields)
         # The first point of a run, or after a write that failed, shows whether the file can be
         # written.
         large = sum(map(np.size, fields.values())) > LARGE or stored.has_parts(state)
         if not self._store.room or large:
             self.settle()
-            self._store.put([point])
+            self._store.put([self._with_fields(point, later)])
             self._settled = time.monotonic()
             return
         try:
@@ -175,6 +171,7 @@ class Archive:
         except OSError as error:
             raise unwritten(self.path, error) from error
         self._waiting.append(point)
+        self._later = later
         if (len(self._waiting) == BATCH or self._journal.size > MOST
                 or time.monotonic() - self._settled > SECONDS):
             self.settle()
@@ -182,10 +179,15 @@ class Archive:
     def settle(self, then=lambda file: None):
         """Write the points that wait in the journal to the file, and what ``then`` does to it."""
         if self._waiting:
+            self._waiting[-1] = self._with_fields(self._waiting[-1], self._later)
             self._store.put(self._waiting, then)
             self._settled = time.monotonic()
-            self._waiting = []
+            self._waiting, self._later = [], None
             self._journal.remove()
+
+    def _with_fields(self, point, later):
+        """A point with the fields that a function, if any, gives it."""
+        return point._replace(fields=self._layout.checked(later())) if later else point
 
     def finish(self):
         """Mark the archive as complete: the path was followed to its regular end."""

@@ -227,14 +227,13 @@ class Layout:
         points : list of `stored.Kept`
         states : mapping of the numbers of the last of them to their packed states
         """
-        last = first + len(points) - 1
-        if self.fields == "last":
+        last, kept = first + len(points) - 1, self._kept(points)
+        if self.fields == "last" and kept:
             file["fields"].attrs.modify("point", 0)
             file.flush()
         for name in self.arrays:
             if self.fields == "all":
                 file["fields"][name].resize(last, axis=0)
-            kept = points if self.fields == "all" else points[-1:]
             for place, point in zip(range(-len(kept), 0), kept):
                 for where, block in self._blocks(name, point):
                     file["fields"][name][(place, *where)] = block
@@ -249,16 +248,22 @@ class Layout:
         for number, state in states.items():
             put_state(file[f"states/{number % SLOTS}"], state)
         file.flush()
-        if self.fields == "last":
+        if self.fields == "last" and kept:
             file["fields"].attrs.modify("point", last)
         file.attrs.modify("points", last)
         file.flush()
 
+    def _kept(self, points):
+        """Those of some points whose fields are kept; a last one that waited in a journal without
+        them has none, and those that are there stay."""
+        return points if self.fields == "all" else points[-1:] if points[-1].fields else []
+
     def _checksums(self, rows, points):
-        """Checksums of points: of their rows, and of their fields, lacking ones included."""
-        sums = np.empty((len(points), 1 + self._sums), "u4")
+        """Checksums of points: of their rows, and of the fields that are kept, lacking ones
+        included."""
+        sums, kept = np.zeros((len(points), 1 + self._sums), "u4"), self._kept(points)
         sums[:, 0] = checksums.rows(rows)
-        for own, point in zip(sums, points):
+        for own, point in zip(sums[len(points) - len(kept):], kept):
             own[1:] = [*([active.checksum(point.fields)] if self.active else []),
                        *(checksums.of(*(block for _, block in self._blocks(name, point)))
                          for name in self.arrays)]

@@ -88,8 +88,10 @@ class Record(Mapping):
         for name, column in self._columns.items():
             rows = np.array([point.row[name] for point in self._waiting], column.dtype)
             self._columns[name] = np.concatenate([column, rows])
-        self.field_points = {"none": [], "last": [self.points - 1],
-                             "all": list(range(self.points))}[fields]
+        if fields == "all":
+            self.field_points = list(range(self.points))
+        elif self._waiting[-1].fields:  # else those in the file count
+            self.field_points = [self.points - 1]
 
     def __getitem__(self, name):
         return self._columns[name]

@@ -618,6 +618,42 @@ def test_points_in_the_journal_are_read_with_the_file(tmp_path, monkeypatch, fie
     assert os.listdir(tmp_path) == ["run.h5"] and check(archive.path, fields).points == 6
 
 
+def test_fields_of_the_last_point_are_asked_for_where_the_file_is_written(tmp_path, monkeypatch):
+    def field(number):
+        return np.full((2, X.size), float(number))
+
+    def add(archive, number):
+        def found():
+            asked.append(number)
+            return {"displacement": field(number), "traction": -field(number)}
+
+        archive.append({"leg": number, "normal_force": 1.0, "contact_area": 1.0, "event": "none"},
+                       {"position": 0.5}, later=found)
+
+    monkeypatch.setattr(writing, "BATCH", 64)
+    monkeypatch.setattr(writing, "SECONDS", np.inf)
+    asked, path = [], tmp_path / "run.h5"
+    archive = Archive.create(path, **fields_content("last"))
+    add(archive, 0)
+    archive.settle()
+    for number in range(1, 4):
+        add(archive, number)
+    # killed now: those of the first point are there, by its number
+    record = read(path)
+    assert asked == [0] and record.points == 4 and record.field_points == [0]
+    np.testing.assert_array_equal(record.field("displacement", 0), field(0))
+    resumed = Archive.resume(path, **fields_content("last"))
+    record = read(path)
+    assert resumed.points == record.points == 4 and record.field_points == [0]
+    np.testing.assert_array_equal(record.field("traction", 0), -field(0))
+    add(resumed, 4)
+    add(resumed, 5)
+    resumed.finish()
+    record = read(path)
+    assert asked == [0, 5] and record.points == 6 and record.field_points == [5]
+    np.testing.assert_array_equal(record.field("displacement", 5), field(5))
+
+
 @pytest.mark.parametrize("fields", ["active last", "active all"])
 def test_fields_on_active_nodes_wait_in_the_journal_and_are_packed_at_the_end(tmp_path, monkeypatch,
                                                                               fields):
