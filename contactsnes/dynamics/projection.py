@@ -11,6 +11,10 @@ from ..kernels.modes import ritz
 from .sectors import Sectors, Together
 
 
+ROOM = 24
+"""Vectors that there is room for from the beginning: memory that is not used costs nothing."""
+
+
 def together(grid, parts):
     """Sums of parts in all processes; without a grid there is one."""
     return parts if grid is None else grid.together(parts)
@@ -166,7 +170,7 @@ class _Sector:
     """
 
     def __init__(self, size, grid=None, compiled=False):
-        self._rows, self._products = np.empty((2, 8, size)), np.empty((8, 8))
+        self._rows, self._products = np.empty((2, ROOM, size)), np.empty((ROOM, ROOM))
         self._grid, self._compiled = grid, compiled
         self.clear()
 
