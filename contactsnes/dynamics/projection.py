@@ -10,7 +10,6 @@ from ..continuation.bifurcations import NEUTRAL
 from ..kernels.modes import ritz
 from .sectors import Sectors, Together
 
-
 ROOM = 24
 """Vectors that there is room for from the beginning: memory that is not used costs nothing."""
 
