@@ -67,7 +67,12 @@ def refuse_values(entries, nests):
     nests : regular expression of the prefix of a solver inside others
     """
     for name, text in entries.items():
-        rule, guess = RULES.get(re.sub(f"^{nests}*", "", name), (None, ""))
+        plain = re.sub(f"^{nests}*", "", name)
+        limit = name.removesuffix("norm_type") + "max_it"
+        if (plain, text) == ("ksp_norm_type", "none") and limit not in entries:
+            raise InputError(f"-{name} is 'none': no residual ends a linear solve then, but its "
+                             f"number of iterations; add -{limit} 20, say, or leave it out")
+        rule, guess = RULES.get(plain, (None, ""))
         if rule is not None and not (text.lower() in rule.words or _holds(rule, text)):
             told = f"is '{text}'" if text else "has no value"
             raise InputError(f"-{name} {told}: allowed is {rule.allowed}; leave it out, or try "

@@ -329,6 +329,15 @@ def test_numbers_that_petsc_can_use_are_left_to_it(petsc):
     options.check_values(())
 
 
+def test_a_linear_solve_that_nothing_ends_is_refused(petsc):
+    """Without norms PETSc takes ten thousand iterations for each of Newton's."""
+    petsc["first_ksp_norm_type"] = "none"
+    with pytest.raises(InputError, match="^-first_ksp_norm_type is 'none': .*first_ksp_max_it 20"):
+        options.check_values(())
+    petsc["first_ksp_max_it"] = "20"
+    options.check_values(())
+
+
 def test_values_of_petscs_options_may_not_be_left_out(petsc):
     petsc["ksp_rtol"] = ""
     with pytest.raises(InputError, match="^-ksp_rtol has no value: allowed is a number"):
