@@ -12,6 +12,7 @@ from ..kernels.splines import followed
 from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
 from .state import State, alike, onto, spread, weighted
 from .states import NEAR, combined, normal_gap, wider
+from .survey import gaps_once
 
 STRETCH = 0.25
 """Part of its length by which a piece between ends of pressure and fronts may grow or shrink in a
@@ -252,8 +253,7 @@ def _stretched(contact, state, window, places, target, part, widened=False):
         field = kept.cut(kept.box(state.displacement), known)
         field[0] += kept.cut(kept.box(contact.gap_on(kept)), known)
     else:
-        field = half.around(state.once, known)
-        field[0] += half.around(contact.gap_on(half)[None], known)[0]
+        field = half.around(gaps_once(contact, state), known)
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)
     return field

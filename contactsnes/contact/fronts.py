@@ -41,7 +41,7 @@ def edges(contact, state):
     if state.half is not None:
         lines = [slice(n // 2 + 1 - line.stop, n // 2 + line.stop)
                  for line, n in zip(lines, state.window.extents)]
-    if not contact.grid.any(touching) or any(line.start == 0 for line in lines):
+    if lines[0].start >= lines[0].stop or any(line.start == 0 for line in lines):
         return None
     through = [(line.start + line.stop) // 2 if state.half is None else 0 for line in lines]
     for axis, line in enumerate(lines):

@@ -8,7 +8,7 @@ from ..grid.cell import Convolution
 from ..grid.outlines import outline
 from ..grid.spots import labelled, runs, sizes
 from . import states
-from .survey import gaps, tractions
+from .survey import gaps, gaps_once, tractions
 
 NOTHING = 1e-15
 """Part of a point's largest traction up to which there is none."""
@@ -124,7 +124,8 @@ class Measurement:
         """`contact_area`, once."""
         if len(self.grid.shape) == 1:
             return self.outline.inside()
-        return self.window.area_below(self.gap[0], self.contact.scene.contact_threshold)
+        return self.state.nodes.area_below(gaps_once(self.contact, self.state)[0],
+                                           self.contact.scene.contact_threshold)
 
     def minimum_gap(self):
         """Smallest normal gap of the cell, u_n,r."""

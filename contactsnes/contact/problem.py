@@ -179,7 +179,7 @@ class Contact:
 
     def _circle(self, component, shape, even=False, count=1, signs=None):
         """(transform, C_ii) of a component on a circle of ``shape`` points with the cell's spacing,
-        C scaled to ranges, 0 at q = 0.
+        C scaled to ranges; `Grid.with_mean` at q = 0.
 
         For ``even`` fields the points of each direction are those from the axis outwards; where
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
@@ -187,13 +187,13 @@ class Contact:
         parities = signs and (signs,) * count
         make = partial(self.kernels.even, parities=parities) if even else self.kernels.circle
         transform = make(self.grid, shape, count)
-        components = 1 if component == 0 else 1 + len(shape)
+        components, key = 1 if component == 0 else 1 + len(shape), (component, component)
         if even:
-            blocks = self.body.diagonal(transform.wavevectors(self.grid.spacings), components,
-                                        last_even=shape[-1] % 2 == 0)
+            own = self.body.diagonal(transform.wavevectors(self.grid.spacings), components,
+                                     last_even=shape[-1] % 2 == 0)[key]
         else:
-            blocks = self.grid.symbols(self.body.diagonal, components, shape)
-        return transform, blocks[component, component] * self.ranges[component] ** 2
+            own = self.grid.symbols(self.body.diagonal, components, shape)[key]
+        return transform, self.grid.with_mean(own * self.ranges[component] ** 2)
 
     def _coarse(self, resolution):
         """The contact on every other node, its law softened to spacing x maugis^2 <= resolution;

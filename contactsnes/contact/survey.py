@@ -93,7 +93,7 @@ def _alternating(contact, state, traction):
     return float(found)
 
 
-def _gaps_once(contact, state):
+def gaps_once(contact, state):
     """Gaps (components, nodes) of a state at its nodes, each once where others are mirror
     images."""
     found = state.once.copy()
@@ -109,7 +109,7 @@ def gaps(contact, state):
     contact : Contact
     state : State
     """
-    return state.unfolded(_gaps_once(contact, state))
+    return state.unfolded(gaps_once(contact, state))
 
 
 def tractions(contact, state):
@@ -120,7 +120,7 @@ def tractions(contact, state):
     contact : Contact
     state : State
     """
-    found = _gaps_once(contact, state)
+    found = gaps_once(contact, state)
     contact.law.evaluate(found, found)
     return state.unfolded(found)
 

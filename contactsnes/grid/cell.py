@@ -138,6 +138,15 @@ class Grid(Fields, Counter):
         shape = self.shape if shape is None else shape
         return make(self.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
 
+    def with_mean(self, symbol):
+        """A compliance (*half spectrum), in place with twice its largest value at q = 0 where it is
+        0 there: a stiff law holds the mean of a core, for whose rest the longest wave, doubled,
+        stands."""
+        mean = self.zero_wave(symbol)
+        if self.any(mean == 0.0):
+            mean[...] = 2.0 * self.maximum(symbol)
+        return symbol
+
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
         """Sum over the nodes (last axis)."""

@@ -1,6 +1,8 @@
 """Where interpolated values on a grid cross a level: places on a line, areas on a plane; and are
 largest."""
 
+from functools import lru_cache
+
 import numpy as np
 
 FEW = 16
@@ -157,6 +159,7 @@ def refined(patches, parts):
     return weights @ patches @ weights.T
 
 
+@lru_cache(maxsize=8)
 def _cubic(parts):
     """Weights of four nodes at the ends of equal parts of the middle one of the steps between
     them."""

@@ -12,6 +12,7 @@ from functools import cached_property, reduce
 import numpy as np
 
 from .cell import Grid
+from .contours import area_below
 from .windows import Window
 
 
@@ -172,7 +173,7 @@ class EvenWindow:
 
     box, parts, total = Window.box, Window.parts, Window.total
     occupied, own, line = Window.occupied, Window.own, Window.line
-    divided, put_part = Window.divided, Window.put_part
+    divided, put_part, placed = Window.divided, Window.put_part, Window.placed
 
     def __eq__(self, other):
         """Whether these are the same nodes of the same window, alike in sign."""
@@ -208,10 +209,6 @@ class EvenWindow:
         (*shape)."""
         return self.grid.weights.reshape(self.shape)
 
-    def placed(self, transform):
-        """A transform of these nodes' circle, of which this process has some rows: all."""
-        return transform
-
     def rim(self):
         """Mask of the nodes on the border of the full window, as `windows.Window.rim`."""
         mask = np.zeros(self.shape, dtype=bool)
@@ -221,6 +218,16 @@ class EvenWindow:
         return mask.reshape(-1)
 
     rim_places = Window.rim_places
+
+    def ringed(self, box):
+        """A box (rows, columns) of the plane with the mirror images around it."""
+        return np.pad(box, 1, "reflect")
+
+    def area_below(self, values, level):
+        """Area where even values (nodes) of the plane lie below a level, as
+        `windows.Window.area_below`: that between these nodes, and of its mirror images."""
+        here = self.grid.together(area_below(self.ringed(self.box(values)), level))
+        return float(4.0 * self.grid.node_area * here)
 
     def along(self, line, axis):
         """A line of the full window along an axis, from that at these nodes and the apex on."""

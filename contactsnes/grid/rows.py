@@ -10,26 +10,32 @@ class Rows:
     Parameters
     ----------
     comm : communicator (mpi4py)
-    first, count : int, the rows of this process
+    parts : list of (first row, number of rows) of each process
     total : int, rows of all processes
     beyond : ``wrap``, ``nearest`` or ``mirror``: what follows beyond the first and the last row, by
         the names of SciPy's filters
 
     Attributes
     ----------
-    parts : list of (first row, number of rows) of each process
+    first, count : int, the rows of this process
     """
 
-    def __init__(self, comm, first, count, total, beyond="wrap"):
-        self.comm, self.first, self.count, self.total = comm, first, count, total
-        self._beyond = beyond
-        self.parts = comm.allgather((first, count))
+    def __init__(self, comm, parts, total, beyond="wrap"):
+        self.comm, self.parts, self.total, self._beyond = comm, parts, total, beyond
+        self.first, self.count = parts[comm.rank]
         self.fewest = min(count for _, count in self.parts)
 
     @property
     def numbers(self):
         """Numbers in the cell of the rows that are here."""
         return np.arange(self.first, self.first + self.count)
+
+    def within(self, rows):
+        """Of consecutive rows, a slice, those of each process: a list of (first, number), counted
+        from the first of them."""
+        return [(min(max(first, rows.start), rows.stop) - rows.start,
+                 max(min(first + count, rows.stop) - max(first, rows.start), 0))
+                for first, count in self.parts]
 
     def at(self, field, wanted):
         """Rows of a field over the cell, wherever they are: (..., rows wanted, columns).
@@ -99,9 +105,14 @@ class Rows:
 
         Parameters
         ----------
-        field : array (..., rows of this process, columns)
+        field : array (rows of this process, columns)
         """
-        return np.concatenate(self.comm.allgather(np.ascontiguousarray(field)), axis=-2)
+        field = np.ascontiguousarray(field)
+        found = np.empty((self.total, field.shape[1]), field.dtype)
+        wide = field.shape[1] * field.itemsize
+        counts, places = zip(*((wide * count, wide * first) for first, count in self.parts))
+        self.comm.Allgatherv(field.view(np.uint8), [found.view(np.uint8), (counts, places)])
+        return found
 
     def in_turn(self, field):
         """Rows of a field over the cell, of one process after the other, in the first process;

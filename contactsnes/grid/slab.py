@@ -5,7 +5,7 @@ import numpy as np
 from .contours import ringed
 from .rows import Rows
 from .slab_nodes import SlabNodes
-from .slab_transform import share
+from .slab_transform import share, shares
 from .windows import Window
 
 
@@ -27,13 +27,12 @@ class Slab(Window):
     def __init__(self, grid, start=(0, 0), shape=None):
         super().__init__(grid, start, grid.shape if shape is None else shape)
         first, column = self.origin
-        begin, end = (min(max(row - first, 0), self.extents[0])
-                      for row in (grid.rows.first, grid.rows.first + grid.rows.count))
-        self.start, self.shape = (first + begin, column), (end - begin, self.extents[1])
+        self.rows = grid.rows if self.is_whole else Rows(
+            grid.comm, grid.rows.within(slice(first, first + self.extents[0])), self.extents[0],
+            "wrap" if self.closed[0] else "nearest")
+        self.start = first + self.rows.first, column
+        self.shape = self.rows.count, self.extents[1]
         self.size = self.shape[0] * self.shape[1]
-        self.rows = grid.rows if self.is_whole else Rows(grid.comm, begin, end - begin,
-                                                         self.extents[0],
-                                                         "wrap" if self.closed[0] else "nearest")
 
     @property
     def of_nodes(self):
@@ -124,9 +123,21 @@ class Slab(Window):
         values, box : arrays
         part : slices
         """
-        mine, (there, here) = self.divided(part)[0], self.own(part)
-        rows = Rows(self.rows.comm, mine.start, mine.stop - mine.start, part[0].stop)
-        box[(..., *here)] = rows.at(values, np.arange(there[0].start, there[0].stop))
+        begin, end = part[0].start, part[0].stop
+        found = Rows(self.rows.comm, shares(end - begin, self.rows.comm.size), end - begin)
+        wanted = [np.arange(first, first + count) for first, count in self.rows.within(part[0])]
+        box[(..., *self.own(part)[1])] = found.given(values, wanted)
+
+    def placed(self, transform, part=None):
+        """A transform of the nodes' circle, of which each process has its rows, or of one of a part
+        of them, slices.
+
+        Parameters
+        ----------
+        transform : SlabCircle
+        part : slices of the box
+        """
+        return transform.placed(self.rows.parts if part is None else self.rows.within(part[0]))
 
     def images(self, box, axis, middle, reach):
         """As `windows.Window.images`; of rows those that this process compares."""

@@ -24,7 +24,7 @@ class SlabCosines(Filtering):
     grid : Slabs, whose counter counts
     shape : points in each direction from the axis outwards
     count : int, number of arrays
-    rows : (first, number) of this process's rows, beyond those of all of which fields are zero
+    rows : (first, number) of each process's rows, beyond which fields are zero
     parities : as of `cosines.Cosines`
     single : bool, whether they are in single precision
     """
@@ -50,11 +50,10 @@ class SlabCosines(Filtering):
 
         Parameters
         ----------
-        comm, rows, kind : communicator, this process's rows, type
+        comm, rows, kind : communicator, each process's rows, type
         """
         columns = [share(self.shape[1], rank, comm.size) for rank in range(comm.size)]
         widths = [part.stop - part.start for part in columns]
-        self._parts = rows = comm.allgather(rows)
         here = widths[comm.rank]
         mine = rows[comm.rank][1]
         shapes = (self._count, mine, self.shape[1]), (self._count, self.shape[0], here)

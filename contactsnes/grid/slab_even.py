@@ -7,7 +7,7 @@ import numpy as np
 from .even import EvenWindow, line_weights, negate, unlike
 from .rows import Rows
 from .slab import Slab
-from .slab_transform import share
+from .slab_transform import share, shares
 
 
 class SlabEven(EvenWindow):
@@ -31,18 +31,19 @@ class SlabEven(EvenWindow):
             n // 2 + 1 for n in cell.shape)
         self.extents, self.closed = tuple(n // 2 + 1 for n in full.extents), full.closed
         # in pairs, which single precision takes for one row of complex numbers
-        pairs = share((self.extents[0] + 1) // 2, cell.comm.rank, cell.comm.size)
-        mine = slice(*(min(2 * end, self.extents[0]) for end in (pairs.start, pairs.stop)))
-        self.rows = Rows(cell.comm, mine.start, mine.stop - mine.start, self.extents[0], "mirror")
-        self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (mine.start, 0)))
+        ends = [[min(2 * end, self.extents[0]) for end in (first, first + number)]
+                for first, number in shares((self.extents[0] + 1) // 2, cell.comm.size)]
+        self.rows = Rows(cell.comm, [(begin, end - begin) for begin, end in ends],
+                         self.extents[0], "mirror")
+        self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (self.rows.first, 0)))
         self.shape = self.rows.count, self.extents[1]
         self.size = self.shape[0] * self.shape[1]
         self._lines = [line_weights(*line) for line in zip(self.extents, self.closed)]
-        weights = np.multiply.outer(self._lines[0][mine], self._lines[1])
+        weights = np.multiply.outer(self._lines[0][self.rows.numbers], self._lines[1])
         self.grid = cell.weighted(weights.reshape(-1), self.rows)
 
     occupied, own, total, with_rows = Slab.occupied, Slab.own, Slab.total, Slab.with_rows
-    line, divided, put_part = Slab.line, Slab.divided, Slab.put_part
+    line, divided, put_part, placed = Slab.line, Slab.divided, Slab.put_part, Slab.placed
     indices = None  # those of the cell are in other processes
 
     def _outwards(self, rows, values, extents):
@@ -54,11 +55,13 @@ class SlabEven(EvenWindow):
         values : array (..., rows, columns)
         extents : rows and columns of the box
         """
-        wanted, half = (extents[0] // 2 + self.rows.numbers) % extents[0], extents[1] // 2
-        found = rows.at(values[..., half:half + self.extents[1]], wanted)
+        half = extents[1] // 2
+        wanted = [(extents[0] // 2 + np.arange(first, first + count)) % extents[0]
+                  for first, count in self.rows.parts]
+        found = rows.given(values[..., half:half + self.extents[1]], wanted)
         if found.shape[-1] < self.extents[1]:
             # where the cell closes, the last column stands before the first one of the window
-            found = np.concatenate([found, rows.at(values[..., :1], wanted)], axis=-1)
+            found = np.concatenate([found, rows.given(values[..., :1], wanted)], axis=-1)
         return found.reshape(*found.shape[:-2], self.size)
 
     def take(self, field):
@@ -88,15 +91,17 @@ class SlabEven(EvenWindow):
         """Values of a box (components, rows, columns) at places along an axis, as a copy."""
         return super()._along(box, places, axis) if axis else self.rows.at(box, places)
 
+    def ringed(self, box):
+        """A box (rows, columns) with the mirror images, or rows of others, around it: a row before
+        and, as far as there are squares between them, two after."""
+        found = self.rows.around(np.pad(box, ((0, 0), (1, 1)), "reflect"), 1, 2)
+        return found[:-1] if self.rows.first + self.rows.count == self.rows.total else found
+
     def wave_weights(self):
         """How many waves of the cell each cosine of this process stands for."""
         comm = self.full.grid.comm
         return np.multiply.outer(self._lines[0], self._lines[1][share(self.extents[1], comm.rank,
                                                                       comm.size)])
-
-    def placed(self, transform):
-        """A transform of these nodes' circle, of which this process has its rows."""
-        return transform.placed(self.rows.first, self.rows.count)
 
     def rim(self):
         """Mask of the nodes on the border of the full window."""

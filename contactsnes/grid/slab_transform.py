@@ -1,6 +1,7 @@
 """Transforms of fields on the cell or a smaller circle, of which processes have rows (`slabs`)."""
 
 import math
+import weakref
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +15,12 @@ PLANS = {"threads": 1, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
 
 BLOCK = 16
 """Columns that are transformed at a time: as many as share lines of the processor's memory."""
+
+
+def shares(total, size):
+    """(first, number) of the rows or columns of each of so many processes."""
+    parts = (share(total, rank, size) for rank in range(size))
+    return [(part.start, part.stop - part.start) for part in parts]
 
 
 def share(total, rank, size):
@@ -41,7 +48,7 @@ class SlabTransform(Filtering):
     grid : Slabs, whose counter counts
     shape : points in each direction
     count : int, number of arrays
-    rows : (first, number) of this process's rows of a circle; None: those of the cell
+    rows : (first, number) of each process's rows of a circle; None: those of the cell
     single : bool, whether they are in single precision
     """
 
@@ -65,9 +72,7 @@ class SlabTransform(Filtering):
         comm, waves = self._grid.comm, self.shape[1] // 2 + 1
         columns = [share(waves, rank, comm.size) for rank in range(comm.size)]
         widths = [part.stop - part.start for part in columns]
-        rows, here = self._grid.rows.parts, widths[comm.rank]
-        if self._rows is not None:
-            rows = comm.allgather(self._rows)
+        rows, here = self._rows or self._grid.rows.parts, widths[comm.rank]
         mine = self._count, rows[comm.rank][1], self.shape[1]
         # what is sent stands where the real numbers were, or will be; waves of rows where those of
         # columns will be, or were
@@ -171,13 +176,13 @@ class SlabCircle:
 
     def __init__(self, grid, shape, count, kind=SlabTransform):
         self._grid, self.shape, self._count, self._kind = grid, shape, count, kind
-        self.gain = math.prod(shape)
+        self.gain, self._last = math.prod(shape), (None, lambda: None)
 
-    def placed(self, first, count):
-        """Transforms of fields that are zero off the rows that processes have.
-
-        Parameters
-        ----------
-        first, count : int, this process's rows on the circle
-        """
-        return self._kind(self._grid, self.shape, self._count, (first, count))
+    def placed(self, rows):
+        """Transforms of fields that are zero off the rows that processes have, a list of (first,
+        number) of each; the last ones, where these are the same and something holds them still."""
+        made = self._last[1]() if rows == self._last[0] else None
+        if made is None:
+            made = self._kind(self._grid, self.shape, self._count, rows)
+            self._last = rows, weakref.ref(made)
+        return made

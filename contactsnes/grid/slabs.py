@@ -18,7 +18,7 @@ from .slab import Slab
 from .slab_cosines import SlabEvenCircle
 from .slab_even import SlabEven
 from .slab_fields import SlabFields
-from .slab_transform import SlabCircle, SlabTransform, share
+from .slab_transform import SlabCircle, SlabTransform, share, shares
 
 STRIP = 2 ** 20
 """Waves for which symbols are made at a time."""
@@ -44,14 +44,10 @@ class Slabs(SlabFields, Grid):
     circle, even_window, even_circle, shared = SlabCircle, SlabEven, SlabEvenCircle, True
 
     def __init__(self, shape, periods, comm, counter=None):
-        def slice_of(total):
-            return share(total, comm.rank, comm.size)
-
         self.comm, self._rooms, self.shape = comm, {}, tuple(shape)
-        self.waves, mine = slice_of(shape[1] // 2 + 1), slice_of(shape[0])
-        self.columns = Rows(comm, self.waves.start, self.waves.stop - self.waves.start,
-                            shape[1] // 2 + 1)
-        self.rows = Rows(comm, mine.start, mine.stop - mine.start, self.shape[0])
+        self.rows, self.columns = (Rows(comm, shares(total, comm.size), total)
+                                   for total in (shape[0], shape[1] // 2 + 1))
+        self.waves = share(shape[1] // 2 + 1, comm.rank, comm.size)
         super().__init__(shape, periods, counter)
 
     @property
@@ -159,7 +155,7 @@ class Slabs(SlabFields, Grid):
         transform : SlabCircle
         first, count : int, on the circle
         """
-        return transform.placed(first, count)
+        return transform.placed(self.comm.allgather((first, count)))
 
     def zero_wave(self, spectrum):
         """The values at q = 0 of half spectra (..., *half spectrum), if they are here, as a
@@ -240,6 +236,8 @@ class Slabs(SlabFields, Grid):
         tail : array, this process's end: of ``count`` numbers on the last one, else empty
         count : int
         """
+        if not count:
+            return np.zeros(0)
         return self.together(tail if self.has_scalars else np.zeros(count))
 
     def held(self, scalars):

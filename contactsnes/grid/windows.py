@@ -142,6 +142,17 @@ class Window:
         """
         box[(..., *part)] = values
 
+    def placed(self, transform, part=None):
+        """A transform of the nodes' circle, or of one of a part of them, of which this process has
+        some rows: all.
+
+        Parameters
+        ----------
+        transform : on the circle
+        part : slices of the box
+        """
+        return transform
+
     def images(self, box, axis, middle, reach):
         """Values of a box (arrays, *box) that are mirror images of each other along an axis, and
         those of its first node: three arrays whose first axis that is.

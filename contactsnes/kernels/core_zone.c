@@ -147,15 +147,18 @@ void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long fir
                  float *sums, double *out)
 {
     long first[2] = {LONG_MAX, LONG_MAX}, last[2] = {-1, -1};
+    const long c = b->shape[1], reach = 3 * b->reach[0];
     find_ends(b->shape, mask, (unsigned char *)b->sums, first, last);
-    if (last[1] < 0) {
-        memset(out, 0, count * b->shape[1] * sizeof *out);
-        return;
-    }
+    /* rows that the blur comes to */
+    const long begin = last[0] < 0 ? count : first[0] - reach - first_row;
+    const long low = begin < 0 ? 0 : begin < count ? begin : count;
+    const long end = last[0] + reach + 1 - first_row, high = end < low ? low : end < count ? end : count;
+    memset(out, 0, low * c * sizeof *out);
+    memset(out + high * c, 0, (count - high) * c * sizeof *out);
+    if (low == high) return;
     blur_columns(b, mask, first[1], last[1], 0, sums);
-    for (long j = 0; j < count; j += ALONG)
-        blur_rows(b, sums + (first_row + j) * b->shape[1], count - j < ALONG ? count - j : ALONG, mirrors,
-                  out + j * b->shape[1]);
+    for (long j = low; j < high; j += ALONG)
+        blur_rows(b, sums + (first_row + j) * c, high - j < ALONG ? high - j : ALONG, mirrors, out + j * c);
 }
 
 /* The extent of a core whose stiff nodes, somewhere in all boxes, lie between two places: as far as a

@@ -197,9 +197,12 @@ class SharedForm(CompiledForm):
         self._sums = np.empty(half.components)
 
     def _totals(self, begin, vector):
-        """Sums over the cell of what a function of the library puts in the transform."""
+        """Sums over the cell of what a function of the library puts in the transform; 0 where a
+        rigid body under displacement control asks for none."""
         begin(self.reference, address(vector), address(self._sums))
-        return self.grid.together(self._sums)
+        half = self.half
+        asked = len(half.forced) or half.rigid_compliance.any()
+        return self.grid.together(self._sums) if asked else np.zeros(half.components)
 
     def _respond(self, single, transposed=False):
         """What stands in the transform times the operator."""

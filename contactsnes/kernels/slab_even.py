@@ -48,7 +48,7 @@ class SlabEvenReal(OfLibrary, SlabCosines):
         count, waves, columns = self._here.shape
         packed = self._packed[:self.real.size].reshape(count, -1)
         self.spectrum = self._packed[:self._here.size].reshape(count, columns, waves)
-        self._shares = Shares(comm, self.shape[1], self._parts, self._here, packed)
+        self._shares = Shares(comm, self.shape[1], rows, self._here, packed)
         self.block = pyfftw.zeros_aligned((count, COLUMNS, waves))
         self._lines = [Line(points, closed)
                        for points, closed in zip(self.shape, closes(self._grid, self.shape))]
@@ -211,7 +211,7 @@ class SlabFolded(OfLibrary):
         self.gain = gain_of(shape, closed)
         self._cost = 2.0 * count * transform_cost(math.prod(shape), grid.counter.size), True
         self._lines = [PairedLine(points, one) for points, one in zip(shape, closed)]
-        self._lay_out(grid.comm, count, grid.comm.allgather(rows))
+        self._lay_out(grid.comm, count, rows)
         odd = np.zeros((count, 2), dtype=bool) if parities is None else np.array(parities) < 0
         for own in (self.structure, self.spectral):
             _set_lines(own, self._lines, odd)

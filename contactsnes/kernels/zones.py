@@ -173,12 +173,7 @@ class Circle:
 
     def __init__(self, found, boxes, raw, quick, like=None):
         self.transform, compliance = found
-        compliance = np.ascontiguousarray(compliance, dtype=float)
-        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
-        # stands for the rest.
-        if compliance.flat[0] == 0.0:
-            compliance.flat[0] = 2.0 * np.max(compliance)
-        self.compliance = compliance
+        self.compliance = compliance = np.ascontiguousarray(compliance, dtype=float)
         self._symbol = np.empty((boxes, compliance.size)) if like is None else like._symbol
         own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
         own.raw[:] = raw

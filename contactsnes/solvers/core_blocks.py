@@ -32,16 +32,10 @@ class CoreBlock:
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(min(total, fast_length(_rounded(pad * extent)))
                        for extent, total in zip(extents, window.limits))
-        self.transform, compliance = form.contact.circle(component, circle, window.even,
-                                                         len(window.parts),
-                                                         window.of(component) if window.even
-                                                         else None)
-        # A mean of the core is held by the stiff law: the compliance of the longest wave, doubled,
-        # stands for the rest.
-        if window.grid.any(window.grid.zero_wave(compliance) == 0.0):
-            compliance = compliance.copy()
-            window.grid.zero_wave(compliance)[...] = 2.0 * window.grid.maximum(compliance)
-        self.compliance, self._stiffness, self._symbols = compliance, mean_tangent, {}
+        self.transform, self.compliance = form.contact.circle(
+            component, circle, window.even, len(window.parts),
+            window.of(component) if window.even else None)
+        self._stiffness, self._symbols = mean_tangent, {}
         self._lay_out(window)
 
     def circle(self, single):
@@ -54,12 +48,10 @@ class CoreBlock:
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         box, hull = weight.reshape(self.boxes), window.parts[0]
-        stiff = (box > 0.0).any(axis=0)
+        stiff = (box > 0.0).any(axis=0) if len(box) > 1 else box[0] > 0.0
         parts = [extent(hull.occupied(stiff, axis), 0) for axis in range(stiff.ndim)]
         parts = tuple(slice(0, part.stop) if window.even else part for part in parts)
-        mine, here = hull.own(parts)
-        self._rows = mine[0].start - parts[0].start, mine[0].stop - mine[0].start
-        self.core = (slice(None), *here)
+        self._part, self.core = parts, (slice(None), *hull.own(parts)[1])
         self._into = self._back = np.sqrt(box[self.core])
         if scale is not None:
             scale = scale.reshape(self.boxes)[self.core]
@@ -69,7 +61,7 @@ class CoreBlock:
 
     def _lay_out(self, window):
         """Find the core's place on the circle."""
-        self.transform = window.grid.placed(self.transform, *self._rows)
+        self.transform = window.parts[0].placed(self.transform, self._part)
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""

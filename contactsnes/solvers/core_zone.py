@@ -42,11 +42,12 @@ def core_weight(form, component, options):
         return None
     core, width = tangent > options.threshold * min(1.0, largest), options.width
     smooth = form.contact.kernels.smooth
-    weight = np.minimum(smooth(form.window, core, width / form.contact.ranges[0]), 1.0)
-    by_box = (len(form.window.parts), -1)
-    count = form.grid.sum(weight.reshape(by_box))
-    return weight, form.grid.sum((weight * tangent).reshape(by_box)) / np.where(count > 0.0, count,
-                                                                                1.0)
+    found = np.empty((2, form.nodes))
+    weight = np.minimum(smooth(form.window, core, width / form.contact.ranges[0]), 1.0,
+                        out=found[0])
+    np.multiply(weight, tangent, out=found[1])
+    count, total = form.grid.sum(found.reshape(2, len(form.window.parts), -1))
+    return weight, total / np.where(count > 0.0, count, 1.0)
 
 
 class CoreZone:
@@ -89,8 +90,9 @@ class CoreZone:
             else:
                 self.matrix[row] *= self._rigid[row]
                 self.matrix[row, row] += 1.0
-        scale = np.where(self.forced[self.means], max(self.grid.count(form.tangent[0, 0] != 0.0),
-                                                      1.0), 1.0)
+        forced = self.forced[self.means]
+        acting = self.grid.count(form.tangent[0, 0] != 0.0) if forced.any() else 1
+        scale = np.where(forced, max(acting, 1.0), 1.0)
         self.inverse = inverse(self.matrix / scale[:, None], floor) / scale
 
     def _block(self, component, zone, pad, single):

@@ -11,6 +11,7 @@ import scipy.fft
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Convolution, Grid, Transform, transform_cost
 from contactsnes.grid.contours import crossings
+from contactsnes.grid.even import halved
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window, enclosing
@@ -493,6 +494,21 @@ def test_area_of_a_few_nodes_is_that_of_the_surface_through_them():
                                         radius ** 2) / (np.pi * radius ** 2) - 1.0)
               for radius in (2.3, 3.1, 4.4)]
     assert max(errors) < 1e-4
+
+
+def test_area_of_a_quarter_with_its_mirror_images_is_that_of_all_nodes():
+    grid = Grid((32, 24), (2.0 * np.pi, 2.0 * np.pi))
+    for window in (grid.whole, grid.box((4, 3), (25, 19)), grid.box((3, 0), (27, 24))):
+        x, y = window.coordinates()
+        for gap in (1.3 - np.cos(x) * np.cos(y), 1.1 - np.cos(2 * x) + 0.3 * x ** 2 + 0.7 * y ** 2):
+            field = np.broadcast_to(gap, window.shape).copy()
+            if not window.is_whole:  # the law acts, and contact is, within
+                field[window.rim().reshape(window.shape)] = 9.0
+                field = np.where((np.abs(x) < 2.0) & (np.abs(y) < 2.0), field, 9.0)
+            half = halved(window)
+            area = half.area_below(half.fold(field.reshape(1, -1))[0], 0.9)
+            assert area > 0.5
+            assert area == pytest.approx(window.area_below(field.reshape(-1), 0.9), rel=1e-12)
 
 
 def test_lengths_below_a_level_are_those_of_all_intervals():

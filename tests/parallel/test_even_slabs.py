@@ -102,6 +102,8 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         assert np.array_equal(quarter.take(shared.part_of(cell)), own(all_quarter.take(cell)))
         assert np.array_equal(quarter.rim(), own(all_quarter.rim()[None])[0])
         assert np.allclose(quarter.sum(own(folded)), all_quarter.sum(folded))
+        assert np.isclose(quarter.area_below(own(folded)[0], 0.3),
+                          all_quarter.area_below(folded[0], 0.3))
         assert quarter.grid.count(own(folded)[0] > 0.5) == all_quarter.grid.count(folded[0] > 0.5)
         for axis in range(2):
             assert np.array_equal(quarter.occupied(quarter.box(own(folded)[0]) > 1.5, axis),

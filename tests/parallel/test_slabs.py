@@ -12,6 +12,7 @@ from contactsnes.grid.active import some, widened
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.nearest import nearest
 from contactsnes.grid.numbers import numbers_of, restored
+from contactsnes.grid.slab_transform import shares
 from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.spots import corrected_count, labelled, sizes
 from contactsnes.grid import transfer
@@ -135,6 +136,12 @@ for rows, columns, circle in ((slice(3, 12), slice(5, 20), (12, 18)),
                            for grid in (shared, alone))
             assert np.allclose(here, shared.part_of(whole), rtol=0.0,
                                atol=2e-6 if single else 1e-13), (rows, scattered, single)
+
+# the transform of a circle is made anew where rows are others, or nothing holds it
+circle = shared.circle(shared, (12, 18), 1)
+made = circle.placed(shares(9, shared.comm.size))
+assert circle.placed(shares(9, shared.comm.size)) is made
+assert circle.placed(shares(8, shared.comm.size)) is not made
 
 # three fields at a time
 for single in (False, True):
