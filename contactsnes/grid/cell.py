@@ -150,7 +150,15 @@ class Grid(Fields, Counter):
     # Reductions over nodes, the last axis of an array (components, nodes).
     def sum(self, values):
         """Sum over the nodes (last axis)."""
-        return self.together(np.add.reduce(values, axis=-1))
+        return self.together(self.sum_here(values))
+
+    def sum_here(self, values):
+        """What this process has of it."""
+        return np.add.reduce(values, axis=-1)
+
+    def inner_here(self, first, second):
+        """What this process has of the inner products of fields (fields, nodes), of each pair."""
+        return np.einsum("in,in->i", first, second)
 
     def mean(self, values):
         """Mean over the whole cell of values that vanish off the given nodes (last axis)."""

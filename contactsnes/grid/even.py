@@ -85,9 +85,19 @@ class EvenGrid(Grid):
         vars(self).update(vars(grid))
         self.weights = weights
 
-    def sum(self, values):
-        """Sum over all nodes that the given ones stand for (last axis)."""
-        return self.together(values @ self.weights)
+    def sum_here(self, values):
+        """What this process has of a sum over all nodes that the given ones stand for (last
+        axis)."""
+        return values @ self.weights
+
+    def inner_here(self, first, second):
+        """As `Grid.inner_here`.
+
+        Parameters
+        ----------
+        first, second : as of that
+        """
+        return np.einsum("in,in,n->i", first, second, self.weights)
 
     def mean(self, values):
         """Mean over the whole cell of values that vanish off these nodes (last axis)."""

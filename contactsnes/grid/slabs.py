@@ -6,6 +6,7 @@ on all. Sums of the processes are added in their order by each of them, so that 
 """
 
 import math
+import weakref
 from functools import cached_property
 
 import numpy as np
@@ -20,8 +21,11 @@ from .slab_even import SlabEven
 from .slab_fields import SlabFields
 from .slab_transform import SlabCircle, SlabTransform, share, shares
 
-STRIP = 2 ** 20
-"""Waves for which symbols are made at a time."""
+STRIP = 2 ** 17
+"""Waves for which symbols are made at a time: what that takes does not add to what many processes
+keep."""
+LEAST = 16
+"""Columns of waves that a strip has at least, beside the two that each has."""
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them."""
 
@@ -121,7 +125,7 @@ class Slabs(SlabFields, Grid):
         """
         first, second = super().wavevectors(shape)
         here = share(second.size, self.comm.rank, self.comm.size)
-        found, some = {}, max(1, STRIP // first.size)
+        found, some = {}, max(LEAST, STRIP // first.size)
         for begin in range(here.start, max(here.stop, here.start + 1), some):
             end = min(begin + some, here.stop)
             last = end == second.size and (shape or self.shape)[1] % 2 == 0
@@ -134,18 +138,21 @@ class Slabs(SlabFields, Grid):
         return found
 
     def room(self, place, shape, kind):
-        """Memory of a name that transforms use in turn, as an array that is not cleared.
+        """Memory of a name that transforms use in turn, as an array that is not cleared; it is
+        given back when none of them holds it.
 
         Parameters
         ----------
         place : its name, whose largest array so far it holds
         shape, kind : of the array
         """
-        count = math.prod(shape)
-        size = count * np.dtype(kind).itemsize
-        if place not in self._rooms or self._rooms[place].size < size:
-            self._rooms[place] = pyfftw.empty_aligned(size, dtype=np.uint8)
-        return self._rooms[place][:size].view(kind).reshape(shape)
+        size = math.prod(shape) * np.dtype(kind).itemsize
+        memory = self._rooms[place]() if place in self._rooms else None
+        if memory is None or memory.size < size + pyfftw.simd_alignment:
+            memory = np.empty(size + pyfftw.simd_alignment, dtype=np.uint8)
+            self._rooms[place] = weakref.ref(memory)
+        first = -memory.ctypes.data % pyfftw.simd_alignment
+        return memory[first:first + size].view(kind).reshape(shape)
 
     def placed(self, transform, first, count):
         """A transform of a circle, of which this process has some rows.

@@ -42,11 +42,12 @@ def core_weight(form, component, options):
         return None
     core, width = tangent > options.threshold * min(1.0, largest), options.width
     smooth = form.contact.kernels.smooth
-    found = np.empty((2, form.nodes))
-    weight = np.minimum(smooth(form.window, core, width / form.contact.ranges[0]), 1.0,
-                        out=found[0])
-    np.multiply(weight, tangent, out=found[1])
-    count, total = form.grid.sum(found.reshape(2, len(form.window.parts), -1))
+    weight = smooth(form.window, core, width / form.contact.ranges[0])
+    np.minimum(weight, 1.0, out=weight)
+    grid, by_box = form.grid, (len(form.window.parts), -1)
+    count, total = grid.together([grid.sum_here(weight.reshape(by_box)),
+                                  grid.inner_here(weight.reshape(by_box),
+                                                  tangent.reshape(by_box))])
     return weight, total / np.where(count > 0.0, count, 1.0)
 
 
