@@ -21,8 +21,30 @@ class Control(NamedTuple):
     exactness: float
 
 
+PATIENCE = 3
+"""Stalled steps in turn that may be chance."""
 FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(4.0, 0.5, 1e-2, 0.1)
 """Of motions whose works are summed up, and of `rough` ones."""
+
+
+class Exactness:
+    """What the linear solves of a motion may leave of its rate: less where that is about all that
+    moves, keeps the motion up and its steps short.
+
+    Parameters
+    ----------
+    left : float, norm, ranges of the law a relaxation time
+    """
+
+    def __init__(self, left):
+        self.left, self._stalled = left, 0
+
+    def after(self, stalled):
+        """Take note of a step: whether it hardly moved, did not allow for a longer one, and left
+        all that it may."""
+        self._stalled = self._stalled + 1 if stalled else 0
+        if self._stalled > PATIENCE:
+            self.left *= 0.5
 
 
 def rough(contact, components):

@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from petsc4py import PETSc
 
 from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .control import control
-from .viscous import Equations
+from .control import Exactness, control
+from .viscous import Equations, formula
 
 RESTING = 1e-6
 """Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
@@ -31,6 +32,7 @@ Meanwhile the contact may still grow.
 SHORTEST, LATEST = 1e-8, 1e12
 """Time step below which a motion cannot be followed, and time after which none comes to rest any
 more, relaxation times."""
+
 
 
 @dataclass(frozen=True)
@@ -139,11 +141,11 @@ class OverdampedMotion:
 
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
-        options = self.options
+        options, begun = self.options, self.history[-1].time
         last = np.inf
         speed = self.equations.size(self.rate, self._near)
         step = self._next
-        self._exactness, begun = min(1e-4 * options.tolerance, rest), self.history[-1].time
+        self._exactness = Exactness(min(1e-4 * options.tolerance, rest))
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
             if not error <= 1.5:
@@ -187,23 +189,25 @@ class OverdampedMotion:
         equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]
-        shift, weights = _formula([moment.time - now.time for moment in history[-2:]], step)
+        shift, weights = formula([moment.time - now.time for moment in history[-2:]], step)
         guess = self._predicted(step)
         known, elastic = (sum(weight * value for weight, value in zip(weights, values))
                           for values in zip(*((moment.unknown, moment.elastic)
                                               for moment in history[-2:])))
         before = equations.spent()
-        unknown, solved = equations.newton(guess, shift, known, self._exactness)
+        unknown, reason = equations.newton(guess, shift, known, self._exactness.left)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
-        if not solved or self.contact.grid.any(~np.isfinite(unknown)):
+        if reason <= 0 or self.contact.grid.any(~np.isfinite(unknown)):
             return np.inf, None
         aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
-        turned = (equations.size(aside, self._near)
-                  / max(equations.size(unknown - now.unknown, self._near), allowed.still))
+        moved = equations.size(unknown - now.unknown, self._near)
+        turned = equations.size(aside, self._near) / max(moved, allowed.still)
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
                     turned / allowed.turning)
+        self._exactness.after(error > 0.5 and moved < allowed.still
+                              and reason == PETSc.KSP.ConvergedReason.CONVERGED_ATOL)
         gap = equations.gap(unknown)
         traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.
@@ -287,14 +291,3 @@ class OverdampedMotion:
         state.window.put(self.equations.unfolded(self.history[-1].elastic), elastic)
         self._begin(self.history[-1].time, states.State(window, window.take(cell), state.means),
                     window.take(elastic))
-
-
-def _formula(times, step):
-    """c and weights of the last moments, at times before now, with which c x - sum of weights x =
-    x' after a step."""
-    if len(times) < 2:
-        return 1.0 / step, [1.0 / step]
-    ratio = -step / times[0]
-    return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step,
-                                                        (1.0 + ratio) / step]
-

@@ -165,8 +165,8 @@ class Equations:
         return np.append(self._spread(means) - field, self.form.grid.held(means))
 
     def newton(self, guess, shift, known, tolerance):
-        """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and whether its
-        linear system was solved.
+        """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and PETSc's
+        reason why its linear solve ended.
 
         Parameters
         ----------
@@ -188,7 +188,7 @@ class Equations:
             self._guess.setArray(guess)
             self._regularised(self._guess, self._step)
         step[count:] += form.grid.held(response)
-        return guess - step, ksp.getConvergedReason() > 0
+        return guess - step, ksp.getConvergedReason()
 
     def _linearise(self, guess, shift, known):
         """Take the tangent of a step's system at a guess, and its right side, from one evaluation
@@ -256,6 +256,16 @@ class Equations:
                           pressed):
                     return component
         return None
+
+
+def formula(times, step):
+    """c and weights of the last moments, at times before now, with which c x - sum of weights x =
+    x' after a step."""
+    if len(times) < 2:
+        return 1.0 / step, [1.0 / step]
+    ratio = -step / times[0]
+    return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step,
+                                                        (1.0 + ratio) / step]
 
 
 def _extremes(shape, change, root, counts, scale, weights):

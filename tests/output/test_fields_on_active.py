@@ -24,9 +24,9 @@ SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangenti
       "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-6, "range_tangential": 1e-6}
 
 
-def written(folder, scene, path, on, precision="double", load_start=None):
+def written(folder, scene, path, on, precision="double", load_start=None, steps=Steps()):
     """(Branch, Record of all points of its path)."""
-    branch = Branch(scene, Load(start=load_start, path=path), Steps(initial_step=0.2))
+    branch = Branch(scene, Load(start=load_start, path=path), steps)
     kept = {"compliance": compliance(branch.contact)} if on == "active" else {}
     rows = table(scene)
     archive = Archive.create(
@@ -57,9 +57,9 @@ def written(folder, scene, path, on, precision="double", load_start=None):
 def test_the_cell_is_rebuilt(tmp_path, scene, path, start):
     if scene["period"] == np.inf:
         scene = {name: value for name, value in scene.items() if name != "points"}
-    scene = Scene(**scene)
-    _, cell = written(tmp_path, scene, path, "cell", load_start=start)
-    branch, active = written(tmp_path, scene, path, "active", load_start=start)
+    scene, steps = Scene(**scene), Steps(initial_step=0.2)
+    _, cell = written(tmp_path, scene, path, "cell", load_start=start, steps=steps)
+    branch, active = written(tmp_path, scene, path, "active", load_start=start, steps=steps)
     assert active.on_active and not cell.on_active and active.units["traction"]
     for point in (0, active.points // 2, active.points - 1):
         kept = active.active(point)

@@ -9,6 +9,7 @@ from contactsnes.output.reading import read
 
 PLANE = ("-scene_dimension", "2", "-scene_points", "32,48", "-scene_period", "20,30",
          "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-snes_atol", "1e-11",
+         "-continuation_initial_step", "0.2",
          "-contact_symmetry", "off", "-contact_window", "off", "-load_start",
          "normal_displacement=-2", "-archive_file", "run.h5", "-archive_fields", "all")
 PATH = "normal_displacement=0; tangential_displacement_x=1"
