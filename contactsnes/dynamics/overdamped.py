@@ -19,7 +19,7 @@ from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
 from .control import Exactness, control
-from .viscous import Equations, formula
+from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
 """Speed where the law acts, ranges a relaxation time, that counts as none where a motion begins."""
@@ -32,7 +32,6 @@ Meanwhile the contact may still grow.
 SHORTEST, LATEST = 1e-8, 1e12
 """Time step below which a motion cannot be followed, and time after which none comes to rest any
 more, relaxation times."""
-
 
 
 @dataclass(frozen=True)
@@ -189,7 +188,8 @@ class OverdampedMotion:
         equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]
-        shift, weights = formula([moment.time - now.time for moment in history[-2:]], step)
+        times = [moment.time - now.time for moment in history[-2:]]
+        shift, weights = backward_formula(times, step)
         guess = self._predicted(step)
         known, elastic = (sum(weight * value for weight, value in zip(weights, values))
                           for values in zip(*((moment.unknown, moment.elastic)

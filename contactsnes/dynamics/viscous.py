@@ -258,7 +258,7 @@ class Equations:
         return None
 
 
-def formula(times, step):
+def backward_formula(times, step):
     """c and weights of the last moments, at times before now, with which c x - sum of weights x =
     x' after a step."""
     if len(times) < 2:

@@ -52,8 +52,6 @@ RULES = {
     "ksp_richardson_scale": (POSITIVE, "1")}
 """Option, without the prefix of its solver -> its rule, and what to try. -snes_atol is in ranges of
 the law, of which one is no equilibrium."""
-
-
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
 
@@ -68,15 +66,22 @@ def refuse_values(entries, nests):
     """
     for name, text in entries.items():
         plain = re.sub(f"^{nests}*", "", name)
-        limit = name.removesuffix("norm_type") + "max_it"
-        if (plain, text) == ("ksp_norm_type", "none") and limit not in entries:
-            raise InputError(f"-{name} is 'none': no residual ends a linear solve then, but its "
-                             f"number of iterations; add -{limit} 20, say, or leave it out")
+        if (plain, text) == ("ksp_norm_type", "none"):
+            _refuse_endless(name, entries)
         rule, guess = RULES.get(plain, (None, ""))
         if rule is not None and not (text.lower() in rule.words or _holds(rule, text)):
             told = f"is '{text}'" if text else "has no value"
             raise InputError(f"-{name} {told}: allowed is {rule.allowed}; leave it out, or try "
                              f"{guess}")
+
+
+def _refuse_endless(name, entries):
+    """InputError for an option that leaves linear solves without norms, unless another one ends
+    them."""
+    limit = name.removesuffix("norm_type") + "max_it"
+    if limit not in entries:
+        raise InputError(f"-{name} is 'none': no residual ends a linear solve then, but its "
+                         f"number of iterations; add -{limit} 20, say, or leave it out")
 
 
 def _holds(rule, text):
