@@ -205,7 +205,7 @@ class OverdampedMotion:
         moved = equations.size(unknown - now.unknown, self._near)
         turned = equations.size(aside, self._near) / max(moved, allowed.still)
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
-                    turned / allowed.turning)
+                    turned / allowed.turning, equations.returned(now.unknown, unknown))
         self._exactness.after(error > 0.5 and moved < allowed.still
                               and reason == PETSc.KSP.ConvergedReason.CONVERGED_ATOL)
         gap = equations.gap(unknown)

@@ -234,7 +234,8 @@ class Equations:
         return max(math.sqrt(mean), float(grid.largest(largest)) / 3.0)
 
     def leaving(self, unknown, gap, velocity):
-        """The component that is pulled and that no traction will balance as it is, or None.
+        """The component that is pulled and that no traction will balance as it is, or None. (What
+        slides back may be held where it once stuck.)
 
         Parameters
         ----------
@@ -250,12 +251,24 @@ class Equations:
             if (component == 0 and target > 0.0
                 and grid.minimum(gap[0]) > self.form.contact.law.range):
                 return 0
-            if component > 0 and abs(means[place]) > LEVELLED:
+            if component > 0 and means[place] * np.sign(velocity[place]) > LEVELLED:
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
                 if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size,
                           pressed):
                     return component
         return None
+
+    def returned(self, before, after):
+        """How far bodies that slide come back in a step, over what they may: half of their slip, or
+        a range. Nothing bends a longer one, which would pass what holds them.
+
+        Parameters
+        ----------
+        before, after : arrays of the form's size, unknowns at the ends of the step
+        """
+        start, end = (self.form.scalars(unknown)[self.moving > 0] for unknown in (before, after))
+        back = (start - end) * np.sign(start)
+        return float(np.max(back / np.maximum(0.5 * np.abs(start), 1.0), initial=0.0))
 
 
 def backward_formula(times, step):

@@ -1,5 +1,7 @@
 """When a body under prescribed forces moves for ever: pulled off, or beyond its friction."""
 
+import numpy as np
+
 from ..interface.laws.law import slip_of
 from .waves import means
 
@@ -14,7 +16,7 @@ def leaving(motion):
 
     Normal: pulled, every node beyond the law's range, and still separating. Tangential: all nodes
     within the law's range have slipped so far that friction has levelled off, below the prescribed
-    force, and the body still slides on.
+    force, and the body still slides on, away from where it stuck.
     """
     form, grid, law = motion.form, motion.grid, motion.form.contact.law
     velocity, force, displacement = (means(grid, spectrum) for spectrum in (
@@ -25,7 +27,7 @@ def leaving(motion):
             continue
         if i == 0 and target > 0.0 and motion.closest() > law.range:
             return 0
-        if i > 0 and abs(displacement[i]) / grid.size > LEVELLED:
+        if i > 0 and displacement[i] * np.sign(velocity[i]) / grid.size > LEVELLED:
             pressed = 0 in form.forced and motion.target[0] < 0.0
             if slides(law, grid, motion.gap, abs(target) * grid.size, pressed):
                 return i

@@ -390,6 +390,22 @@ def test_motion_without_end_is_told_at_once(force, slip):
         flow(contact, controls, load, lifted(contact, controls, load, 0.0, slip)).follow()
 
 
+@pytest.mark.parametrize("force", (-0.5, -1e-3))
+def test_what_slides_back_is_held_where_it_stuck(force):
+    """Nothing holds a body that has slipped by 16 ranges and has no residual friction; pushed back
+    it comes to where its friction carries the force, as from the undeformed state, however far a
+    step that nothing bends would lead."""
+    contact = Contact(Scene(**{**LINE, "residual_friction": 0.0}))
+    controls, load = (F, F), (2.0, force)
+    ended = []
+    for slip in (16.0, 0.0):
+        motion = flow(contact, controls, load, lifted(contact, controls, load, 0.0, slip))
+        motion.follow()
+        ended.append(motion.state())
+    assert states.missed(contact, *ended) < 1e-4
+    assert 0.0 < ended[0].means[1] / force < 10.0
+
+
 def test_what_slides_while_contact_still_grows_does_not_slide_for_ever():
     """Lifted and slipped, the body hardly touches: friction carries the force once it has come
     down."""

@@ -409,6 +409,20 @@ def test_a_body_slides_without_end_only_beyond_its_friction(method, controls, lo
         assert context.escaping == (1 if escapes else None) and (escapes or snes.reason > 0)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_body_that_slides_back_comes_to_where_it_stuck(method):
+    """Without residual friction nothing holds it back on the way."""
+    form = create_form([F, F], [2.0, -0.2], height=30.0, law="modified", residual_friction=0.0)
+    start = undeformed(form, 3.0)
+    results = []
+    for slip in (15.0, 0.0):
+        start[1] = slip
+        snes, found = relax(form, start, method, atol=1e-8)
+        assert snes.reason > 0 and not snes.getPythonContext().escaped
+        results.append(found)
+    assert np.abs(results[0] - results[1]).max() < 1e-6
+
+
 def test_options_are_read_under_the_prefix_and_viewed(tmp_path):
     snes = PETSc.SNES().create(PETSc.COMM_SELF)
     snes.setOptionsPrefix("jump_")
