@@ -37,7 +37,7 @@ def on_nodes(contact, state, afresh=False):
     if not afresh and (some or state.window.is_whole):
         acting = contact.grid.count(normal_gap(contact, state) < contact.law.range)
         # more than WORTH of the cell, and no window but the cell holds them
-        if acting > (SPARSE * state.window.size if some else WORTH * state.window.total):
+        if acting > (SPARSE * state.window.total if some else WORTH * state.window.total):
             return state
     cell = contact.extended(state)
     fresh = window(contact, cell[0] + contact.initial_gap)
