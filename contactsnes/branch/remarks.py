@@ -54,7 +54,7 @@ class Remarks:
             self._log("a node where the law acts is out of balance by "
                       f"{point.largest_residual:.1e} ranges (largest_residual), at a "
                       f"residual_norm of {point.residual_norm:.1e} over a window "
-                      f"of {point.state.window.size} nodes: the mean hides what "
+                      f"of {point.state.window.total} nodes: the mean hides what "
                       "is wrong in a few of them; a smaller -snes_atol "
                       "balances these, too")
 
