@@ -7,6 +7,8 @@
 #include "kernels.h"
 #include <string.h>
 
+enum { LINE = 4 }; /* pairs of rows whose numbers of a column are a line of the cache */
+
 static float *field_of(const Transform *t, long field)
 {
     return (float *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
@@ -59,23 +61,27 @@ CLONES void packed_blend_row(const Transform *t, long field, long row, const dou
     for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[2 * k] - into[k] * x[k]);
 }
 
-/* waves of some columns of a field's rows, a column after the other, zero beyond the rows used */
+/* waves of some columns of a field's rows, a column after the other, zero beyond the rows used: a line of the
+   cache of each column at a time, as columns may all have their places in one set of the cache */
 CLONES static void gather(const Transform *t, long field, long first, long columns, long used)
 {
     const long r = t->shape[0], c = t->shape[1];
     float *restrict to = t->block + field * COLUMNS * 2 * r;
-    for (long p = 0; p < (used + 1) / 2; p++) {
-        const float *restrict z = field_of(t, field) + p * 2 * c;
+    const long pairs = (used + 1) / 2;
+    for (long begin = 0; begin < pairs; begin += LINE)
         for (long k = 0; k < columns; k++) {
             const long here = 2 * (first + k), there = here ? 2 * c - here : 0;
-            const float a = z[here], b = z[here + 1], d = z[there], e = z[there + 1];
-            float *restrict o = to + 2 * (k * r + 2 * p);
-            o[0] = 0.5f * (a + d);
-            o[1] = 0.5f * (b - e);
-            o[2] = 0.5f * (b + e);
-            o[3] = 0.5f * (d - a);
+            const long end = begin + LINE < pairs ? begin + LINE : pairs;
+            const float *restrict z = field_of(t, field) + begin * 2 * c;
+            float *restrict o = to + 2 * (k * r + 2 * begin);
+            for (long p = begin; p < end; p++, z += 2 * c, o += 4) {
+                const float a = z[here], b = z[here + 1], d = z[there], e = z[there + 1];
+                o[0] = 0.5f * (a + d);
+                o[1] = 0.5f * (b - e);
+                o[2] = 0.5f * (b + e);
+                o[3] = 0.5f * (d - a);
+            }
         }
-    }
     const long filled = used + used % 2;
     for (long k = 0; k < columns; k++)
         memset(to + 2 * (k * r + filled), 0, 2 * (r - filled) * sizeof *to);
