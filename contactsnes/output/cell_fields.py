@@ -1,13 +1,18 @@
 """Fields of an archive over the whole cell: how they are stored, and their empty datasets."""
 
+import math
+
 import numpy as np
 
 from ..grid.parted import Parted, chunk, largest, pieces, typed
 from .columns import make_field
+from .files import ArchiveError
 
 CHUNKS = 64
 """What one node of HDF5's chunk index holds; splitting a node is not safe against a kill."""
 
+LARGEST = 2 ** 32 - 1
+"""Bytes of a chunk at most, by HDF5's format."""
 
 KINDS = {"double": "f8", "single": "f4"}
 """Precision of fields -> NumPy type."""
@@ -39,6 +44,19 @@ def as_stored(name, array, precision):
 
         array = array.mapped(acting) if isinstance(array, Parted) else acting(array)
     return typed(array, KINDS[precision])
+
+
+def most_together(kind, shape):
+    """Number of points whose fields HDF5 stores in one piece.
+
+    ArchiveError where a field alone is too large for that.
+    """
+    size = np.dtype(kind).itemsize * math.prod(shape)
+    if size > LARGEST:
+        raise ArchiveError(f"A field of the whole cell, {size / 1e9:.3g} GB, is larger than HDF5 "
+                           "stores in one piece (4.29 GB): take -archive_fields_on active, "
+                           "-archive_precision single or -archive_fields last.")
+    return LARGEST // size
 
 
 def empty(group, name, kind, chunks, fields, packed, parted):

@@ -11,7 +11,7 @@ from ..grid.parted import Parted, blocks, pieces
 from ..grid.parted import chunk as chunk_of
 from . import active, checksums
 from .active import ActiveFields
-from .cell_fields import CHUNKS, KINDS, PACKED, as_stored, empty
+from .cell_fields import CHUNKS, KINDS, PACKED, as_stored, empty, most_together
 from .columns import make_columns, put_rows
 from .files import ArchiveError
 from .stored import SLOTS, field_points, put_state
@@ -24,6 +24,7 @@ UNITS = {
     "mode": "",
 }
 """Of the fields, for dimensionless scenes."""
+
 
 class Column(NamedTuple):
     """What a column of the branch holds: its unit, its NumPy type and, of an enumeration, the names
@@ -81,6 +82,13 @@ class Layout:
         self.precision, self.kind, self.packed = precision, KINDS[precision], False
         self.active = None if compliance is None else ActiveFields(
             components, self.kind, compliance, fields, CHUNKS, PACKED)
+        self._together = (most_together(self.kind, self.shape) if fields == "all" and self.arrays
+                          else None)
+
+    def at_once(self, points):
+        """Number of points whose fields are allocated at once, in a file with room for so many."""
+        chunk = max(1, -(-points // CHUNKS))
+        return min(chunk, self._together or chunk)
 
     def numbers(self, row):
         """A row, one value for each column, with enumerations as numbers."""

@@ -154,7 +154,7 @@ class Store:
                     slot = max([slot, *(state.size for state in states.values())])
                     if not self.layout.packed:
                         slot = max(slot * 3 // 2, min(slot * 4, ROOMY))
-                    chunk = max(1, -(-(4 if self.layout.fields == "all" else 2) * points // CHUNKS))
+                    chunk = self.layout.at_once((4 if self.layout.fields == "all" else 2) * points)
                     self._frame(new, slot, chunk)
                     if old:
                         self.layout.copy(old, new, states)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from contactsnes.grid import parted
-from contactsnes.output import active, files, resuming, store
+from contactsnes.output import active, cell_fields, files, resuming, store
 from contactsnes.output import archive as writing
 from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
@@ -188,6 +188,24 @@ def test_two_dimensional_fields(tmp_path):
     assert np.array_equal(record.field("traction", 0), 2 * displacement)
     assert [len(axis) for axis in record.coordinates] == [4,
                                                           6] and record.initial_gap.shape == (4, 6)
+
+
+def test_chunks_are_no_larger_than_the_format_allows(tmp_path, monkeypatch):
+    """As many points together as HDF5 stores in one piece; fields that it does not are refused
+    before the first point."""
+    size = 8 * 2 * X.size
+    monkeypatch.setattr(cell_fields, "LARGEST", 2 * size - 1)
+    archive = Archive.create(tmp_path / "a.h5", **fields_content("all"))
+    append(archive, 70)
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["fields/displacement"].chunks == (1, 2, X.size)
+    for number in (0, 69):
+        assert (read(tmp_path / "a.h5").field("displacement", number) == float(number)).all()
+    monkeypatch.setattr(cell_fields, "LARGEST", size - 1)
+    with pytest.raises(ArchiveError, match="-archive_fields_on active"):
+        Archive.create(tmp_path / "b.h5", **fields_content("all"))
+    for kept in ("last", "active all"):
+        Archive.create(tmp_path / f"{kept}.h5", **fields_content(kept))
 
 
 def test_long_options_and_long_states(tmp_path):
