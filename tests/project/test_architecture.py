@@ -97,10 +97,15 @@ def within(name, homes):
     return any(f"{name}.".startswith(f"{home}.") for home in homes)
 
 
-TREES = {name: parsed(name) for name in FILES}
+@pytest.fixture(scope="module")
+def trees():
+    """Name of a file -> its tree."""
+    return {name: parsed(name) for name in FILES}
 
-every_module = pytest.mark.parametrize("name", MODULES)
-every_file = pytest.mark.parametrize("name", FILES)
+
+def offenders(found):
+    """What is wrong where, of pairs of a name and what is wrong there, if anything."""
+    return {name: wrong for name, wrong in found if wrong}
 
 
 def imports(tree):
@@ -193,26 +198,23 @@ def test_the_rooms_are_those_of_the_package():
                 for stranger in room.strangers} <= set(NAMES[:position]), room
 
 
-@every_module
-def test_imports_come_from_below(name):
-    room = room_of(name)
-    above = ({room_of(other) for other in own_modules(TREES[name])}
-             - set(NAMES[:NAMES.index(room) + 1]))
-    assert not above, f"{name} imports from {sorted(above)}, which stand above its room"
+def test_imports_come_from_below(trees):
+    above = {name: {room_of(other) for other in own_modules(trees[name])}
+             - set(NAMES[:NAMES.index(room_of(name)) + 1]) for name in MODULES}
+    assert not offenders(above.items()), "these import from rooms that stand above their own"
 
 
-@every_module
-def test_a_room_keeps_to_its_business(name):
-    strangers = {room.name: room.strangers for room in ROOMS}[room_of(name)]
-    used = own_names(TREES[name])
-    assert not {other for other in used for stranger in strangers
-                if f"{other}.".startswith(f"{stranger}.")}
+def test_a_room_keeps_to_its_business(trees):
+    strangers = {room.name: room.strangers for room in ROOMS}
+    assert not offenders((name, {other for other in own_names(trees[name])
+                                 for stranger in strangers[room_of(name)]
+                                 if f"{other}.".startswith(f"{stranger}.")}) for name in MODULES)
 
 
 @pytest.mark.parametrize("room", NAMES)
-def test_modules_of_a_room_have_an_order(room):
+def test_modules_of_a_room_have_an_order(room, trees):
     """No module of a room imports, by way of others, itself."""
-    left = {name: {other for other in own_modules(TREES[name]) if room_of(other) == room}
+    left = {name: {other for other in own_modules(trees[name]) if room_of(other) == room}
             for name in MODULES if room_of(name) == room}
     while left:
         free = [name for name, needed in left.items() if not needed & set(left)]
@@ -221,45 +223,44 @@ def test_modules_of_a_room_have_an_order(room):
 
 
 @pytest.mark.parametrize("package", HOMES)
-def test_package_has_its_homes(package):
+def test_package_has_its_homes(package, trees):
     importing = [name for name in FILES
-                 if package in {imported.split(".")[0] for imported in imports(TREES[name])}]
+                 if package in {imported.split(".")[0] for imported in imports(trees[name])}]
     assert not [name for name in importing if not within(name, HOMES[package])]
 
 
-@every_file
-def test_transforms_are_the_grids(name):
+def test_transforms_are_the_grids(trees):
     """Whatever transforms is in `grid`, which counts; the lengths that suit a transform may be
     asked anywhere."""
-    allowed = {"scipy.fft.next_fast_len"}
-    if name == "grid.cell":
-        allowed |= {"np.fft", "np.fft.fftfreq", "np.fft.rfftfreq"}
-    if name == "grid.cosines":
-        allowed |= {"scipy.fft", "scipy.fft.dctn", "scipy.fft.dst"}
+    allowed = {"grid.cell": {"np.fft", "np.fft.fftfreq", "np.fft.rfftfreq"},
+               "grid.cosines": {"scipy.fft", "scipy.fft.dctn", "scipy.fft.dst"}}
     homes = ("np.fft", "numpy.fft", "scipy.fft", "scipy.signal.fft", "scipy.signal.oaconvolve",
              "mkl_fft")
-    assert not {used for used in used_names(TREES[name]) if used.startswith(homes)} - allowed
+    assert not offenders((name, {used for used in used_names(trees[name]) if used.startswith(homes)}
+                          - {"scipy.fft.next_fast_len"} - allowed.get(name, set()))
+                         for name in FILES)
 
 
-@every_file
-def test_only_the_command_line_prints(name):
-    if not name.startswith("commands."):
-        calls = [node for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
-        assert not [node.lineno for node in calls
-                    if dotted(node.func) in ("print", "sys.stdout.write", "PETSc.Sys.Print")]
+def test_only_the_command_line_prints(trees):
+    printing = ("print", "sys.stdout.write", "PETSc.Sys.Print")
+    assert not offenders((name, [node.lineno for node in ast.walk(trees[name])
+                                 if isinstance(node, ast.Call) and dotted(node.func) in printing])
+                         for name in FILES if not name.startswith("commands."))
 
 
-@every_file
-def test_files_are_short(name):
-    lines = len(FILES[name].read_text(encoding="utf-8").splitlines())
-    assert lines <= LONGEST_FILE, f"{name}.py has {lines} lines: find what can stand on its own"
+def test_files_are_short():
+    lines = {name: len(path.read_text(encoding="utf-8").splitlines())
+             for name, path in FILES.items()}
+    assert not offenders((name, count > LONGEST_FILE and count) for name, count in lines.items()), \
+        "find what can stand on its own"
 
 
-@every_file
-def test_functions_are_short(name):
-    lengths = {full: node.end_lineno - node.lineno + 1 for full, node in definitions(TREES[name])
+def test_functions_are_short(trees):
+    lengths = {f"{name}.{full}": node.end_lineno - node.lineno + 1
+               for name, tree in trees.items() for full, node in definitions(tree)
                if not isinstance(node, ast.ClassDef)}
-    assert not {full: length for full, length in lengths.items() if length > LONGEST_FUNCTION}
+    assert not offenders((name, length > LONGEST_FUNCTION and length)
+                         for name, length in lengths.items())
 
 
 def body_lines(node):
@@ -268,8 +269,8 @@ def body_lines(node):
     return body[-1].end_lineno - body[0].lineno + 1 if body else 0
 
 
-def test_most_functions_are_shorter():
-    lengths = [body_lines(node) for tree in TREES.values() for _, node in definitions(tree)
+def test_most_functions_are_shorter(trees):
+    lengths = [body_lines(node) for tree in trees.values() for _, node in definitions(tree)
                if not isinstance(node, ast.ClassDef)]
     assert statistics.median(lengths) <= MEDIAN
 
@@ -284,27 +285,24 @@ def programs():
                 yield path
 
 
-PROGRAMS = {path.relative_to(ROOT).as_posix(): path for path in programs()}
-
-
-@pytest.mark.parametrize("name", PROGRAMS)
-def test_lines_are_short(name):
-    lines = PROGRAMS[name].read_text(encoding="utf-8").splitlines()
-    long = [number for number, line in enumerate(lines, start=1) if len(line) > LONGEST_LINE]
-    assert not long, f"longer than {LONGEST_LINE} columns: lines {long}"
+def test_lines_are_short():
+    assert not offenders(
+        (path.relative_to(ROOT).as_posix(),
+         [number for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+          if len(line) > LONGEST_LINE]) for path in programs()), \
+        f"lines of these are longer than {LONGEST_LINE} columns"
 
 
 def test_programs_without_suffix_are_checked_as_python():
     settings = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    scripts = [name for name, path in PROGRAMS.items() if not path.suffix]
+    scripts = [path.relative_to(ROOT).as_posix() for path in programs() if not path.suffix]
     assert len(scripts) > 5 and not [name for name in scripts if f'"{name}"' not in settings]
 
 
-@every_file
-def test_everything_public_says_what_it_is(name):
-    tree = TREES[name]
-    assert ast.get_docstring(tree), f"{name}.py has no docstring"
-    assert not [full for full, node in public(tree) if not ast.get_docstring(node)]
+def test_everything_public_says_what_it_is(trees):
+    assert not [name for name, tree in trees.items() if not ast.get_docstring(tree)]
+    assert not offenders((name, [full for full, node in public(tree)
+                                 if not ast.get_docstring(node)]) for name, tree in trees.items())
 
 
 def imported_by(statement):
