@@ -2,14 +2,12 @@
 PETSc's database in between."""
 
 import csv
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 import petsc4py
+import processes
 import pytest
 from programs import load
 
@@ -34,7 +32,6 @@ from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 ROOT = Path(__file__).resolve().parents[2]
 OPTIONS = ROOT / "options"
 SCRIPT = ROOT / "scripts" / "compare"
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 SMALL = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": 250.0,
          "residual_friction": 0.5}
 PATH = "normal_displacement=1; normal_displacement=hold, tangential_displacement=12"
@@ -447,9 +444,7 @@ def test_meter_and_history():
 
 def call(*arguments, folder):
     """A finished process of ``contactsnes compare``."""
-    return subprocess.run([sys.executable, "-m", "contactsnes", "compare", *map(str, arguments)],
-                          cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=600,
-                          check=False)
+    return processes.call("compare", *arguments, folder=folder)
 
 
 @pytest.fixture

@@ -2,14 +2,11 @@
 spacing, and what they refuse."""
 
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import h5py
 import numpy as np
+import processes
 import pytest
 
 import contactsnes
@@ -248,14 +245,12 @@ def test_largest_force():
 
 # Commands
 
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
 SMALL = ["-scene_period", "inf", "-scene_height", "inf", "-scene_normal_maugis", "3",
          "-scene_spacing", "0.15"]
 
 
 def call(folder, *arguments):
-    return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder,
-                          env=ENVIRONMENT, capture_output=True, text=True, timeout=600, check=False)
+    return processes.call(*arguments, folder=folder)
 
 
 @pytest.mark.parametrize("more", [[], ["-scene_dimension", "2", "-scene_geometry", "sphere"]])

@@ -1,13 +1,12 @@
 """Stability of points: against dense eigenvalues of the force balance on the whole cell, a motion
 in time, folds, other grids."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import petsc4py
 import pytest
+from processes import call
 from scipy import linalg
 
 petsc4py.init([])
@@ -257,8 +256,7 @@ def test_leading_modes_are_archived_and_drawn(tmp_path):
     options = ("-scene_points 256 -scene_period 30 -scene_normal_maugis 3 "
                "-load_path normal_force=0.5 -archive_fields all "
                f"-continuation_stability eigenvalue -archive_file {file}").split()
-    done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *options],
-                          capture_output=True, text=True, check=False)
+    done = call("run", *options, folder=tmp_path)
     assert (done.returncode == 0
             and "stable: all eigenvalues" in done.stdout), done.stdout + done.stderr
     record = read_archive(file)
@@ -277,8 +275,7 @@ def test_leading_modes_are_archived_and_drawn(tmp_path):
     imbalance = (record["leading_eigenvalue"][-1]
                  - 1.0) * np.fft.irfft(np.fft.rfft(mode) * stiffness) - tangent[0, 0] * mode
     assert np.abs(imbalance - imbalance.mean()).max() < 0.02 * np.abs(tangent[0, 0] * mode).max()
-    drawn = subprocess.run([sys.executable, "-m", "contactsnes", "plot", str(file)],
-                           capture_output=True, text=True, check=False)
+    drawn = call("plot", file, folder=tmp_path)
     assert drawn.returncode == 0, drawn.stderr
 
 

@@ -5,12 +5,11 @@ import hashlib
 import math
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import petsc4py
+import processes
 import pytest
 
 petsc4py.init([])
@@ -244,10 +243,9 @@ def test_in_si_a_function_is_of_metres(written):
 
 
 def call(folder, *words, root=ROOT):
-    """A finished command of the package in a folder."""
-    return subprocess.run([sys.executable, "-m", "contactsnes", *map(str, words)], cwd=folder,
-                          env={**os.environ, "PYTHONPATH": str(root)}, capture_output=True,
-                          text=True, timeout=300, check=False)
+    """A finished command of a package in a folder."""
+    other = {} if root == ROOT else {"env": {**os.environ, "PYTHONPATH": str(root)}}
+    return processes.call(*words, folder=folder, **other)
 
 
 def test_the_commands_know_a_shape_in_a_file(tmp_path, written):

@@ -1,14 +1,11 @@
 """Self-affine roughness: its spectrum, its slope, and that it is the same surface on every grid;
 contacts on it."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import petsc4py
 import pytest
+from processes import call
 
 petsc4py.init([])
 
@@ -338,16 +335,12 @@ def test_the_command_line_takes_roughness(tmp_path):
     words = ("-scene_geometry rough -scene_rough_slope 0.3 -scene_rough_shortest 1 "
              "-scene_rough_seed 7 -scene_period 40 -scene_points 256 "
              "-scene_normal_maugis 2 -load_path normal_force=1")
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
-    call = lambda command, *more: subprocess.run([sys.executable, "-m", "contactsnes", command,
-                                                  *words.split(), *more], cwd=tmp_path,
-                                                 env=environment, capture_output=True, text=True,
-                                                 timeout=600, check=False)
-    told = call("info")
+    told_by = lambda command, *more: call(command, *words.split(), *more, folder=tmp_path)
+    told = told_by("info")
     assert (told.returncode == 0 and "roughness: Hurst exponent 0.8, 39 waves "
             "shorter than 40 beta and longer than 1 "
             "beta, seed 7" in told.stdout)
     assert "no symmetry is used: the initial gap is not even about the apex" in told.stdout
-    assert call("run", "-archive_file", "run.h5", "-archive_fields", "last").returncode == 0
-    refused = call("run", "-scene_rough_hurst", "2")
+    assert told_by("run", "-archive_file", "run.h5", "-archive_fields", "last").returncode == 0
+    refused = told_by("run", "-scene_rough_hurst", "2")
     assert refused.returncode == 2 and "-scene_rough_hurst is '2'" in refused.stderr

@@ -2,16 +2,14 @@
 end elsewhere."""
 
 import hashlib
-import os
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import petsc4py
 import pytest
+from processes import call
 
 petsc4py.init([])
 
@@ -187,9 +185,7 @@ def test_scenes_are_compared_by_value_and_not_by_the_last_bit():
 
 
 def run(*arguments, folder):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run([sys.executable, "-m", "contactsnes", "run", *arguments], cwd=folder,
-                          env=environment, capture_output=True, text=True, timeout=600, check=False)
+    return call("run", *arguments, folder=folder)
 
 
 ROUGH = ["-scene_geometry", "file", "-scene_points", "64", "-scene_period", "12", "-scene_height",

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from processes import call
 from programs import load
 
 import contactsnes
@@ -92,22 +93,26 @@ def without_solving(arguments):
     return ["info", *kept]
 
 
-def call(arguments, folder):
-    """What a process of Python prints, which ends well."""
-    done = subprocess.run([sys.executable, *arguments], cwd=folder, env=ENVIRONMENT, text=True,
-                          capture_output=True, timeout=300, check=False)
-    assert done.returncode == 0, f"{arguments}\n{done.stdout[-2000:]}\n{done.stderr}"
+def printed_by(done):
+    """What a process has printed, which has ended well."""
+    assert done.returncode == 0, f"{done.args}\n{done.stdout[-2000:]}\n{done.stderr}"
     return done.stdout
+
+
+def python(arguments, folder):
+    """What a process of Python prints."""
+    return printed_by(subprocess.run([sys.executable, *arguments], cwd=folder, env=ENVIRONMENT,
+                                     text=True, capture_output=True, timeout=300, check=False))
 
 
 def run(command, info, folder):
     """What a command of a page prints."""
     program, *arguments = command
     if program == "python3":
-        return call(arguments, folder)
+        return python(arguments, folder)
     assert program == "contactsnes" and arguments[0] in COMMANDS, command
     arguments = without_solving(arguments) if info else arguments
-    return call(["-m", "contactsnes", *arguments], folder) if arguments else ""
+    return printed_by(call(*arguments, folder=folder)) if arguments else ""
 
 
 def alike(line, other):
@@ -147,10 +152,10 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
     for block in found:
         if block.language == "sh":
             printed += [run(command, block.info, tmp_path) for command in words(block.text)]
-    python = "\n\n".join(block.text for block in found if block.language == "python")
-    if python:
-        (tmp_path / "blocks.py").write_text(python, encoding="utf-8")
-        printed.append(call(["blocks.py"], tmp_path))
+    code = "\n\n".join(block.text for block in found if block.language == "python")
+    if code:
+        (tmp_path / "blocks.py").write_text(code, encoding="utf-8")
+        printed.append(python(["blocks.py"], tmp_path))
     lines = "\n".join(printed).splitlines()
     told = [line for block in found if block.language == "text" for line in block.text.splitlines()]
     missing = [line for line in told if not any(alike(line, other) for other in [*lines, "..."])]

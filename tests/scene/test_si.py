@@ -3,16 +3,14 @@ scene."""
 
 import copy
 import math
-import os
 import pickle
-import subprocess
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import petsc4py
 import pytest
+from processes import call
 
 petsc4py.init([])
 
@@ -296,13 +294,6 @@ def test_prefixes(value, unit, text):
 OPTIONS = [word for name, value in TYPED.items() for word in (f"-scene_{name}", as_text(value))]
 SMALL = [*OPTIONS, "-scene_points", "256", "-scene_period", "0.003", "-load_path",
          "normal_force=6; tangential_displacement=2e-6", "-continuation_largest_step", "3,1e-6"]
-
-
-def call(*arguments, folder):
-    """A finished process of the command."""
-    return subprocess.run([sys.executable, "-m", "contactsnes", *arguments], cwd=folder,
-                          capture_output=True, text=True, timeout=600, check=False,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
 def test_archives_are_in_si_and_are_resumed(tmp_path):

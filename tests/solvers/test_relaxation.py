@@ -2,14 +2,12 @@
 every way to stop."""
 
 import contextlib
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from petsc4py import PETSc
+from processes import call
 from scipy.optimize import brentq
 
 from contactsnes.contact.force_form import ForceForm
@@ -475,9 +473,7 @@ PATH = ["-scene_points", "256", "-scene_period", "20", "-scene_normal_maugis", "
 def run(path, folder, *arguments):
     """A finished run of a small sheared path with a file of options, in a folder of its own."""
     folder.mkdir()
-    return subprocess.run([sys.executable, "-m", "contactsnes", "run", path, *PATH, *arguments],
-                          cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=600, check=False)
+    return call("run", path, *PATH, *arguments, folder=folder)
 
 
 @pytest.fixture(scope="module")
