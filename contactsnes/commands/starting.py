@@ -48,8 +48,10 @@ def begin_petsc(words):
 
     if world.size == 1:
         # One process needs no daemon of Open MPI, which takes a good part of a second to start, nor
-        # to look for networks, which takes a fifth.
+        # to look for networks, which takes a fifth. Such processes have one folder together, which
+        # one that ends may take away as another begins: they need none.
         os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+        os.environ.setdefault("OMPI_MCA_orte_create_session_dirs", "false")
         os.environ.setdefault("OMPI_MCA_pml", "ob1")
     try:
         petsc4py.init(["contactsnes", *BEGINNING, *words])

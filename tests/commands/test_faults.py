@@ -97,6 +97,13 @@ def test_an_unknown_backend_does_not_matter(tmp_path):
 # Several processes
 
 
+def test_one_process_has_no_folder_of_open_mpi(tmp_path):
+    """It would be one of all that run, which those that end take away from those that begin."""
+    (tmp_path / "file").write_text("")
+    done = shell("CONTACTSNES run STILL", tmp_path, TMPDIR=tmp_path / "file")
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("size, rank", processes.LAUNCHED)
 def test_several_processes_are_refused(monkeypatch, capsys, size, rank):
     monkeypatch.setenv(size, "2")
