@@ -265,11 +265,10 @@ def test_patience_ends_where_a_residual_does_not_fall(norms, reason):
     snes.destroy()
 
 
-@pytest.mark.parametrize("seed", [2, 3])
-def test_motions_spread_to_spots_far_apart(seed):
+def test_motions_spread_to_spots_far_apart():
     """From one spot to several boxes of nodes, as on all nodes."""
     scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_slope=6.0,
-                  rough_shortest=6.0, rough_longest=50.0, rough_seed=seed, points=96, period=100.0,
+                  rough_shortest=6.0, rough_longest=50.0, rough_seed=2, points=96, period=100.0,
                   normal_maugis=2.0, height=float("inf"))
     load = Load(start="normal_displacement=-40", path="normal_force=5")
     found = []
