@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 import tempfile
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from processes import call
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("mpi4py",)
@@ -52,13 +54,14 @@ class Done(NamedTuple):
         return [line for line in self.stderr.splitlines() if line.startswith("contactsnes: ")]
 
 
-def launcher(size):
-    """The words that start so many processes."""
-    words = [launcher_path(), "-n", str(size)]
-    version = subprocess.run([words[0], "--version"], capture_output=True, text=True, check=False)
+@cache
+def launcher_words():
+    """The words with which the launcher starts processes on any number of cores."""
+    path = launcher_path()
+    version = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
     if "Open MPI" in version.stdout or "OpenRTE" in version.stdout:
-        words += ["--oversubscribe"] + ["--allow-run-as-root"] * (os.geteuid() == 0)
-    return words
+        return [path, "--oversubscribe"] + ["--allow-run-as-root"] * (os.geteuid() == 0)
+    return [path]
 
 
 class Started:
@@ -78,7 +81,8 @@ class Started:
                 if not name.startswith(("OMPI_", "PMI", "SLURM"))}
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
         self.process = subprocess.Popen(
-            [*launcher(size), sys.executable, *map(str, words)], cwd=folder, text=True,
+            [*launcher_words(), "-n", str(size), sys.executable, *map(str, words)], cwd=folder,
+            text=True,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             start_new_session=True,
             env=kept | {"PYTHONPATH": path, "TMPDIR": self._scratch, "OMP_NUM_THREADS": "1",
@@ -115,6 +119,9 @@ def found(size, text, folder):
     return json.loads((Path(folder) / "found.json").read_text(encoding="utf-8"))
 
 
-def command(size, *arguments, folder, **variables):
-    """The command in so many processes, finished."""
-    return Started(size, ["-m", "contactsnes", *arguments], folder, variables).ended()
+def command(size, *arguments, folder):
+    """The command in so many processes, finished; in one, without a launcher."""
+    if size == 1:
+        done = call(*arguments, folder=folder)
+        return Done(done.returncode, done.stdout, done.stderr)
+    return Started(size, ["-m", "contactsnes", *arguments], folder, {}).ended()

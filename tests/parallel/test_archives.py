@@ -9,11 +9,41 @@ from contactsnes.output.reading import read
 
 PLANE = ("-scene_dimension", "2", "-scene_points", "32,48", "-scene_period", "20,30",
          "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-snes_atol", "1e-11",
-         "-continuation_initial_step", "0.2",
+         "-continuation_initial_step", "0.5",
          "-contact_symmetry", "off", "-contact_window", "off", "-load_start",
-         "normal_displacement=-2", "-archive_file", "run.h5", "-archive_fields", "all")
+         "normal_displacement=-2", "-archive_file", "run.h5")
 PATH = "normal_displacement=0; tangential_displacement_x=1"
 MEASURED = {"wall_time"}
+
+
+def words_of(fields="all", on="cell", precision="double", path=PATH):
+    """The words of a run on the plane.
+
+    Parameters
+    ----------
+    fields, on, precision : str
+        Of the archive.
+    path : str
+        The load path.
+    """
+    return [*PLANE, "-archive_fields", fields, "-archive_fields_on", on, "-archive_precision",
+            precision, "-load_path", path]
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The archive of one process that runs a scene, made once."""
+    known = {}
+
+    def archive(*words):
+        if words not in known:
+            folder = tmp_path_factory.mktemp("alone")
+            done = command(1, "run", *words, folder=folder)
+            assert done.returncode == 0, done.stderr
+            known[words] = folder / "run.h5"
+        return known[words]
+
+    return archive
 
 
 def differences(first, second, most=1e-8):
@@ -34,13 +64,10 @@ def differences(first, second, most=1e-8):
 
 @together
 @pytest.mark.parametrize("size, on", zip(SIZES, ["cell", "active"]))
-def test_an_archive_is_that_of_one_process(size, on, tmp_path):
-    for folder, count in (("one", 1), ("many", size)):
-        (tmp_path / folder).mkdir()
-        done = command(count, "run", *PLANE, "-load_path", PATH, "-archive_fields_on", on,
-                       folder=tmp_path / folder)
-        assert done.returncode == 0, done.stderr
-    files = [tmp_path / folder / "run.h5" for folder in ("one", "many")]
+def test_an_archive_is_that_of_one_process(size, on, alone, tmp_path):
+    done = command(size, "run", *words_of(on=on), folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    files = alone(*words_of(on=on)), tmp_path / "run.h5"
     assert read(files[0]).points == read(files[1]).points > 5
     assert read(files[1]).complete
     assert not set(differences(*files)) - {"branch/transforms", "branch/residual_norm",
@@ -60,17 +87,15 @@ sys.exit(main(["run", *{words!r}]))"""
 @pytest.mark.parametrize("fields, on, precision, small", [
     ("all", "cell", "single", 0), ("all", "active", "double", 0),
     ("last", "active", "single", 1000)])
-def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision, small, tmp_path):
+def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision, small, alone,
+                                                          tmp_path):
     """Blocks of several rows, and of less than one; the file is made anew, resumed and packed."""
-    words = [*PLANE[:-2], "-archive_fields", fields, "-archive_fields_on", on,
-             "-archive_precision", precision, "-load_path"]
-    assert command(1, "run", *words, PATH, folder=tmp_path).returncode == 0
-    (tmp_path / "blocks").mkdir()
     for size, block, path in ((3, 300, PATH.split(";")[0]), (2, 20, PATH)):
-        text = IN_BLOCKS.format(small=small, block=block, words=[*words, path, "-archive_resume"])
-        done = program(size, text, tmp_path / "blocks")
+        words = [*words_of(fields, on, precision, path), "-archive_resume"]
+        text = IN_BLOCKS.format(small=small, block=block, words=words)
+        done = program(size, text, tmp_path)
         assert done.returncode == 0, done.stderr
-    files = tmp_path / "run.h5", tmp_path / "blocks" / "run.h5"
+    files = alone(*words_of(fields, on, precision)), tmp_path / "run.h5"
     one, other = map(read, files)
     assert other.complete and one.points == other.points > 5
     # (numbers of seven digits, and what is beside a limit of nothing)
@@ -87,21 +112,18 @@ def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision,
 
 @together
 @pytest.mark.parametrize("sizes", [(2, 3), (3, 1)])
-def test_another_number_of_processes_goes_on(sizes, tmp_path):
+def test_another_number_of_processes_goes_on(sizes, alone, tmp_path):
     first, second = sizes
-    begun = command(first, "run", *PLANE, "-load_path", PATH.split(";")[0], folder=tmp_path)
+    begun = command(first, "run", *words_of(path=PATH.split(";")[0]), folder=tmp_path)
     assert begun.returncode == 0, begun.stderr
     known = read(tmp_path / "run.h5").points
-    done = command(second, "run", *PLANE, "-load_path", PATH, "-archive_resume", folder=tmp_path)
+    done = command(second, "run", *words_of(), "-archive_resume", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert f"after point {known} of" in done.stdout
-    assert read(tmp_path / "run.h5").complete
-    (tmp_path / "whole").mkdir()
-    command(1, "run", *PLANE, "-load_path", PATH, folder=tmp_path / "whole")
-    with h5py.File(tmp_path / "run.h5", "r") as file, h5py.File(tmp_path / "whole" / "run.h5",
-                                                              "r") as whole:
-        for name in ("normal_force", "tangential_force_x", "contact_area"):
-            assert file["branch"][name][-1] == pytest.approx(whole["branch"][name][-1], rel=1e-7)
+    archive, whole = read(tmp_path / "run.h5"), read(alone(*words_of()))
+    assert archive.complete
+    for name in ("normal_force", "tangential_force_x", "contact_area"):
+        assert archive[name][-1] == pytest.approx(whole[name][-1], rel=1e-7)
 
 
 @together

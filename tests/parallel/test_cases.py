@@ -21,18 +21,22 @@ SPHERE = dict(dimension=2, points=(32, 32), period=8.0, normal_maugis=1.0, tange
 ROUGH = dict(SPHERE, geometry="rough", rough_on="flat", rough_hurst=0.8, rough_slope=0.5,
              rough_longest=4.0, rough_shortest=1.0, rough_seed=3)
 CASES = {
-    "force": (SPHERE, Load("normal_displacement=0", "normal_force=1"), {}),
+    "force": (SPHERE, Load("normal_displacement=0", "normal_force=-5.85"),
+              dict(initial_step=0.2, largest_step=0.5, locate_folds=False)),
     "sheared layer": (dict(SPHERE, height=3.0, poisson=0.3),
                       Load("normal_displacement=0", "tangential_displacement_x=1"),
                       dict(initial_step=0.25, largest_step=0.5)),
     "pull-off": (dict(SPHERE, normal_maugis=4.0),
-                 Load("normal_displacement=0", "normal_displacement=-3"), {}),
+                 Load("normal_displacement=-1", "normal_displacement=-3"),
+                 dict(initial_step=0.2, largest_step=0.5)),
     "stability": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.2"),
-                  dict(stability="eigenvalue")),
-    "rough": (ROUGH, Load("normal_displacement=0", "normal_displacement=0.5"), {}),
+                  dict(initial_step=0.1, largest_step=0.1, stability="eigenvalue")),
+    "rough": (ROUGH, Load("normal_displacement=0", "normal_displacement=0.5"),
+              dict(initial_step=0.1, largest_step=0.2)),
     "few nodes": (dict(ROUGH, points=(64, 64), rough_slope=40.0, normal_maugis=2.0),
                   Load("normal_displacement=0",
-                       "normal_displacement=2; tangential_displacement_x=0.5"), {})}
+                       "normal_displacement=2; tangential_displacement_x=0.5"),
+                  dict(initial_step=0.2, largest_step=0.5))}
 
 found = {}
 for name, (scene, load, steps) in CASES.items():
@@ -96,6 +100,6 @@ def test_branches_are_those_of_one_process(size, alone, tmp_path):
                                                                      other[name])}, case
         # those on which the law acts, of a convex gap as of others
         assert case not in ("pull-off", "few nodes") or other["nodes"] < 0.85, case
-    assert "jump" in events(alone["pull-off"])
+    assert "jump" in events(alone["pull-off"]) and "jump" in events(alone["force"])
     assert 0.0 < max(point["nodes"] for point in alone["few nodes"]) < 0.75
     assert all(point["stable"] != -1 for point in alone["stability"])

@@ -248,21 +248,25 @@ from contactsnes.grid import slabs
 
 SPHERE = dict(dimension=2, points=(48, 64), period=(9.0, 12.0), normal_maugis=1.0,
               tangential_maugis=1.0, geometry="sphere", height=float("inf"))
+LARGE = dict(initial_step=0.2, largest_step=0.5)
 CASES = {
-    "pressed": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.3"), {}),
-    "force": (SPHERE, Load("normal_displacement=0", "normal_force=1"), {}),
+    "pressed": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.3"),
+                dict(initial_step=0.1, largest_step=0.2)),
+    "force": (SPHERE, Load("normal_displacement=2", "normal_force=-1"),
+              dict(initial_step=0.3, largest_step=0.5)),
     "slid": (SPHERE, Load("normal_displacement=0.5", "tangential_displacement_x=1"),
              dict(initial_step=0.5, largest_step=0.5)),
-    "sheared": (SPHERE, Load("normal_displacement=0.5", "tangential_force_y=0.3"), {}),
+    "sheared": (SPHERE, Load("normal_displacement=0.5", "tangential_force_y=0.3"),
+                dict(initial_step=0.1, largest_step=0.2)),
     "sinusoid": (dict(SPHERE, geometry="sinusoid"),
-                 Load("normal_displacement=-1", "normal_displacement=0.5"), {}),
-    "pull-off": (dict(SPHERE, normal_maugis=4.0),
-                 Load("normal_displacement=0", "normal_displacement=-3"), {}),
+                 Load("normal_displacement=-1", "normal_displacement=0.5"), LARGE),
+    "pull-off": (dict(SPHERE, normal_maugis=3.0),
+                 Load("normal_displacement=-1", "normal_displacement=-2"), LARGE),
     "arc length": (dict(SPHERE, normal_maugis=4.0),
-                   Load("normal_displacement=-1", "normal_displacement=-3"),
-                   dict(at_fold="trace")),
+                   Load("normal_displacement=-1", "normal_displacement=-2"),
+                   dict(LARGE, at_fold="trace")),
     "stability": (SPHERE, Load("normal_displacement=0", "normal_displacement=0.2"),
-                  dict(stability="eigenvalue"))}
+                  dict(initial_step=0.1, largest_step=0.1, stability="eigenvalue"))}
 
 found = {}
 for name, (scene, load, steps) in CASES.items():
@@ -303,12 +307,11 @@ ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluatio
 
 
 @together
-@pytest.mark.parametrize("text", (FIELDS, FORMS), ids=("fields", "forms"))
 @pytest.mark.parametrize("size", (1, *SIZES, 4))
-def test_even_fields_of_several_processes_are_those_of_one(size, text, tmp_path):
-    done = program(size, text, tmp_path)
+def test_even_fields_and_forms_of_several_processes_are_those_of_one(size, tmp_path):
+    done = program(size, FIELDS + FORMS, tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("alike") == size
+    assert done.stdout.count("alike") == 2 * size
 
 
 @pytest.fixture(scope="module")

@@ -24,9 +24,13 @@ def refused(done, *words):
 @pytest.mark.parametrize("size", SIZES)
 def test_what_one_process_does_is_refused(size, tmp_path):
     refused(command(size, "plot", "run.h5", folder=tmp_path), f"{size} processes", "plot")
-    refused(command(size, "run", "-load_path", "normal_displacement=1", folder=tmp_path),
-            f"{size} processes", "a line")
-    refused(command(size, "run", *PLANE, "-scene_period", "inf", folder=tmp_path), "isolated")
+
+
+@together
+def test_scenes_of_one_process_are_refused(tmp_path):
+    refused(command(2, "run", "-load_path", "normal_displacement=1", folder=tmp_path),
+            "2 processes", "a line")
+    refused(command(2, "run", *PLANE, "-scene_period", "inf", folder=tmp_path), "isolated")
 
 
 @together

@@ -52,9 +52,9 @@ def told(contact):
 alone = {name: made(case, False) for name, case in CASES.items()}
 sentences = {name: told(contact) for name, contact in alone.items()}
 heights.let_go()
-if "joined" in sys.argv:  # as of a command
-    world.join()
-for name, case in CASES.items():
+
+
+def compare(name, case):
     shared = made(case, True)
     here = shared.grid.part_of(alone[name].initial_gap)
     assert shared.initial_gap.shape == here.shape != alone[name].initial_gap.shape, name
@@ -67,6 +67,14 @@ for name, case in CASES.items():
         size = lambda value, unit, digits: f"{value:.9g}"
         assert (shapes.of(shared.scene).about(shared.scene, size)
                 == shapes.of(alone[name].scene).about(alone[name].scene, size))
+
+
+for name, case in CASES.items():
+    compare(name, case)
+world.join()  # as of a command
+heights.let_go()
+for name, case in CASES.items():
+    compare(name, case)
 sys.__stdout__.write("alike\\n") if not world.rank else None
 """
 
@@ -84,11 +92,10 @@ def files(folder):
 
 @together
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("how", ("joined", "apart"))
-def test_gaps_by_rows_are_those_of_one_process(size, how, tmp_path):
+def test_gaps_by_rows_are_those_of_one_process(size, tmp_path):
+    """Of processes that are each alone otherwise, and then of those of a command."""
     files(tmp_path)
-    text = PROGRAM.replace("import sys\n", f"import sys\nsys.argv.append({how!r})\n", 1)
-    done = program(size, text, tmp_path)
+    done = program(size, PROGRAM, tmp_path)
     assert done.returncode == 0 and "alike" in done.stdout, done.stderr
 
 
