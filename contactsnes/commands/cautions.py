@@ -1,5 +1,6 @@
-"""What speaks against a scene before it is solved, in sentences: a grid that is too coarse, heights
-that step at the seam of their cell, are in another unit or on a map of another size than given."""
+"""What speaks against a scene before it is solved, in sentences: a grid that is too coarse, more
+processes than it has rows, heights that step at the seam of their cell, are in another unit or on a
+map of another size than given."""
 
 import math
 
@@ -20,8 +21,15 @@ def cautions(settings, contact):
     """Sentences on grid and surface, for the log and the archive."""
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
-    return (*((sentence,) if sentence else ()),
+    return (*((sentence,) if sentence else ()), *_idle(contact.grid),
             *of_surface(settings.scene, contact.grid))
+
+
+def _idle(grid):
+    """A sentence on processes that have no rows of a plane, where there are any."""
+    if grid.idle:
+        yield (f"the plane has {grid.shape[0]} rows (-scene_points), of which {grid.idle} of "
+               f"{grid.comm.size} processes have none: these have nothing to do")
 
 
 def of_surface(scene, grid=None):

@@ -79,10 +79,6 @@ def refuse_unshared(scene):
         raise InputError(f"started as {world.size} processes, but {what} is solved by one: start "
                          "contactsnes without mpirun or srun, or take a plane with a period "
                          "(-scene_dimension 2)")
-    if world.size > scene.shape[0]:
-        raise InputError(f"started as {world.size} processes, but the plane has {scene.shape[0]} "
-                         "rows (-scene_points), of which each takes one or more: start at most as "
-                         "many processes, or take more points")
 
 
 def refuse_differences():

@@ -77,9 +77,8 @@ def _depth(contact, controls, load):
 
 def apart(contact):
     """The undeformed body, far outside the law's range; the normal component."""
-    displacement = np.full((1, contact.grid.whole.size), 2.0 * contact.law.range
-                           - contact.grid.minimum(contact.initial_gap))
-    return State(contact.grid.whole, displacement, displacement[:, 0].copy())
+    away = np.array([2.0 * contact.law.range - contact.grid.minimum(contact.initial_gap)])
+    return State(contact.grid.whole, np.full((1, contact.grid.whole.size), away), away)
 
 
 def _carried(contact, depth):

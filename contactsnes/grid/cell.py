@@ -291,4 +291,4 @@ class Convolution:
         """Rows of the spectrum that are multiplied at a time: few enough to stay in the processor's
         cache."""
         shape = self.transform.spectrum.shape[1:]
-        return min(shape[0], max(1, 2 ** 14 * shape[0] // math.prod(shape)))
+        return max(1, min(shape[0], 2 ** 14 * shape[0] // max(1, math.prod(shape))))

@@ -20,6 +20,9 @@ class Fields:
     """Whether nodes are shared out among processes: each has rows of the cell, of a box about its
     apex or of a quarter of that, or some nodes of its rows."""
 
+    idle = 0
+    """How many processes have no rows."""
+
     @property
     def local_shape(self):
         """Shape of a field over the cell, as far as it is in this process."""

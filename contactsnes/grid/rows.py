@@ -18,12 +18,13 @@ class Rows:
     Attributes
     ----------
     first, count : int, the rows of this process
+    fewest : int, rows of a process that has any
     """
 
     def __init__(self, comm, parts, total, beyond="wrap"):
         self.comm, self.parts, self.total, self._beyond = comm, parts, total, beyond
         self.first, self.count = parts[comm.rank]
-        self.fewest = min(count for _, count in self.parts)
+        self.fewest = min((count for _, count in self.parts if count), default=0)
 
     @property
     def numbers(self):

@@ -1,5 +1,6 @@
 """Fields over a cell that is shared out among processes (`slabs`), of which each has its rows."""
 
+import math
 from itertools import islice
 
 import numpy as np
@@ -15,6 +16,11 @@ SAMPLED = 256
 class SlabFields(Fields):
     """Fields over the cell of a grid of which this process has some ``rows``, and all processes the
     others (``comm``)."""
+
+    @property
+    def idle(self):
+        """How many processes have no rows."""
+        return sum(not count for _, count in self.rows.parts)
 
     def with_rows(self, field, reach):
         """A field over the cell (..., rows, columns) with rows on either side."""
@@ -110,8 +116,11 @@ class SlabFields(Fields):
 
     def highest(self, field):
         """The first node of the largest value of a field over the cell, a tuple of int."""
-        node = np.unravel_index(np.argmax(field), field.shape)
-        tops = self.comm.allgather((field[node], (int(node[0]) + self.rows.first, int(node[1]))))
+        here = []  # (of a process without rows none)
+        if field.size:
+            row, column = map(int, np.unravel_index(np.argmax(field), field.shape))
+            here = [(field[row, column], (row + self.rows.first, column))]
+        tops = [top for own in self.comm.allgather(here) for top in own]
         return max(tops, key=lambda top: top[0])[1]
 
     def parted(self, values, axis=-1, change=lambda block: block):
@@ -150,7 +159,7 @@ class SlabFields(Fields):
 
         order, found = np.lexsort([exchanged(key) for key in keys[::-1]]), {}
         for name, values in arrays.items():
-            rows = values.reshape(-1, values.shape[-1])
+            rows = values.reshape(math.prod(values.shape[:-1]), values.shape[-1])
             own = np.empty((len(rows), len(order)), values.dtype)
             for i, row in enumerate(rows):  # (one by one: what is on its way takes memory)
                 own[i] = exchanged(row)[order]
@@ -159,5 +168,8 @@ class SlabFields(Fields):
 
     def noise(self, count, seed):
         """Random numbers (count, rows, columns), each row's its own."""
-        return np.stack([np.random.default_rng((seed, row)).standard_normal(
-            (count, self.shape[1])) for row in self.rows.numbers], axis=1)
+        found = np.empty((count, self.rows.count, self.shape[1]))
+        for k, row in enumerate(self.rows.numbers):
+            found[:, k] = np.random.default_rng((seed, row)).standard_normal(
+                (count, self.shape[1]))
+        return found

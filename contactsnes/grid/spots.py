@@ -30,7 +30,9 @@ def labelled(mask, grid=ALONE):
     parts, count = ndimage.label(mask)
     parts[parts > 0] += grid.before(count)
     # lines of nodes beside each other across the cell's border, or across those of processes
-    sides = [np.array([parts[0], grid.row_before(parts)]).reshape(2, -1),
+    before = grid.row_before(parts)
+    # (of slabs, others may have all rows)
+    sides = [np.array([parts[0], before] if len(parts) else [[], []], int).reshape(2, -1),
              *(np.array([np.take(parts, 0, axis).ravel(), np.take(parts, -1, axis).ravel()])
                for axis in range(1, parts.ndim))]
     seams = np.concatenate(sides, axis=1)

@@ -79,7 +79,7 @@ def _on_nodes(named, gap, nodes):
 
 def _refuse_beyond(named, gap, coordinates, scene):
     """InputError for a gap that is not finite, or too large to compute with, somewhere."""
-    if np.max(np.abs(gap)) <= LARGEST:
+    if np.max(np.abs(gap), initial=0.0) <= LARGEST:
         return
     place = np.unravel_index(np.argmax(~(np.abs(gap) <= LARGEST)), gap.shape)
     raise InputError(f"{named}: the gap is {gap[place]:g} at {where(place, coordinates, scene)}; "

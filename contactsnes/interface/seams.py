@@ -29,7 +29,8 @@ def _steps(heights, grid):
     for each axis, whose first number is that of the seam."""
     grid = Grid(heights.shape, (1.0,) * heights.ndim) if grid is None else grid
     before = np.concatenate([grid.row_before(heights)[None], heights[:-1]])
-    found = [grid.joined(np.mean((heights - before).reshape(len(heights), -1) ** 2, axis=1))]
+    across = tuple(range(1, heights.ndim))
+    found = [grid.joined(np.mean((heights - before) ** 2, axis=across))]
     if heights.ndim == 2:
         aside = np.sum((heights - np.roll(heights, 1, 1)) ** 2, axis=0)
         found.append(grid.together(aside) / grid.shape[0])
