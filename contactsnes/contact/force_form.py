@@ -8,7 +8,7 @@ import numpy as np
 from ..grid.cell import Convolution
 from ..grid.even import halved
 from .forms import DisplacementForm
-from .problem import DISPLACEMENT, FORCE
+from .problem import APPROACH, FORCE
 from .states import State
 
 
@@ -23,7 +23,7 @@ class ForceForm:
     Parameters
     ----------
     contact : Contact
-    controls : 'displacement' or 'force' for each component
+    controls : 'displacement', 'force' or 'approach' for each component
 
     Attributes
     ----------
@@ -48,6 +48,7 @@ class ForceForm:
         self.forced = [i for i, control in enumerate(controls) if control == FORCE]
         self.initial_gap = contact.initial_gap.reshape(-1)
         self.rigid_compliance = contact.rigid_compliance(self.components)
+        self.rigid_compliance[[control == APPROACH for control in controls]] = 0.0
         self.factor = contact.load_factor(self.components)
         self.convolution = Convolution(self.window, contact.operator(self.components, "stiffness"),
                                        self.components, contact.kernels.real)
@@ -61,7 +62,7 @@ class ForceForm:
         self.products = 0
         kept, self.mean_stiffness = np.ones(self.components), np.zeros(self.components)
         for i, control in enumerate(controls):
-            if control == DISPLACEMENT:
+            if control != FORCE:
                 kept[i] = self.rigid_compliance[i] > 0.0
                 self.mean_stiffness[i] = 1.0 / self.rigid_compliance[i] if kept[i] else 1.0
         self._kept = kept

@@ -70,6 +70,22 @@ def test_the_same_state_as_on_the_grid_itself(scene, control, value, options):
     assert _both(cost) < _both(own)
 
 
+@pytest.mark.parametrize("method", ({}, {
+    "snes_type": "python", "snes_python_type": "contactsnes.solvers.relaxation.Fire",
+    "snes_max_it": "20000"}))
+@pytest.mark.parametrize("scene, control, value", [
+    ({"poisson": 0.3, "height": 5.0}, DISPLACEMENT, 1.0),
+    ({"poisson": 0.3, "height": 5.0}, FORCE, 1.0), ({}, FORCE, 1.0)])
+def test_a_cold_solve_in_the_force_form_finds_the_same(scene, control, value, method, options):
+    """By way of states with a given mean, where the body gives way as a whole or is pressed."""
+    scene = {"points": 256, "period": 20.0, "normal_maugis": 2.0, **scene}
+    expected, found = made(scene), []
+    for system in (expected, made(scene, form="force")):
+        found.append(coldstart.cold(system, (control,), np.array([value])))
+        options(**method)
+    assert states.missed(expected.contact, *(point.state for point in found)) < 1e-6
+
+
 @pytest.mark.parametrize("scene, value, most", [(PAPER, 40.0, 30), (PAPER, 2.8, 20),
                                                 (PAPER, 17.0, 30), (PAPER, 0.0, 40),
                                                 ({**SPHERE, "points": 512}, 2.0, 40),
