@@ -1,11 +1,13 @@
 """Runs commands of Python, each in a process of its own that begins with what all of them import:
 importing takes a third of a second of processor time, as long as many a run. PETSc is loaded there,
-but begins in each process with its own options.
+but begins in each process with its own options. A process that has come to its end gives back to
+the system as a whole what it began with: one by one, that would have to be copied first.
 
 As a program it reads a line of JSON for each command, [its arguments, file for what it says], and
 answers with one: [exit status, seconds of processor time].
 """
 
+import atexit
 import gc
 import json
 import os
@@ -58,6 +60,22 @@ def become(arguments, said):
         runpy.run_path(arguments[0], run_name="__main__")
 
 
+def become_to_the_end(arguments, said):
+    """As `become`; the process ends with the status that the program asks for."""
+    try:
+        become(arguments, said)
+    except SystemExit as end:
+        if not isinstance(end.code, int):
+            raise
+        atexit._run_exitfuncs()
+        begun = sys.modules.get("petsc4py.PETSc")
+        if begun and begun.Sys.isInitialized():
+            begun._finalize()
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        os._exit(end.code)
+
+
 def serve():
     """Start commands as they are asked for; whether this is one of them, to be run now."""
     for line in sys.stdin:
@@ -83,7 +101,9 @@ if __name__ == "__main__":
     import contactsnes.branch.branch
     import contactsnes.commands.cli
     import contactsnes.output.archive  # noqa: F401
+    from contactsnes.kernels.choice import chosen
 
+    chosen()  # loads the library, and what FFTW has learned
     command = serve()
     if command is not None:
-        become(*command)
+        become_to_the_end(*command)
