@@ -7,9 +7,8 @@ import numpy as np
 from ..grid.transfer import extent
 
 FAR = 0.3
-"""Cohesive lengths of the friction, beta/(lambda_t^2 times its steepest softening), by which a slip
-front has to move in a step to be followed: wider ones, and the gradual ones of full residual
-friction, are predicted better in place."""
+"""Cohesive lengths of the friction (`in_cohesive_lengths`) by which a slip front has to move in a
+step to be followed: wider ones are predicted better in place."""
 FORETOLD = 0.05
 ON_ITS_WAY = 0.02
 """Cohesive lengths, and part of its way, by which a slip front may have missed its prediction for
@@ -138,9 +137,14 @@ def _fronts_apart(contact, first, last):
 
 
 def in_cohesive_lengths(contact):
-    """A spacing of a line over the cohesive length of the friction."""
-    return (contact.grid.spacings[0] * contact.scene.tangential_maugis ** 2
-            * contact.law.slip_softening)
+    """A spacing of a line over the cohesive length of the friction: beta/lambda_t^2 over its
+    steepest fall with the slip or, where it hardly falls, its mean rise to the peak. Fronts that
+    rise within a spacing go from node to node: only a fall counts there.
+    """
+    law = contact.law
+    sharp = contact.grid.spacings[0] * contact.scene.tangential_maugis ** 2
+    fall, rise = sharp * law.slip_softening, sharp * law.tangential_peak / law.slip_peak
+    return rise if 4.0 * fall < rise < 1.0 else fall
 
 
 def pressed_ends(contact, state, ends, fronts):

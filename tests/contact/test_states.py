@@ -454,10 +454,11 @@ def slipping(contact, half, front, spread=0.15):
     return states.State(window, fields, contact.grid.mean(fields))
 
 
-@pytest.mark.parametrize("residual", [0.0, 0.5, 1.0])
-def test_following_slip_fronts(residual):
-    """Fronts that run ahead of the edges; with full residual friction they are left in place."""
-    contact = line(points=2048, tangential_maugis=10.0, residual_friction=residual)
+@pytest.mark.parametrize("residual, points", [(0.0, 2048), (0.5, 2048), (1.0, 16384), (1.0, 2048)])
+def test_following_slip_fronts(residual, points):
+    """Fronts that run ahead of the edges; with full residual friction they are left in place where
+    they rise within a spacing."""
+    contact = line(points=points, tangential_maugis=10.0, residual_friction=residual)
     given = [slipping(contact, 3.0 - 0.01 * t, 2.4 - 0.2 * t - 0.02 * t * t) for t in range(4)]
     ends = fronts.edges(contact, given[0])
     found = fronts.slip_fronts(contact, given[0], ends)
@@ -470,7 +471,8 @@ def test_following_slip_fronts(residual):
     inside = np.abs(contact.grid.coordinates()[0].reshape(-1)) < 2.8
     wrong, still = (np.abs(state.displacement - given[3].displacement)[1, inside].max()
                     for state in (ahead, states.combined(contact, given[:3], weights)))
-    assert (wrong < 0.2 * still) == (residual < 1.0)
+    rise = 100.0 * contact.grid.spacings[0] * contact.law.tangential_peak / contact.law.slip_peak
+    assert (wrong < 0.2 * still) == (residual < 1.0 or rise < 1.0)
 
 
 def test_short_steps_after_long_ones_follow_fronts_too():
