@@ -65,7 +65,7 @@ def _contact(scene, found, size):
     lines = [f"contact by theory (Maugis and Dugdale, alone on a half-space): {what} "
              f"{size(found.radius, 'beta', 4)} under the force {size(found.force, unit, 4)}"
              f"{unloaded}; pull-off at {size(found.pull_off, unit, 4)}"]
-    return [*lines, *_ring(scene, found, what, size), *_too_large(scene, found, what, size)]
+    return [*lines, *_ring(scene, found, what, size), *_too_large(scene, found, what)]
 
 
 def _ring(scene, found, what, size):
@@ -78,7 +78,7 @@ def _ring(scene, found, what, size):
             f"counts: {what} {size(found.outer, 'beta', 4)}, {area[0]} {size(*area[1:], 4)}"]
 
 
-def _too_large(scene, found, what, size):
+def _too_large(scene, found, what):
     """What speaks against a contact that is large beside its cell or its sphere."""
     cell = min(scene.periods) if not scene.isolated else math.inf
     if found.outer > NEAR * cell:

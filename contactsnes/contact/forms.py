@@ -115,10 +115,6 @@ class DisplacementForm:
         """Count a residual that is made of the form's parts."""
         self._evaluations += 1
 
-    def count_product(self):
-        """Count a product that is made of the form's parts."""
-        self._products += 1
-
     def set_load(self, load):
         """Set the controlled values: D, U in u_n,r, u_t,r or W, T in w_n,r, w_t,r, by
         ``controls``."""

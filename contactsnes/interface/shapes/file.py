@@ -43,7 +43,7 @@ class File(Shape):
     uses_radius = False
 
     def map(self):
-        """The heights as they are used, `height_files.Heights`."""
+        """The heights as they are used, `stored_heights.Heights`."""
         return prepared(self.geometry_file, self.heights_crop, self.heights_fill,
                         self.heights_edges)
 
@@ -77,7 +77,7 @@ class File(Shape):
             raise InputError(f"{scene.option_name('dimension')} is '{values['dimension']}', but "
                              f"{own['geometry_file']} has heights in {dimension} "
                              f"direction{'s' * (dimension > 1)}: leave it out")
-        size = cls._size(found, own, values, scene)
+        size = cls._size(found, own, values)
         added = {"dimension": dimension,
                  "points": shape if dimension > 1 else shape[0],
                  **({"period": size} if size else {})}
@@ -96,7 +96,7 @@ class File(Shape):
         return even
 
     @classmethod
-    def _size(cls, found, own, values, scene):
+    def _size(cls, found, own, values):
         """The period that a map sets, in what is typed; None where -scene_period does."""
         si = values.get("units") == "si"
         if not si and own.get("heights_unit"):
