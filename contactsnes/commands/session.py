@@ -15,7 +15,7 @@ from .. import __version__
 from ..branch.grid_choice import chosen, on
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
-from ..options.fields import InputError
+from ..options.fields import InputError, nearest
 from ..options.files import refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
@@ -24,7 +24,7 @@ from .starting import begin_petsc, refuse_differences, refuse_unshared
 
 
 class Settings(NamedTuple):
-    """All that options say about a run, in the order of scene.OPTION_CLASSES."""
+    """All that options say about a run, in the order of `OPTION_CLASSES`."""
 
     scene: scenes.Scene
     form: scenes.Form
@@ -169,11 +169,16 @@ def check_classes():
         module, _, cls = path.rpartition(".")
         if name.endswith("python_type") and module.startswith("contactsnes."):
             try:
-                found = hasattr(importlib.import_module(module), cls)
+                known = vars(importlib.import_module(module))
             except ImportError:
-                found = False
-            if not found:
-                raise InputError(f"-{name} is '{path}': there is no such class")
+                known = {}
+            if cls not in known:
+                guess = nearest(cls, [other for other, found in known.items()
+                                      if getattr(found, "__module__", "") == module])
+                raise InputError(f"-{name} is '{path}': there is no such class; "
+                                 + (f"did you mean {module}.{guess}?" if guess else "files of "
+                                    "methods, which contactsnes compare lists, name those that are "
+                                    "there"))
 
 
 def create_branch(settings, log=lambda sentence: None):

@@ -31,7 +31,8 @@ def plot_surface(arguments, asked):
     stem = Path(files[0]).stem if files else scene.geometry
     title = Path(scene.geometry_file).name if scene.geometry == "file" else scene.geometry
     if asked.output and not Path(asked.output).is_dir():
-        raise InputError(f"-plot_output is '{asked.output}': there is no such folder")
+        raise InputError(f"-plot_output is '{asked.output}': there is no such folder: create "
+                         "it, or name another")
     files = [Path(asked.output) / f"{stem}-surface{suffix}" for suffix in asked.formats]
     draw_surface(files, [length * axis for axis in axes], height * found, (unit, depth),
                  f"{title}, {' x '.join(map(str, scene.shape))} points", asked)

@@ -22,7 +22,9 @@ def instance(cls, entries, prefix=""):
         name = prefix + cls.option_name(field.name)[1:]
         text = entries.get(name.lower())
         if text == "" and field.metadata["kind"] != "flag":
-            raise InputError(f"-{name} has no value: allowed is {allowed(field.metadata)}")
+            rule = field.metadata
+            what = f" ({rule['meaning']})" if rule["kind"] == "text" and not rule["choices"] else ""
+            raise InputError(f"-{name} has no value: allowed is {allowed(rule)}{what}")
         if text is not None:
             values[field.name] = _parsed(text, field.metadata)
     try:
