@@ -3,11 +3,12 @@
 Call ``petsc4py.init(arguments)`` before the first solve if PETSc is to have options. Names are
 imported when they are first used, so that importing this package alone does not start PETSc.
 
-Rooms, each of which imports only from those before it: ``options`` and ``system`` (options, streams
-and files), ``grid`` (nodes, transforms), ``reference`` (analytic solutions), ``interface`` (laws,
-bodies, shapes), ``continuation`` (branches of any system), ``scene`` (what is solved), ``contact``
-(the problem on its grid), ``output`` (archives, tables, figures), ``solvers`` (PETSc), ``dynamics``
-(motion, stability), ``branch`` (from a scene to its points), ``compare`` and ``commands``.
+Rooms, each of which imports only from those before it: ``options`` and ``system`` (options;
+streams, files, processes), ``grid`` (nodes, transforms), ``reference`` (analytic solutions),
+``interface`` (laws, bodies, shapes), ``kernels`` (compiled C), ``continuation`` (branches of any
+system), ``scene`` (what is solved), ``contact`` (the problem on its grid), ``output`` (archives,
+tables, figures), ``solvers`` (PETSc), ``dynamics`` (motion, stability), ``branch`` (from a scene to
+its points), ``compare`` and ``commands``.
 """
 
 from importlib import import_module
@@ -21,7 +22,7 @@ _HOMES = {"Scene": "scene.settings", "Load": "scene.load", "Steps": "scene.setti
           "NotConverged": "continuation.points", "NoEquilibrium": "continuation.points",
           "observe": "contact.observables", "table": "contact.observables",
           "Archive": "output.archive", "read": "output.reading", "plot": "output.figures.plot",
-          "sweep": "branch.sweep",}
+          "sweep": "branch.sweep"}
 
 __all__ = ["reference", *_HOMES]
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..contact import energies, observables
 from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
-from ..contact.states import State
+from ..contact.state import State
 from ..contact.symmetry import refuse
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps

@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from ..contact.problem import FORCE, Contact
-from ..contact.states import State
+from ..contact.state import State
 from ..contact.survey import tractions
 from ..grid.cell import Convolution
 from ..grid.transfer import resampled

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from ..contact.states import State
+from ..contact.state import State
 from ..grid.windows import Window
 from ..options.fields import InputError, as_text
 from ..output import resuming

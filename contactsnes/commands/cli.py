@@ -1,5 +1,5 @@
-"""The commands run, plot, info and compare, their words and exit statuses. Only this room prints;
-it decides nothing physical.
+"""The commands, their words and exit statuses: run, info and compare here, those on archives in
+`showing`. Only this room prints; it decides nothing physical.
 
 Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed, no equilibrium
 exists, or what was computed or told cannot be written, 2 bad input, 128 + the signal's number for
@@ -65,6 +65,7 @@ contactsnes: adhesive frictional contact of elastic bodies
 Files are read from left to right, then the options of the command line; the later value
 wins. For instance:
   contactsnes run options/cylinder.opts options/newton.opts -archive_file run.h5"""
+
 
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""

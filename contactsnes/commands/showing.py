@@ -1,4 +1,4 @@
-"""The commands that show archives, without PETSc: plot, and how its like are asked."""
+"""The commands that show archives, without PETSc: plot, table, export, report, movie."""
 
 import errno
 import os

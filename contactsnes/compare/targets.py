@@ -43,9 +43,8 @@ class Target(NamedTuple):
         Forces relative to 1 where they are smaller; an area relative to itself unless it is zero.
         """
         displacement = states.missed(contact, self.point.state, point.state)
-        force = np.max(np.abs(forces(contact, point) - self.forces) / np.maximum(1.0,
-                                                                                 np.abs(
-            self.forces)))
+        force = np.max(np.abs(forces(contact, point) - self.forces)
+                       / np.maximum(1.0, np.abs(self.forces)))
         area = abs(Measurement(contact, point).contact_area() - self.area) / (self.area or 1.0)
         return displacement, float(force), area
 

@@ -9,7 +9,7 @@ from ..grid.cell import Convolution
 from ..grid.even import halved
 from .forms import DisplacementForm
 from .problem import APPROACH, FORCE
-from .states import State
+from .state import State
 
 
 class ForceForm:

@@ -285,6 +285,7 @@ class Contact:
         touching = normal_gap < self.scene.contact_threshold + ROOM
         return (normal_gap < self.law.range) | widened(self.grid, touching, SUPPORT)
 
+
 def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
     where they do not fit."""

@@ -20,7 +20,7 @@ PATIENCE = 40
 class ArcLengthSteps(FoldingSteps):
     """Pseudo-arclength continuation along one leg: an iterator of points, through folds or to them.
 
-    Steps are lengths along the branch (``Tracer.chord_length``), by the rules of natural
+    Steps are lengths along the branch (`system.States.chord_length`), by the rules of natural
     continuation: the first is the leg's initial step, they grow with few iterations, and none moves
     the load by more than the largest step. Parameters as of `LoadSteps`, and 'trace' for
     ``at_fold``, which goes on through folds.

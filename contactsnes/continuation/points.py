@@ -83,7 +83,7 @@ class Point:
 
     Attributes
     ----------
-    state : displacements and means (``contactsnes.contact.states.State``)
+    state : displacements and means (``contactsnes.contact.state.State``)
     controls : 'displacement' or 'force' for each component
     load : controlled values (u_n,r, u_t,r or w_n,r, w_t,r by ``controls``)
     displacements, forces : D, U, ... and W, T, ... of each component, controlled or not

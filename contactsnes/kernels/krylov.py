@@ -59,7 +59,7 @@ def rounded(vector, row):
 
 
 def changes(before, after, like=None):
-    """As `solvers.basis.changes`.
+    """As `grid.changes.changes`.
 
     Parameters
     ----------

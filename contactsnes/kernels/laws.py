@@ -73,7 +73,7 @@ class LawKernel:
 
     def works(self, gap, change, parts, rule):
         """What each node releases on a straight way, and what linear springs do there, array (2,
-        nodes), as `acceptance.released`.
+        nodes), as `acceptance._works`.
 
         Parameters
         ----------

@@ -128,7 +128,7 @@ def alternation(boxes, axis, image=0, closed=False, beyond=0):
 
 
 def line_work(displacements, forces, give, weights, first, rule):
-    """Work along a path, as of `contact.energies.line_work`.
+    """Work along a path, as of `contact.work_along.line_work`.
 
     Parameters
     ----------

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..options.database import is_option
 from ..options.fields import InputError
+from ..options.files import is_option
 
 SOURCES = ("geometry_file",)
 """Attributes of a scene that say where something came from: its checksum decides."""

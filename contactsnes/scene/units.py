@@ -33,7 +33,7 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 
 @dataclass(frozen=True, repr=False)
 class Units(Options):
-    """Units of a scene, and the scales of those that are in SI: a part of ``settings.Scene``."""
+    """Units of a scene, and the scales of those that are in SI: a part of `scene.Scene`."""
 
     units: str = option("dimensionless", "units of input and output: dimensionless; "
                         "si: metres, newtons (two dimensions; one: newtons "

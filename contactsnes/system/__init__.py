@@ -1,1 +1,1 @@
-"""The machine around a run: standard streams, files and disks that fail."""
+"""The machine around a run: standard streams, files and disks that fail, other processes."""
