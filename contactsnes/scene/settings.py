@@ -83,8 +83,6 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of
     (name, why).
 
-    `estimates`: whether the errors of points are estimated.
-
     Parameters
     ----------
     scene : Scene
@@ -92,27 +90,25 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
     names : iterable of str
     form : Form
     output : Output
-    estimates : bool
+    estimates : bool, whether the errors of points are estimated
     """
-    sheared = any(tangential_legs(scene, load))
-    unsheared = "no tangential unknown appears"
-    rules = (*parts.ineffective(scene, sheared), ("scene_tangential_maugis", not sheared,
-                                                     unsheared),
+    sheared, by_force = any(tangential_legs(scene, load)), form.form == "force"
+    unsheared, whole = ("no tangential unknown appears",
+                        "the force form is solved on the whole cell")
+    rules = (*parts.ineffective(scene, sheared),
+             ("scene_tangential_maugis", not sheared, unsheared),
              ("scene_work_ratio", not sheared, unsheared),
              ("scene_accuracy", not estimates, "the points are given, and no errors are estimated"),
              ("contact_cascade", scene.isolated and not load.start,
-              "the path begins without a contact"), ("contact_window", form.form == "force",
-                                                     "the force form is solved on the whole cell"),
-             ("contact_cascade", form.form == "force",
-              "the force form is solved on the whole cell"),
-             ("contact_linear_precision", form.form == "force",
-              "the force form is solved in double precision"), ("archive_fields", not output.file,
-                                                              "there is no -archive_file"),
+              "the path begins without a contact"),
+             ("contact_window", by_force, whole),
+             ("contact_cascade", by_force, whole),
+             ("contact_linear_precision", by_force, "the force form is solved in double precision"),
+             ("archive_fields", not output.file, "there is no -archive_file"),
              *((f"archive_{name}", not output.file or output.fields == "none", "no fields are kept")
                for name in ("precision", "fields_on")),
-             ("archive_stiffness", not output.file, "there is no -archive_file"),
-             ("archive_resume", not output.file, "there is no -archive_file"),
-             ("archive_overwrite", not output.file, "there is no -archive_file"))
+             *((f"archive_{name}", not output.file, "there is no -archive_file")
+               for name in ("stiffness", "resume", "overwrite")))
     found = {}
     for name, without_effect, why in rules:
         if without_effect and name in names:
