@@ -21,17 +21,19 @@ LETTERS = ("labelsize", "titlesize", "fontsize")
 # Okabe and Ito's colours, which the colour-blind can tell apart; the markers do without colour.
 BLUE, VERMILION, GREY = "C0", "#D55E00", "#555555"
 """Colours; the first is that of the style."""
+EVENTS = {"fold": VERMILION, "jump": "#E69F00", "gross_sliding": "#009E73", "pull_off": "#CC79A7",
+          "bifurcation": "black"}
+"""Event -> its colour, in figures and reports."""
 FILLED = dict(markeredgecolor="white", markeredgewidth=0.4)
 MARKS = {
     "start": dict(marker="o", markersize=4, color=BLUE, **FILLED),
-    "fold": dict(marker="v", markersize=6, color=VERMILION, **FILLED),
+    "fold": dict(marker="v", markersize=6, color=EVENTS["fold"], **FILLED),
     # open: others may sit in it
-    "jump": dict(marker="s", markersize=7, color="none", markeredgecolor="#E69F00"),
-    "gross_sliding": dict(marker="*", markersize=7, color="#009E73", **FILLED),
-    "pull_off": dict(marker="X", markersize=5, color="#CC79A7", **FILLED),
-    "bifurcation": dict(marker="D", markersize=5, color="black", **FILLED),
+    "jump": dict(marker="s", markersize=7, color="none", markeredgecolor=EVENTS["jump"]),
+    "gross_sliding": dict(marker="*", markersize=7, color=EVENTS["gross_sliding"], **FILLED),
+    "pull_off": dict(marker="X", markersize=5, color=EVENTS["pull_off"], **FILLED),
+    "bifurcation": dict(marker="D", markersize=5, color=EVENTS["bifurcation"], **FILLED),
 }
-EVENTS = tuple(MARKS)[1:]
 DASHED = dict(linestyle="--", linewidth=0.7)  # jumps
 ZERO = dict(color=GREY, linewidth=0.4, zorder=0)
 

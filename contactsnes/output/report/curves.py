@@ -5,12 +5,13 @@ import numpy as np
 from ..extras import extra
 from ..figures.data import NothingToShow, shear
 from ..figures.parts import pieces
+from ..figures.style import EVENTS
 from .words import axis_title, loads, symbol
 
-BLUE, GREY = "#0072B2", "#555555"
-EVENTS = {"fold": ("triangle-down", "#D55E00"), "jump": ("square-open", "#E69F00"),
-          "gross_sliding": ("star", "#009E73"), "pull_off": ("x", "#CC79A7"),
-          "bifurcation": ("diamond", "black")}
+BLUE = "#0072B2"
+SYMBOLS = {"fold": "triangle-down", "jump": "square-open", "gross_sliding": "star", "pull_off": "x",
+           "bifurcation": "diamond"}
+"""Event -> its mark, plotly's; the colour is that of `figures.style`."""
 ENERGIES = {"elastic_energy": "#0072B2", "interfacial_energy": "#009E73",
             "external_work": "black", "dissipated_work": "#D55E00"}
 
@@ -78,11 +79,11 @@ def _draw(figure, place, record, x, y):
             figure.add_scatter(x=horizontal[jump], y=vertical[jump], mode="lines", row=row, col=col,
                                line=dict(color=BLUE, dash="dash", width=1), showlegend=False,
                                hoverinfo="skip")
-    for name, (marker, colour) in EVENTS.items():
+    for name, colour in EVENTS.items():
         at = np.flatnonzero(events == name)
         if at.size:
             figure.add_scatter(x=horizontal[at], y=vertical[at], mode="markers", row=row, col=col,
-                               marker=dict(symbol=marker, size=11, color=colour),
+                               marker=dict(symbol=SYMBOLS[name], size=11, color=colour),
                                name=name.replace("_", " "), legendgroup=name,
                                showlegend=place == (1, 1),
                                text=[f"{name.replace('_', ' ')}, point {point}" for point in at],
