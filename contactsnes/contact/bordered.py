@@ -11,8 +11,8 @@ class ArcLength:
     """A form whose load s is one more unknown, fixed by how far the state has gone along a
     direction.
 
-    F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]. The
-                                                    unknown is [x, s].
+    F = [form's F at the load start + s direction;  <tangent, x - anchor> + rate s - length]; the
+    unknown is [x, s].
 
     Parameters
     ----------

@@ -156,10 +156,7 @@ class Contact:
 
     def mean_mass(self, components):
         """Mean traction over the speed of the mean displacement in overdamped motion, for each
-        component (dimensionless).
-
-        The stiffness of the cell's softest wave.
-        """
+        component (dimensionless): the stiffness of the cell's softest wave."""
         blocks = self.operator(components).blocks
         return np.array([1.0 / (self.grid.size * self.grid.maximum(blocks[i, i].real))
                          for i in range(components)])

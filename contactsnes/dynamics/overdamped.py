@@ -76,7 +76,7 @@ class OverdampedMotion:
     Parameters
     ----------
     contact : Contact
-    symmetry : even_form.Symmetry
+    symmetry : symmetry.Symmetry
     controls, load : of each component
     state : State, on the window to begin with: in balance with the law outside of it
     totals : dict of counts (``linear_iterations``, ``function_evaluations``,

@@ -4,12 +4,11 @@ Units and signs
 ---------------
 Line contacts are dimensionless: contact modulus E*, radius R and normal work of adhesion phi_n are
 1. Lengths along the surface are in beta = (R^2 phi_n/E*)^(1/3), normal displacements and approaches
-  in beta^2/R, loads (per length) in
-E* beta^2/R, stresses in E* beta/R; tangential quantities carry a further sqrt(phi_t/phi_n), so that
-phi_t is 1 too. Spheres take `contact_modulus`, `radius` and `work_of_adhesion` in any consistent
-units, 1 by default. Pressures, loads and approaches are positive in compression. Normal and
-tangential directions are elastically decoupled, as for an incompressible body on a rigid
-counterface.
+in beta^2/R, loads (per length) in E* beta^2/R, stresses in E* beta/R; tangential quantities carry a
+further sqrt(phi_t/phi_n), so that phi_t is 1 too. Spheres take `contact_modulus`, `radius` and
+`work_of_adhesion` in any consistent units, 1 by default. Pressures, loads and approaches are
+positive in compression. Normal and tangential directions are elastically decoupled, as for an
+incompressible body on a rigid counterface.
 
 Subjects
 --------

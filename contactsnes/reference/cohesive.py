@@ -115,9 +115,8 @@ def maugis_line(load, normal_maugis, period=np.inf):
 
 def maugis_line_pressure(x, contact_half_width, cohesive_half_width, normal_maugis, period=np.inf):
     """Pressure of `maugis_line` with the half widths (a, c): Hertz's minus the zone's tension,
-    sqrt(a^2-x^2)/2
-    - (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2)) within a, -s up to c, or its periodic form; without
-      singularity anywhere.
+    sqrt(a^2-x^2)/2 - (2 s/pi) arctan sqrt((c^2-a^2)/(a^2-x^2)) within a, -s up to c, or its
+    periodic form; without singularity anywhere.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""Peaks and works of the two traction-separation laws, from the laws alone: exact, whatever the
-contact.
+"""Peaks and works of the paper's two traction-separation laws, from the laws alone: exact, whatever
+the contact.
 
 They are that of McGarry et al. (`mcgarry`) and the modified one with residual friction
 (`modified`).
