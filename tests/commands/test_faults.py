@@ -18,7 +18,7 @@ import pytest
 
 from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
-from contactsnes.commands import cli, starting
+from contactsnes.commands import cli
 from contactsnes.interface import heights as geometry
 from contactsnes.interface import seams
 from contactsnes.options import database as options
@@ -416,13 +416,6 @@ def test_grids_beyond_memory_are_refused_before_they_are_made(scene, load, words
     with pytest.raises(InputError) as refusal:
         Branch(Scene(**scene), Load(**{"path": "normal_displacement=1", **load}))
     assert words in str(refusal.value) and "would fit" in str(refusal.value)
-
-
-def test_planes_of_fewer_rows_than_processes_are_refused(monkeypatch):
-    monkeypatch.setattr(starting.world, "size", 17)
-    starting.refuse_unshared(Scene(points=32, dimension=2, geometry="sphere"))
-    with pytest.raises(InputError, match="17 processes, but the plane has 16 rows"):
-        starting.refuse_unshared(Scene(points=16, dimension=2, geometry="sphere"))
 
 
 def test_what_is_said_to_fit_does(monkeypatch, options):

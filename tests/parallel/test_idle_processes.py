@@ -84,6 +84,7 @@ def test_a_run_is_that_of_one_process(tmp_path):
                                                  "fields/mode"}
 
 
+@pytest.mark.slow
 @together
 def test_processes_beyond_rows_are_told_of(tmp_path):
     for folder, size in (("one", 1), ("many", 17)):
