@@ -5,6 +5,7 @@ import gc
 import importlib
 import os
 import platform
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -88,6 +89,7 @@ def start_petsc(arguments, refused=lambda settings: None):
     check_names(solver_options())
     check_values(solver_options())
     check_classes()
+    check_types()
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
     refuse_unshared(scene)
     scenes.check(scene, load, steps)
@@ -139,6 +141,7 @@ def start_comparison(arguments, log):
             check_names(solver_options())
             check_values(solver_options())
             check_classes()
+            check_types()
             read(scenes.Form)
         except InputError as error:
             raise InputError(f"method {method.name}: {error}") from None
@@ -179,6 +182,28 @@ def check_classes():
                                  + (f"did you mean {module}.{guess}?" if guess else "files of "
                                     "methods, which contactsnes compare lists, name those that are "
                                     "there"))
+
+
+def check_types():
+    """InputError for a type of PETSc's solvers that an option names and that PETSc has not."""
+    from petsc4py import PETSc
+
+    for name, text in database().items():
+        found = re.search("(?:^|_)(snes|ksp|pc)_type$", name)
+        if not found:
+            continue
+        kind = getattr(PETSc, found[1].upper())
+        solver = kind().create(PETSc.COMM_SELF)
+        try:
+            solver.setType(text)
+        except PETSc.Error:
+            guess = nearest(text, [known for word, known in vars(kind.Type).items()
+                                   if not word.startswith("_")])
+            told = f"is '{text}': PETSc has no such type here" if text else "has no value"
+            raise InputError(f"-{name} {told}; " + (f"did you mean {guess}?" if guess else
+                                                    "leave it out for the usual one")) from None
+        finally:
+            solver.destroy()
 
 
 def create_branch(settings, log=lambda sentence: None):
