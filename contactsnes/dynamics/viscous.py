@@ -26,7 +26,7 @@ from ..interface.laws.law import slip_of
 from ..kernels import points
 from ..options.database import read
 from ..solvers import callbacks
-from ..solvers.leaving import LEVELLED, slides
+from ..solvers.leaving import slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
@@ -251,7 +251,7 @@ class Equations:
             if (component == 0 and target > 0.0
                 and grid.minimum(gap[0]) > self.form.contact.law.range):
                 return 0
-            if component > 0 and means[place] * np.sign(velocity[place]) > LEVELLED:
+            if component > 0 and slides_away(means[place], velocity[place]):
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
                 if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size,
                           pressed):

@@ -27,11 +27,17 @@ def leaving(motion):
             continue
         if i == 0 and target > 0.0 and motion.closest() > law.range:
             return 0
-        if i > 0 and displacement[i] * np.sign(velocity[i]) / grid.size > LEVELLED:
+        if i > 0 and slides_away(displacement[i] / grid.size, velocity[i]):
             pressed = 0 in form.forced and motion.target[0] < 0.0
             if slides(law, grid, motion.gap, abs(target) * grid.size, pressed):
                 return i
     return None
+
+
+def slides_away(slip, velocity):
+    """Whether a body slides on, away from where it stuck, so far from there that friction has
+    levelled off; its mean slip, in ranges, and the velocity of that."""
+    return slip * np.sign(velocity) > LEVELLED
 
 
 def slides(law, grid, gap, force, pressed):
