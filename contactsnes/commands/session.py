@@ -86,10 +86,7 @@ def start_petsc(arguments, refused=lambda settings: None):
     refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
     begin_petsc(words)
     refuse_differences()
-    check_names(solver_options())
-    check_values(solver_options())
-    check_classes()
-    check_types()
+    check_solvers()
     scene, form, load, steps, output = map(read, OPTION_CLASSES)
     refuse_unshared(scene)
     scenes.check(scene, load, steps)
@@ -138,10 +135,7 @@ def start_comparison(arguments, log):
     for method in found:
         install({**given, **method.entries})
         try:
-            check_names(solver_options())
-            check_values(solver_options())
-            check_classes()
-            check_types()
+            check_solvers()
             read(scenes.Form)
         except InputError as error:
             raise InputError(f"method {method.name}: {error}") from None
@@ -166,7 +160,16 @@ def _check_files(stem, overwrite):
                          "another -compare_file leaves it alone")
 
 
-def check_classes():
+def check_solvers():
+    """InputError for names, numbers, classes and types of solvers that the database holds and that
+    do not exist or are not allowed."""
+    check_names(solver_options())
+    check_values(solver_options())
+    _check_classes()
+    _check_types()
+
+
+def _check_classes():
     """InputError for a class of this package that an option names and that does not exist."""
     for name, path in database().items():
         module, _, cls = path.rpartition(".")
@@ -184,7 +187,7 @@ def check_classes():
                                     "there"))
 
 
-def check_types():
+def _check_types():
     """InputError for a type of PETSc's solvers that an option names and that PETSc has not."""
     from petsc4py import PETSc
 
