@@ -111,6 +111,21 @@ def program(size, text, folder, **variables):
     return Started(size, ["-c", text], folder, variables).ended()
 
 
+def say(size, text, folder, word="alike", times=1):
+    """Assert that a program of Python in so many processes ends well, and that each says a word so
+    often.
+
+    Parameters
+    ----------
+    size, text, folder : as of `program`
+    word : str
+    times : int
+    """
+    done = program(size, text, folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(word) == times * size, done.stdout
+
+
 def found(size, text, folder):
     """What a program of Python in so many processes leaves in ``found.json`` of a folder: a
     launcher may be slow to pass on as much on standard output."""

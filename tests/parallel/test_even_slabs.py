@@ -2,7 +2,7 @@
 of cosines and sines, forms, and branches, which take the same iterations and transforms."""
 
 import pytest
-from ranks import SIZES, found, program, together
+from ranks import SIZES, found, say, together
 from test_cases import differs, events
 
 FIELDS = """
@@ -309,9 +309,7 @@ ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluatio
 @together
 @pytest.mark.parametrize("size", (1, *SIZES, 4))
 def test_even_fields_and_forms_of_several_processes_are_those_of_one(size, tmp_path):
-    done = program(size, FIELDS + FORMS, tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("alike") == 2 * size
+    say(size, FIELDS + FORMS, tmp_path, times=2)
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """Fields of all processes in the first one, and back: compared with what they were made of."""
 
 import pytest
-from ranks import SIZES, program, together
+from ranks import SIZES, say, together
 
 TEXT = """
 import numpy as np
@@ -48,6 +48,4 @@ print("done")
 @together
 @pytest.mark.parametrize("size", SIZES)
 def test_fields_come_to_the_first_process_and_back(size, tmp_path):
-    done = program(size, TEXT, tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("done") == size
+    say(size, TEXT, tmp_path, "done")
