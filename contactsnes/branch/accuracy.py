@@ -18,6 +18,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..contact import states
+from ..contact.balance import TOLERANCE
 from ..contact.isolated import IsolatedContact
 from ..contact.observables import Measurement, Observable
 from ..contact.problem import FORCE, Contact
@@ -71,7 +72,7 @@ class Reference(Corrector):
     prefix = "error_"
 
     def __init__(self, contact, window):
-        wanted = PETSc.Options().getReal("snes_atol", 1e-8)
+        wanted = PETSc.Options().getReal("snes_atol", TOLERANCE)
         super().__init__(contact, Form(window=window, linear_precision="double"),
                          tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
 

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from ..contact import states
+from ..contact.balance import TOLERANCE, left_by_rounding
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
 from ..options.database import database
@@ -175,13 +176,17 @@ def beyond_rounding(contact, last):
     contact : Contact
     last : Point, the last one; None before the first
     """
-    asked = float(database().get("snes_atol", "1"))
-    size = 1.0 if last is None else max(1.0, contact.grid.maximum(np.abs(last.state.displacement)))
-    left = 4.0 * np.finfo(float).eps * size
+    asked = float(database().get("snes_atol", TOLERANCE))
+    left = 4.0 * np.finfo(float).eps
+    if last is not None:
+        left = max(left, left_by_rounding(contact, last.state, last.controls, last.load))
     if asked >= left:
         return ""
-    return (f"-snes_atol {asked:g} is below what rounding leaves of displacements of {size:.2g} "
-            f"ranges of the law, about {left:.0e}: try {100.0 * left:.0e}")
+    size = "" if last is None else (
+        f" of displacements of {contact.grid.maximum(np.abs(last.state.displacement)):.2g} ranges "
+        "of the law")
+    return (f"-snes_atol {asked:g} is below what rounding leaves{size}, about {left:.0e}: try "
+            f"{100.0 * left:.0e}")
 
 
 def explained(error, contact, sheared, modes, last=None):

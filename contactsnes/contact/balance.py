@@ -22,6 +22,11 @@ all nodes for every point, whatever method, symmetry or form led to it; beside i
 largest_residual, the largest |r| at a node where the law acts (gap within its range), of which a
 mean over many nodes may tell little."""
 
+MANY = 1024.0
+"""Last digits by which displacements are moved to see what one does: more than what a converged
+state leaves, and small beside the law's range."""
+TOLERANCE = 1e-8
+"""Default of -snes_atol."""
 ROUNDING = 8.0 * np.finfo(float).eps
 """Largest difference of mirror images in tractions that are even, relative to the largest of
 them."""
@@ -114,6 +119,24 @@ def asked(form, state, reach):
     return math.sqrt(squares), largest, grid.any(acts)
 
 
+def left_by_rounding(contact, state, controls, load):
+    """What rounding leaves of a state's ``residual_norm``: as much as it changes where each
+    displacement moves by its last digit. Tractions of deep contacts change by more than the body
+    gives way to.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    controls, load : of each component, ranges of the law
+    """
+    digits = MANY * np.finfo(float).eps
+    displacement = np.array(state.displacement)
+    signs = np.random.default_rng(0).choice((-1.0, 1.0), displacement.shape)
+    moved = State(state.window, displacement * (1.0 + digits * signs), state.means)
+    return Balance(contact)(moved, controls, load, None).norm / MANY
+
+
 class Balance:
     """Imbalances of states of a contact, from their displacements and means alone: tractions and
     residuals of all nodes.
@@ -132,8 +155,8 @@ class Balance:
         self._mirrored = None, False  # the last window asked for, and whether its gap is even
 
     def __call__(self, state, controls, load, solver):
-        """The Imbalance of a state under controlled values, ranges of the law, that a form of the
-        ``solver`` led to."""
+        """The Imbalance of a state under controlled values, ranges of the law, that the form
+        ``solver`` led to (None: no form did)."""
         if self._halved(state, solver):
             if load is not solver.load:
                 solver.set_load(load)

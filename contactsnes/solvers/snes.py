@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
+from ..contact.balance import TOLERANCE
 from ..options.database import read
 from . import callbacks
 from .capabilities import asked
@@ -110,7 +111,7 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
     snes.appctx, form.bounded = form, database.hasName("snes_max_it")
     form.precision = equip(snes, form, single, packed)
     kind, method = database.getString("snes_type", "newtonls"), asked(prefix)
-    snes.setTolerances(rtol=0.0, atol=1e-8, stol=0.0, max_it=method.most_iterations)
+    snes.setTolerances(rtol=0.0, atol=TOLERANCE, stol=0.0, max_it=method.most_iterations)
     if not form.in_displacements or database.getString("snes_npc_side", "right") == "left":
         snes.setConvergenceTest(displacement_test, (form,))
     with full_steps(database, kind):

@@ -1,5 +1,6 @@
 """What is said of points that the grid does not resolve, and of paths that end."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ petsc4py.init()
 from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
 from contactsnes.branch.failures import NARROW, critical, explained, narrow, uncomputable
 from contactsnes.contact import states
+from contactsnes.contact.balance import left_by_rounding
 from contactsnes.scene.resolution import resolution
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0}
@@ -165,6 +167,28 @@ def test_a_tolerance_below_rounding_is_named_as_the_reason():
             list(Branch(Scene(**LINE), Load(path="normal_displacement=1")))
     finally:
         options.delValue("snes_atol")
+
+
+def test_contacts_too_deep_for_their_digits_are_told():
+    """A last digit of a deep displacement is worth more than the tolerance."""
+    from petsc4py import PETSc
+
+    options = PETSc.Options()
+    options["snes_atol"] = 1e-6
+    try:
+        branch = Branch(Scene(period=20.0, normal_maugis=1.0, points=64),
+                        Load(path="normal_displacement=30", start="normal_displacement=15"))
+        soft, *_, deep = branch
+    finally:
+        options.delValue("snes_atol")
+    left = [left_by_rounding(branch.contact, point.state, point.controls, point.load)
+            for point in (soft, deep)]
+    assert left[0] < 1e-9 and 1e-8 < left[1] < 1e-6
+    told = [str(explained(NotConverged("x"), branch.contact, False, lambda: None, point))
+            for point in (soft, deep)]
+    assert "rounding" not in told[0] and re.search(
+        r"^x; -snes_atol 1e-08 is below what rounding leaves of displacements of [\d.e+]+ ranges "
+        r"of the law, about \de-0\d: try \de-0\d$", told[1])
 
 
 @pytest.mark.parametrize("scene, displacement", [
