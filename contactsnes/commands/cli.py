@@ -70,18 +70,24 @@ wins. For instance:
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
-    with standard_streams(), Interrupts() as interrupts:
-        try:
-            status = world.over(_ended(words, interrupts))
-        except KeyboardInterrupt:  # of a command that has come to its end
-            return 128 + interrupts.number
-        sys.stdout.flush()
-        if sys.stdout.left:
-            return 128 + signal.SIGPIPE
-        if sys.stdout.failure:
-            complain("warning", "standard output cannot be written "
-                     f"({sys.stdout.failure}): what should stand there is lost")
-        return status
+    interrupts = Interrupts()
+    try:
+        with standard_streams(), interrupts:
+            status = _written(world.over(_ended(words, interrupts)))
+    except KeyboardInterrupt:  # of a command that has not begun, or has come to its end
+        pass
+    return 128 + interrupts.number if interrupts.number else status
+
+
+def _written(status):
+    """The exit status of a command whose last words are written, if they can be."""
+    sys.stdout.flush()
+    if sys.stdout.left:
+        return 128 + signal.SIGPIPE
+    if sys.stdout.failure:
+        complain("warning", "standard output cannot be written "
+                 f"({sys.stdout.failure}): what should stand there is lost")
+    return status
 
 
 def _ended(words, interrupts):

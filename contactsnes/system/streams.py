@@ -79,21 +79,31 @@ class Interrupts:
     """
 
     def __init__(self):
-        self.number, self._before = 0, {}
+        self.number, self._before, self._over = 0, {}, False
 
     def __enter__(self):
         # A shell's background job ignores SIGINT, one of nohup SIGHUP, and is to go on doing so.
-        wanted = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-        with contextlib.suppress(ValueError):  # signals are the main thread's
-            self._before = {number: signal.signal(number, self._interrupt) for number in wanted}
+        self._before = {number: handler for number in SIGNALS
+                        if (handler := signal.getsignal(number)) != signal.SIG_IGN}
+        try:
+            for number in self._before:
+                signal.signal(number, self._interrupt)
+        except ValueError:  # signals are the main thread's
+            self._before = {}
+        except KeyboardInterrupt:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_):
+        self._over = True
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
     def _interrupt(self, number, frame):
         self.number = number
+        if self._over:  # all handlers are to be put back
+            return
         # Raised in a finaliser, it is printed and ignored; a run then ends with the next point.
         sys.unraisablehook = lambda unraisable: None
         raise KeyboardInterrupt(number)

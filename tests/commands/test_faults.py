@@ -15,11 +15,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from height_maps import read_heights
 
 from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
 from contactsnes.commands import cli
-from contactsnes.interface import heights as geometry
 from contactsnes.interface import seams
 from contactsnes.options import database as options
 from contactsnes.options import files
@@ -140,6 +140,24 @@ def catches(process, number):
     """Whether a process has a handler for a signal."""
     status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii")
     return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1
+
+
+@pytest.mark.parametrize("moment", [1, 2, 4, 5])
+def test_a_signal_while_handlers_are_set_or_put_back_ends_a_command_with_its_number(
+        moment, monkeypatch):
+    before, calls, set_handler = list(map(signal.getsignal, streams.SIGNALS)), [], signal.signal
+
+    def watched(number, handler):
+        """Sets a handler; the call of that moment is followed by a signal that has one."""
+        found = set_handler(number, handler)
+        calls.append(number)
+        if len(calls) == moment:
+            os.kill(os.getpid(), signal.SIGINT if moment < 3 else signal.SIGHUP)
+        return found
+
+    monkeypatch.setattr(streams.signal, "signal", watched)
+    assert cli.main(["--version"]) == 128 + (signal.SIGINT if moment < 3 else signal.SIGHUP)
+    assert list(map(signal.getsignal, streams.SIGNALS)) == before
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="nothing tells of handlers here")
@@ -269,11 +287,11 @@ def test_heights_that_cannot_be_used_are_refused_in_words(tmp_path):
         (tmp_path / f"{name}.txt").write_bytes(content)
     for path in sorted(tmp_path.iterdir()):
         with pytest.raises(ValueError, match=path.name) as refusal:
-            geometry.read_heights(path)
+            read_heights(path)
         assert (str(refusal.value).startswith("-scene_geometry_file")
                 and len(str(refusal.value).splitlines()) <= 2)
     (tmp_path / "good.txt").write_bytes(b"\xef\xbb\xbf1\r\n2\r\n")
-    assert geometry.read_heights(tmp_path / "good.txt").tolist() == [1.0, 2.0]
+    assert read_heights(tmp_path / "good.txt").tolist() == [1.0, 2.0]
 
 
 def test_heights_that_jump_at_the_seam_are_told(tmp_path):
