@@ -24,6 +24,9 @@ AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
 
+MOST = 60
+"""Steps of arc length that are tried."""
+
 
 class FoldSearch:
     """Arc-length search for the fold beyond the last point of a leg: the load is one more unknown
@@ -34,13 +37,11 @@ class FoldSearch:
     system : System
     leg : Leg
     history : list of (position in the leg, Point), oldest first
-    most : int, steps of arc length that are tried
     """
 
-    def __init__(self, system, leg, history, most=60):
+    def __init__(self, system, leg, history):
         self.system = system
         self.leg = leg
-        self.most = most
         self.history = [(place, replace(point, position=place)) for place, point in history]
         # Whatever steps a user asks for: those that look for a fold must not pass it.
         self.initial, self.largest = min(leg.initial, SHORT), min(leg.largest, 2.0 * SHORT)
@@ -55,7 +56,7 @@ class FoldSearch:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
         end = min(begin + self.largest, 1.0)
         first = length = self._short_of(refused, trail)
-        for _ in range(self.most):
+        for _ in range(MOST):
             try:
                 point = self._ahead(trail, length)
             except NotConverged as second:

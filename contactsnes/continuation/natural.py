@@ -13,8 +13,11 @@ from .predictors import after_failure
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
 
+USUAL = 8
+"""Newton iterations with which a step stays as long as it is."""
 
-def grown(step, iterations, largest, target=8):
+
+def grown(step, iterations, largest):
     """The next step after a success: longer by up to twice the fewer iterations it took (as in
     BifurcationKit).
 
@@ -22,11 +25,10 @@ def grown(step, iterations, largest, target=8):
     ----------
     step, largest : lengths, in one unit
     iterations : of the last solve; 0 where not known
-    target : iterations with which a step stays as long as it is
     """
-    if iterations >= target:
-        return min(largest, step * max(0.5, target / iterations))
-    return min(largest, step * (1.0 + ((target - iterations) / target) ** 2))
+    if iterations >= USUAL:
+        return min(largest, step * max(0.5, USUAL / iterations))
+    return min(largest, step * (1.0 + ((USUAL - iterations) / USUAL) ** 2))
 
 
 def leg_history(points, number):

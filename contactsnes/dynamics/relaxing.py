@@ -35,7 +35,8 @@ def relaxed(run, form, unknown, tolerance, where, prefix="jump_"):
     try:
         return run(form, unknown, None, snes)[0]
     except NotConverged as error:
-        if snes.getType() == "python" and getattr(snes.getPythonContext(), "escaped", False):
+        if (snes.getType() == "python"
+                and getattr(snes.getPythonContext(), "escaping", None) is not None):
             raise Leaving from None
         raise NotConverged(f"the motion {where} did not settle: {error}") from None
 

@@ -34,7 +34,7 @@ within the law's range."""
 
 class Spots:
     """Nodes of several disjoint boxes of the cell, all of one shape, with the interface of
-    `cell.Window`.
+    `windows.Window`.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class Parted:
         """The same array with numbers that a function makes of each block, of a type (default that
         of these)."""
         found, before = copy.copy(self), self._changed
-        found.original = self  # which the first process asks for
+        found.original = self  # kept alive: the first process asks for it by its number
         found._changed = lambda block: function(before(block))
         found.dtype = np.dtype(self.dtype if dtype is None else dtype)
         return found

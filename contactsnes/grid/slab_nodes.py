@@ -15,7 +15,7 @@ class SlabNodes(Nodes):
 
     Parameters
     ----------
-    hull : slabs.Slab
+    hull : slab.Slab
     places : array of int, the nodes' numbers among this process's, ascending
 
     Attributes

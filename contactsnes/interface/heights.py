@@ -23,32 +23,6 @@ FILLS = ("none", "mean", "nearest", "interpolate")
 EDGES = ("warn", "detrend", "window", "pad")
 
 
-def read_heights(specification, shape=None):
-    """Read heights on the grid from a file, the highest nearest to the flat.
-
-    Parameters
-    ----------
-    specification : str
-        ``FILE.npy``, ``FILE.txt``, ``FILE.csv``, ``FILE.xyz`` or ``FILE.h5:dataset``.
-    shape : tuple of int, optional
-        Points of the grid in each direction; by default those of the file.
-
-    Returns
-    -------
-    ndarray
-        Heights, as they stand in the file.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If the suffix is unknown, the file or its dataset cannot be read, or the
-        heights are not real and finite numbers of the grid's shape.
-    """
-    return fitted(specification, np.asarray(prepared(specification).values), shape)
-
-
 def prepared(specification, crop="", fill="none", edges="warn"):
     """`Heights` of a file, cropped, without holes, and with its edges mended; their size is that
     of what is left.
@@ -60,7 +34,8 @@ def prepared(specification, crop="", fill="none", edges="warn"):
 
     Parameters
     ----------
-    specification : str, as of `read_heights`
+    specification : str
+        ``FILE.npy``, ``FILE.txt``, ``FILE.csv``, ``FILE.xyz`` or ``FILE.h5:dataset``.
     crop : str, ``first:last`` nodes of each direction with a comma, empty for all
     fill : one of `FILLS`
     edges : one of `EDGES`
@@ -257,11 +232,11 @@ def fitted(specification, values, shape, fit="exact", edges="warn"):
     ----------
     specification : str, of the file
     values : array, heights
-    shape : tuple of int, points of the grid, or None for those of the heights
+    shape : tuple of int, points of the grid
     fit : 'exact' or 'interpolate', around the cell
     edges : one of `EDGES`, how they were mended
     """
-    if shape is None or values.shape == tuple(shape):
+    if values.shape == tuple(shape):
         return values
     if fit == "exact" or values.ndim != len(shape):
         raise ValueError(f"-scene_geometry_file {specification}: the heights have shape "

@@ -35,6 +35,9 @@ THICK = 40.0
 FORGOTTEN = 22.0
 """Distance, in heights of a layer, beyond which it does not deform: exp(-pi/2 22) < 1e-14."""
 
+PLACES = 3001
+"""Distances at which splines of what a layer changes are given."""
+
 
 def free_space(body, grid, components):
     """Symbols of the unbounded body's compliance on the circle of lags: {(i, j): array over the
@@ -206,18 +209,18 @@ def _add_layer(body, axes, distance, kernels, components):
     kernels[1, 2] = kernels[2, 1] = kernels.get((1, 2), 0.0) - 2.0 * bent * cosine * sine
 
 
-def _layer_splines(body, distance, places=3001):
+def _layer_splines(body, distance):
     """Splines over r of 1/(2 pi) times the integrals of C_nn, tangential mean, half difference and
     c: layer less half-space."""
     q, weights = _panels(THICK / body.height, distance)
     layer, half = (layer_compliance(q, body.poisson, height) for height in (body.height, math.inf))
     change = Surface(*(first - second for first, second in zip(layer, half)))
-    r = np.linspace(0.0, distance, places)
+    r = np.linspace(0.0, distance, PLACES)
     weights = weights * q / (2 * math.pi)
     orders = ((0, change.normal), (0, (change.longitudinal + change.transverse) / 2),
               (2, (change.longitudinal - change.transverse) / 2), (1, change.coupling))
-    values = np.empty((len(orders), places))
-    for part in np.array_split(np.arange(places), max(1, places * q.size // 2 ** 20)):
+    values = np.empty((len(orders), PLACES))
+    for part in np.array_split(np.arange(PLACES), max(1, PLACES * q.size // 2 ** 20)):
         phase = np.outer(r[part], q)
         bessel = {0: j0(phase), 1: j1(phase), 2: jv(2, phase)}
         for row, (order, surface) in enumerate(orders):

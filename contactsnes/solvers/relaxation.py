@@ -33,9 +33,8 @@ class Relaxation:
 
     Attributes
     ----------
-    escaped : whether the last solve ended, with SNES_DIVERGED_FUNCTION_DOMAIN, because a component
-        leaves
-    escaping : that component, or None
+    escaping : component that leaves, for which the last solve ended with
+        SNES_DIVERGED_FUNCTION_DOMAIN; None where none does
     """
 
     options_class: ClassVar[type]
@@ -48,7 +47,7 @@ class Relaxation:
         self.options = self.options_class()
         self.method = None
         self.most_evaluations = np.inf
-        self.escaped, self.escaping = False, None
+        self.escaping = None
 
     def setFromOptions(self, snes):
         """Read the method's options under the SNES's prefix."""
@@ -97,7 +96,6 @@ class Relaxation:
         motion = Motion(snes.appctx, self.options.masses, self.options.tangent)
         motion.start(motion.form.displacement(x.getArray(readonly=True)))
         self.motion, self.method = motion, self.method_class(motion, self.options)
-        self.escaped = False
         self.escaping = None
         self._since = 0
         self._first = np.inf
@@ -134,8 +132,8 @@ class Relaxation:
             self._since = motion.steps
         elif (component == 0 or (motion.steps - self._since) * self.method.time_step > 2.0 * np.pi
               / motion.slowest):
-            self.escaped, self.escaping = True, component
-        return self.escaped
+            self.escaping = component
+        return self.escaping is not None
 
     def view(self, snes, viewer):
         """What -snes_view prints."""

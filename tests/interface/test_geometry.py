@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from height_maps import read_heights
 
 from contactsnes.interface.gap import gap_of_heights, is_convex
-from contactsnes.interface.heights import read_heights
 from contactsnes.interface.shapes import SHAPES
 from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import Scene

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import petsc4py
 import pytest
+from height_maps import read_heights
 
 petsc4py.init([])
 
@@ -38,7 +39,7 @@ def text(values, separator=" ", comma=False, empty="nan"):
     ("A.TXT", "# x\n" + text(MAP) + "\n# end\n")])
 def test_tables_are_read(tmp_path, name, content):
     (tmp_path / name).write_text(content, encoding="utf-8", newline="")
-    np.testing.assert_array_equal(heights.read_heights(tmp_path / name), MAP)
+    np.testing.assert_array_equal(read_heights(tmp_path / name), MAP)
 
 
 def test_empty_cells_are_holes(tmp_path):
@@ -47,7 +48,7 @@ def test_empty_cells_are_holes(tmp_path):
     (tmp_path / "a.csv").write_text(text(values, ",", empty=""))
     np.testing.assert_array_equal(height_files.read(tmp_path / "a.csv").values, values)
     with pytest.raises(ValueError, match="2 of 432 heights are missing; .*-scene_heights_fill"):
-        heights.read_heights(tmp_path / "a.csv")
+        read_heights(tmp_path / "a.csv")
 
 
 def test_points_of_a_grid_come_in_any_order(tmp_path):
