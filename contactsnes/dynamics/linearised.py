@@ -78,7 +78,8 @@ class Overdamped:
         in the middle, and where the cell closes on itself."""
         half = self.plain.window
         known = half.fold(half.unfold(np.ones(self.plain.shape)))
-        return np.append(known.reshape(-1) != 0.0, np.ones(len(self.means), dtype=bool))
+        return np.append(known.reshape(-1) != 0.0,
+                         self.plain.grid.held(np.ones(len(self.means), dtype=bool)))
 
     @property
     def kernels(self):
@@ -156,13 +157,15 @@ class Overdamped:
     def noise(self, seed):
         """A vector of random numbers, the same however its nodes are shared out."""
         form = self.form
-        field = self.window.take(form.grid.noise(form.components, seed))
-        return np.append(field, form.grid.held(np.ones(len(self.means))))
+        ones = form.grid.held(np.ones(len(self.means)))
+        if self.occupied is None:
+            return np.append(self.window.take(form.grid.noise(form.components, seed)), ones)
+        field = form.grid.noise(form.components, seed)[..., :self.plain.window.shape[1]]
+        return np.append(field, ones) * self.occupied
 
-    def first_largest(self, vector):
-        """The largest size of a vector's displacements, with the sign of the first about as
-        large."""
-        return self.form.grid.first_largest(vector[:self.form.count].reshape(self.form.shape))
+    def pieces(self, vector):
+        """What a vector consists of in its order, each of which may go on in other processes."""
+        return [*vector[:self.form.count].reshape(self.form.shape), vector[self.form.count:]]
 
     def mirror(self, vector, symmetry):
         """The mirror image of a vector about the apex, on a centred window, for (direction, sign of
@@ -187,10 +190,7 @@ def mirrored(window, field, axis, signs):
     axis : direction that is reversed
     signs : one a component
     """
-    box = np.flip(window.box(field), axis + 1)
-    if window.shape[axis] == window.grid.shape[axis]:
-        box = np.roll(box, 1, axis + 1)
-    return box.reshape(field.shape) * np.array(signs)[:, None]
+    return window.mirrored(field, axis) * np.array(signs)[:, None]
 
 
 def symmetries(contact, state):
@@ -202,17 +202,17 @@ def symmetries(contact, state):
     """
     components = len(state.displacement)
     window = state.window
-    found = []
+    found, largest = [], window.grid.maximum
     gap = window.take(contact.initial_gap)[None]
     for axis in range(len(window.shape)):
         signs = np.ones(components)
         signs[1 + axis:2 + axis] = -1.0
         tried = [signs] if components == 1 or contact.couples() else [np.append(1.0, -signs[1:]),
                                                                       signs]
-        even = np.abs(gap - mirrored(window, gap, axis, (1.0,))).max() <= UNEVEN
+        even = largest(np.abs(gap - mirrored(window, gap, axis, (1.0,)))) <= UNEVEN
         found += [(axis, tuple(signs)) for signs in tried if even
-                  and np.abs(state.displacement - mirrored(window, state.displacement, axis,
-                                                           signs)).max() <= EVEN][:1]
+                  and largest(np.abs(state.displacement - mirrored(
+                      window, state.displacement, axis, signs))) <= EVEN][:1]
     return found
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
 from ..grid.contours import first_largest
-from .projection import Space, joined, lengths, projected
+from .holding import lengths
+from .projection import Space, joined, projected
 
 ACCURATE = 3e-4
 """Residual |J x - s x| / |x| to which the leading mode is found, up to twice that where |s| > 1/4;
@@ -110,7 +111,8 @@ def oriented(vector, operator=None):
     if grid is not None:
         square = grid.together(square.real) + 1j * grid.together(square.imag)
     real = (vector * np.exp(-0.5j * np.angle(square))).real
-    first = real[first_largest(real)] if grid is None else operator.first_largest(real)
+    first = (real[first_largest(real)] if grid is None
+             else grid.first_largest(operator.pieces(real)))
     return np.copysign(1.0, first) * real
 
 

@@ -6,7 +6,6 @@ from itertools import product
 import numpy as np
 
 from ..contact.states import State
-from ..grid.contours import first_largest
 from ..solvers.core_zone import CoreOptions
 from .linearised import Overdamped, mirrored
 
@@ -16,6 +15,7 @@ class Parted:
     that differ in symmetry, one after the other.
 
     Lengths and products of vectors are those of whole fields. A part that is zero costs nothing.
+    Where processes share out the nodes, each has of every part the rows of a quarter.
 
     Parameters
     ----------
@@ -24,8 +24,6 @@ class Parted:
         state as it is
     options : CoreOptions of the preconditioner
     """
-
-    shared = None
 
     def __init__(self, contact, window, controls, axes, options=CoreOptions()):
         self._axes = axes
@@ -40,6 +38,7 @@ class Parted:
         kernels = [one.kernel for one in self._each]
         self.kernels = kernels if all(kernels) else None
         self.occupied = np.concatenate([one.occupied for one in self._each])
+        self.shared = self._each[0].shared
 
     @property
     def products(self):
@@ -64,9 +63,11 @@ class Parted:
     def _by_part(self, name, vector):
         """What a method of the parts makes of a vector."""
         result = np.zeros(self.size)
-        for one, place in zip(self._each, self._places):
-            if vector[place].any():
-                result[place] = getattr(one, name)(vector[place])
+        parts = self.parts(vector)
+        some = self.window.grid.together([part.any() for part in parts])
+        for one, part, place, holds in zip(self._each, parts, self._places, some):
+            if holds:
+                result[place] = getattr(one, name)(part)
         return result
 
     def vector(self, mode):
@@ -85,11 +86,15 @@ class Parted:
         return State(self.window, sum(state.displacement for state in found),
                      sum(state.means for state in found))
 
-    def first_largest(self, vector):
-        """The largest size of a vector's displacements, with the sign of the first about as
-        large."""
-        displacement = self.state(vector).displacement.reshape(-1)
-        return displacement[first_largest(displacement)]
+    def pieces(self, vector):
+        """As of `linearised.Overdamped`, of all parts."""
+        return [piece for one, own in zip(self._each, self.parts(vector))
+                for piece in one.pieces(own)]
+
+    def noise(self, seed):
+        """A vector of random numbers, the same however its nodes are shared out."""
+        return np.concatenate([one.noise(len(self._each) * seed + number)
+                               for number, one in enumerate(self._each)])
 
     def parts(self, vector):
         """The parts of a vector."""

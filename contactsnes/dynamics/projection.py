@@ -1,6 +1,5 @@
 """Modes of the projection of an operator on a space that grows, for each symmetry."""
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,24 +7,13 @@ import numpy as np
 
 from ..continuation.bifurcations import NEUTRAL
 from ..kernels.modes import ritz
+from .holding import holding, in_step, lengths, together
 from .sectors import Sectors, Together
 
+NEW = 1e-6
+"""Length of what is left of a vector of length 1 that is new."""
 ROOM = 24
 """Vectors that there is room for from the beginning: memory that is not used costs nothing."""
-
-
-def together(grid, parts):
-    """Sums of parts in all processes; without a grid there is one."""
-    return parts if grid is None else grid.together(parts)
-
-
-def lengths(rows, grid=None):
-    """Euclidean length of vectors (..., size), parts of which may be in other processes of a
-    grid."""
-    if grid is None:
-        return (np.linalg.norm(rows, axis=-1) if rows.ndim > 1
-                else math.sqrt(np.vdot(rows, rows).real))
-    return np.sqrt(grid.together(np.sum(np.square(np.abs(rows)), axis=-1)))
 
 
 @dataclass(frozen=True)
@@ -112,7 +100,7 @@ class Space:
         if self._kernels:
             size = lengths(begin)
             for sector, part, kernel in zip(self._sectors, self.by.parts(begin), self._kernels):
-                if lengths(part) > 1e-6 * size:
+                if lengths(part) > NEW * size:
                     sector.run(kernel, shift, part, count)
             return
         basis, vector = np.empty((count, len(begin))), begin
@@ -129,10 +117,12 @@ class Space:
                 vector = own - self.operator.precondition(image - shift * own)
 
     def product(self, vector):
-        """J vector, kept."""
-        image, least = self.operator.apply(vector), 1e-6 * lengths(vector, self.grid)
-        for sector, part, its in zip(self._sectors, self.by.parts(vector), self.by.parts(image)):
-            sector.append(part, its, least)
+        """J vector, of a vector of length 1, kept."""
+        image = self.operator.apply(vector)
+        parts = zip(self._sectors, self.by.parts(vector), self.by.parts(image))
+        new = in_step([sector.appending(*pair) for sector, *pair in parts], self.grid)
+        for sector, is_new in zip(self._sectors, new):
+            sector.count += is_new
         return image
 
     def only(self, among, vector):
@@ -185,17 +175,10 @@ class _Sector:
             self._products = np.pad(self._products, (0, room))
             room *= 2
 
-    def append(self, vector, image, least):
-        """Append a vector of which more than ``least`` is new, with its image.
-
-        Parameters
-        ----------
-        vector, image : arrays
-        least : float
-        """
+    def appending(self, vector, image):
+        """Append a vector, if more than ``NEW`` of it is, with its image, as `holding.holding`."""
         self._make_room(1)
-        self.count += hold(self._rows, self._products, self.count, (vector, image), least,
-                           self._grid)
+        return holding(self._rows, self._products, self.count, (vector, image), NEW)
 
     def run(self, kernel, shift, begin, count):
         """Append the vectors of a run in the library.
@@ -217,40 +200,6 @@ class _Sector:
                 *self._rows[:, held], self._products[held, held], certain, self._grid,
                 self._compiled)
         return self._known[1]
-
-
-def hold(rows, products, count, pair, least, grid=None):
-    """Append a vector, made orthonormal to others, with its image; whether it was new.
-
-    Images are kept as such, not as sums of the products they come from: where vectors are nearly
-    dependent, such sums cancel.
-
-    Parameters
-    ----------
-    rows : array (2, room, size), whose first ``count`` rows are orthonormal vectors and their
-        images; overwritten
-    products : array (room, room), products of the first with the second, overwritten
-    count : int
-    pair : (vector, image)
-    least : length of what is left of a vector that is not new
-    grid : Grid that sums over processes, where vectors are shared out among some
-    """
-    (basis, images), (vector, image) = rows[:, :count], pair
-    norm, taken = lengths(vector, grid), np.zeros(count)
-    # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
-    for _ in range(2):
-        before, parts = norm, together(grid, basis @ vector)
-        vector, taken = vector - parts @ basis, taken + parts
-        norm = lengths(vector, grid)
-        if norm > 0.5 * before:
-            break
-    if not norm > least:
-        return False
-    basis, images = rows[:, :count + 1]
-    basis[-1], images[-1] = vector / norm, (image - taken @ images[:-1]) / norm
-    products[:count + 1, count], products[count, :count + 1] = together(
-        grid, np.array([basis @ images[-1], images @ basis[-1]]))
-    return True
 
 
 def projected(basis, images, products, certain, grid=None, compiled=False):

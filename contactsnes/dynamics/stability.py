@@ -147,7 +147,7 @@ class Stability:
         the `linearised.symmetries` of that."""
         scattered = self.system.symmetry.scatters(components)
         state = state if scattered else states.fitted(self.contact, state)
-        if len(state.window.parts) > 1 or scattered or self.contact.grid.shared:
+        if len(state.window.parts) > 1 or scattered:
             return state, []
         if state.half is not None:
             return state, [(axis, tuple(float(signs[axis]) for signs in state.half.parities)
@@ -156,6 +156,8 @@ class Stability:
         window = centred(state.window)
         even = State(window, states.onto(state, window), state.means)
         axes = symmetries(self.contact, even)
+        if self.contact.grid.shared and len(axes) < len(window.shape):
+            return state, []  # nodes of one process have their images in others
         return even if axes else state, axes
 
     def _linearised(self, state, controls, axes):

@@ -149,6 +149,13 @@ class Slab(Window):
         found = box[:, mine], self.rows.at(box, middle - away[mine]), box[:, :self.rows.first == 0]
         return tuple(np.moveaxis(part, 1, 0) for part in found)
 
+    def mirrored(self, values, axis):
+        """As `windows.Window.mirrored`."""
+        if axis == 1:
+            return super().mirrored(values, axis)
+        places = -self.rows.numbers - (not self.closed[0])
+        return self.rows.at(self.box(values), places % self.extents[0]).reshape(values.shape)
+
     def cut(self, box, part):
         """A part of the box, slices, of values (..., rows, columns), whoever has them."""
         return self.rows.at(box, np.arange(part[0].start, part[0].stop))[..., part[1]]

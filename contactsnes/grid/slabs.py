@@ -186,12 +186,12 @@ class Slabs(SlabFields, Grid):
         """What all processes have of an array, one after the other along its first axis."""
         return np.concatenate(self.comm.allgather(rows))
 
-    def first_largest(self, field):
-        """The largest size of values (components, rows, columns), with the sign of the first about
-        as large."""
-        largest = self.maximum(np.abs(field))
-        firsts = self.comm.allgather([next(iter(part[np.abs(part) >= 0.999 * largest]), 0.0)
-                                      for part in field])
+    def first_largest(self, fields):
+        """The largest size of values, with the sign of the first about as large: those of an array
+        (components, rows, columns), or of several, each of which goes on in the next process."""
+        largest = self.largest(max(np.max(np.abs(field), initial=0.0) for field in fields))
+        firsts = self.comm.allgather([next(iter(field[np.abs(field) >= 0.999 * largest]), 0.0)
+                                      for field in fields])
         first = next(value for component in zip(*firsts) for value in component if value)
         return np.copysign(largest, first)
 

@@ -166,6 +166,14 @@ class Window:
         nodes = box.swapaxes(axis, 0)
         return nodes[middle:middle + 1 + reach], nodes[middle - reach:middle + 1][::-1], nodes[:1]
 
+    def mirrored(self, values, axis):
+        """Mirror image about the apex of values (arrays, nodes) on a centred window, along a
+        direction."""
+        image = np.flip(self.box(values), axis + 1)
+        if self.closed[axis]:
+            image = np.roll(image, 1, axis + 1)
+        return image.reshape(values.shape)
+
     def cut(self, box, part):
         """A part, slices, of a box (..., *box), as a copy."""
         return box[(..., *part)].copy()

@@ -89,7 +89,7 @@ void ritz(long count, long size, const double *basis, const double *images, long
 }
 
 /* Appends a vector, made orthonormal to `count` others, with its image, and the products of vectors with
-   images, a matrix with rows for `room`; whether more than `least` of it was new (projection.hold). Vector
+   images, a matrix with rows for `room`; whether more than `least` of it was new (holding.holding). Vector
    and image may stand where they are to be. */
 int hold(long count, long size, long room, double *basis, double *images, double *products, const double *vector,
          const double *image, double least)

@@ -12,7 +12,7 @@ from .structures import address
 
 
 def hold(rows, products, count, pair, least):
-    """As `dynamics.projection.hold`.
+    """As `dynamics.holding.holding`.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class CompiledMotion:
         shift : float
         begin : array, overwritten
         count : int, of products
-        held : (rows, products, number) that vectors are appended to, as of `projection.hold`,
+        held : (rows, products, number) that vectors are appended to, as of `holding.holding`,
             with room for all of them
         """
         (basis, images), products, number = held
