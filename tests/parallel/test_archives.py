@@ -7,7 +7,7 @@ from ranks import SIZES, command, program, together
 
 from contactsnes.output.reading import read
 
-PLANE = ("-scene_dimension", "2", "-scene_points", "32,48", "-scene_period", "20,30",
+PLANE = ("-scene_dimension", "2", "-scene_points", "16,24", "-scene_period", "20,30",
          "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-snes_atol", "1e-11",
          "-continuation_initial_step", "0.5",
          "-contact_symmetry", "off", "-contact_window", "off", "-load_start",
@@ -90,7 +90,7 @@ sys.exit(main(["run", *{words!r}]))"""
 def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision, small, alone,
                                                           tmp_path):
     """Blocks of several rows, and of less than one; the file is made anew, resumed and packed."""
-    for size, block, path in ((3, 300, PATH.split(";")[0]), (2, 20, PATH)):
+    for size, block, path in ((3, 150, PATH.split(";")[0]), (2, 20, PATH)):
         words = [*words_of(fields, on, precision, path), "-archive_resume"]
         text = IN_BLOCKS.format(small=small, block=block, words=words)
         done = program(size, text, tmp_path)
