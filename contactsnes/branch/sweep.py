@@ -14,7 +14,7 @@ import numpy as np
 from tqdm import tqdm
 
 from ..options.database import database
-from ..options.fields import InputError, as_text, nearest
+from ..options.fields import InputError, as_text, meant
 from ..output import resuming
 from ..output.extras import extra
 from ..output.reading import read
@@ -178,9 +178,7 @@ def _scene_words(scene, case):
     known = {field.name: field for field in fields_of(Scene)}
     for name in case:
         if name not in known and not name.startswith(OURS):
-            guess = nearest(name, known)
-            raise InputError(f"{name} is no option of scenes"
-                             + (f": did you mean {guess}?" if guess else ""))
+            raise InputError(f"{name} is no option of scenes" + meant(name, known))
     rivals = {one: other for pair in RIVALS for one, other in (pair, pair[::-1])}
     given = {name: value for name, value in scene.stated().items()
              if rivals.get(name) not in case}

@@ -23,7 +23,7 @@ from ..options.database import (
     read,
     unused_options,
 )
-from ..options.fields import InputError, nearest
+from ..options.fields import InputError, meant
 from ..options.help import help_text
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
@@ -141,12 +141,9 @@ def _no_command(command):
     if not command:
         print(HELP, file=sys.stderr)
     else:
-        guess = nearest(command, COMMANDS)
-        complain("error", f"'{command}' is no command" + (f": did you mean {guess}?" if guess
-                                                          else "; the commands are "
-                                                          f"{', '.join(COMMANDS)}, for "
-                                                          "instance: contactsnes run "
-                                                          "FILE.opts"))
+        commands = (f"; the commands are {', '.join(COMMANDS)}, for instance: contactsnes run "
+                    "FILE.opts")
+        complain("error", f"'{command}' is no command" + meant(command, COMMANDS, commands))
     return 2
 
 

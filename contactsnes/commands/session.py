@@ -16,7 +16,7 @@ from .. import __version__
 from ..branch.grid_choice import chosen, on
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
-from ..options.fields import InputError, nearest
+from ..options.fields import InputError, meant
 from ..options.files import refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
@@ -179,12 +179,11 @@ def _check_classes():
             except ImportError:
                 known = {}
             if cls not in known:
-                guess = nearest(cls, [other for other, found in known.items()
-                                      if getattr(found, "__module__", "") == module])
-                raise InputError(f"-{name} is '{path}': there is no such class; "
-                                 + (f"did you mean {module}.{guess}?" if guess else "files of "
-                                    "methods, which contactsnes compare lists, name those that are "
-                                    "there"))
+                classes = [other for other, found in known.items()
+                           if getattr(found, "__module__", "") == module]
+                raise InputError(f"-{name} is '{path}', a class that there is not" + meant(
+                    cls, classes, ": files of methods, which contactsnes compare lists, name those "
+                    "that are there", f"{module}."))
 
 
 def _check_types():
@@ -200,11 +199,10 @@ def _check_types():
         try:
             solver.setType(text)
         except PETSc.Error:
-            guess = nearest(text, [known for word, known in vars(kind.Type).items()
-                                   if not word.startswith("_")])
-            told = f"is '{text}': PETSc has no such type here" if text else "has no value"
-            raise InputError(f"-{name} {told}; " + (f"did you mean {guess}?" if guess else
-                                                    "leave it out for the usual one")) from None
+            types = [known for word, known in vars(kind.Type).items() if not word.startswith("_")]
+            told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
+            raise InputError(f"-{name} {told}" + meant(
+                text, types, ": leave it out for the usual one")) from None
         finally:
             solver.destroy()
 

@@ -11,7 +11,7 @@ import os
 import re
 from pathlib import Path
 
-from .fields import COMMON, InputError, nearest
+from .fields import COMMON, InputError, meant, nearest
 from .files import is_option, read_file, with_files
 from .solver_values import blamed, refuse_values, without_entries
 from .values import BOOLEANS, instance
@@ -211,9 +211,8 @@ def check_names(classes=()):
         inner = name[len(head):]
         if inner.startswith(prefixes) and inner not in names:
             prefix = next(prefix for prefix in prefixes if inner.startswith(prefix))
-            guess = nearest(inner, [known for known in names if known.startswith(prefix)])
-            sentences.append(f"-{name} is no option" + (f": did you mean -{head}{guess}?" if guess
-                                                        else ""))
+            like = [known for known in names if known.startswith(prefix)]
+            sentences.append(f"-{name} is no option" + meant(inner, like, prefix=f"-{head}"))
         elif head and not re.fullmatch(NESTS + "*", head):
             # Others may use our solvers under prefixes of their own, but hardly under one that is
             # so much like ours.

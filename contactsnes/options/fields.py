@@ -110,6 +110,19 @@ def nearest(name, names, cutoff=0.4):
     return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
 
 
+def meant(name, names, otherwise="", prefix="", cutoff=0.4):
+    """How a sentence about a name that is none ends: with the one that may be meant, or otherwise.
+
+    Parameters
+    ----------
+    name, names, cutoff : as of `nearest`
+    otherwise : str
+    prefix : str, what stands before a name where it is used
+    """
+    guess = nearest(name, names, cutoff)
+    return f": did you mean {prefix}{guess}?" if guess else otherwise
+
+
 def _single(value, rule):
     """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
     kind = rule["kind"]

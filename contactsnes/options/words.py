@@ -3,7 +3,7 @@ same dataclasses as all others."""
 
 import dataclasses
 
-from .fields import InputError, nearest
+from .fields import InputError, meant
 from .files import is_option
 from .values import BOOLEANS, instance
 
@@ -55,7 +55,6 @@ def _is_value(word, kind):
 def _check(word, name, known):
     """InputError for an option that there is not."""
     if name not in known:
-        guess = nearest(name, known)
+        there = f": there are {', '.join('-' + name for name in known)}"
         raise InputError(f"{word.partition('=')[0]} is no option here"
-                         + (f": did you mean -{guess}?" if guess
-                            else f": there are {', '.join('-' + name for name in known)}"))
+                         + meant(name, known, there, "-"))

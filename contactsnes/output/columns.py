@@ -3,7 +3,7 @@ these take a third of the time of h5py's."""
 
 import numpy as np
 
-from ..options.fields import nearest
+from ..options.fields import meant
 
 ASKED = {"stiffness": "-archive_stiffness", "error_": "-archive_errors"}
 """Beginnings of the names of columns that a run writes where it is asked to -> the option."""
@@ -23,8 +23,7 @@ def instead(name, known, shown=None):
                    and not any(other.startswith(start) for other in known)), "")
     if option:
         return f": {option} writes it"
-    guess = nearest(name, known)
-    return f": did you mean {guess}?" if guess else f"; it has {', '.join(shown or known)}"
+    return meant(name, known, f"; it has {', '.join(shown or known)}")
 
 
 def put_attributes(item, attributes):

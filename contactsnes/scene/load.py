@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from ..options.fields import LARGEST, InputError, Options, computable, nearest, number, option
+from ..options.fields import LARGEST, InputError, Options, computable, meant, number, option
 
 
 class Quantity(NamedTuple):
@@ -87,12 +87,11 @@ def _quantity(name, piece, source, dimension):
         return table[name]
     base = name.removesuffix("_x").removesuffix("_y")
     if base in ("tangential_displacement", "tangential_force"):
-        hint = (f"in two dimensions write {base}_x or {base}_y" if dimension == 2
-                else f"in one dimension write {base}")
+        hint = (f": in two dimensions write {base}_x or {base}_y" if dimension == 2
+                else f": in one dimension write {base}")
     else:
-        hint = (f"did you mean {nearest(name, table)}?" if nearest(name, table)
-                else f"allowed are {', '.join(table)}")
-    raise InputError(f"{source} has an unknown quantity in '{piece}': {hint}")
+        hint = meant(name, table, f": allowed are {', '.join(table)}")
+    raise InputError(f"{source} has an unknown quantity in '{piece}'{hint}")
 
 
 def _value(text, piece, source, hold):

@@ -5,7 +5,7 @@ import matplotlib.style
 import numpy as np
 from cycler import cycler
 
-from ...options.fields import InputError, nearest
+from ...options.fields import InputError, meant
 
 WIDTH = 8.5 / 2.54  # inches
 STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 8,
@@ -55,10 +55,8 @@ def settings(style=""):
         return {**STYLE, **sizes, **own}
     except (OSError, UnicodeError):
         known = sorted(matplotlib.style.library)
-        guess = nearest(style, known)
         raise InputError(f"the style '{style}' is neither a file nor one of matplotlib's, "
-                         f"{', '.join(known)}" + (f": did you mean {guess}?" if guess
-                                                  else "")) from None
+                         f"{', '.join(known)}" + meant(style, known)) from None
 
 
 def sized(figure, size):
