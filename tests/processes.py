@@ -4,26 +4,36 @@ import atexit
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-from forks import Forks
+from programs import load
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMAND = [sys.executable, "-m", "contactsnes"]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 SECONDS = 600.0
-_FORKS = Forks({name: value for name, value in ENVIRONMENT.items() if name != "MPLBACKEND"})
-atexit.register(_FORKS.end)
+MODULES = ("commands.showing", "branch.advice", "branch.costs", "output.figures")
+"""What some commands import besides, here or later."""
+
+_starter = load(ROOT / "scripts" / "paper" / "starter.py")
+_STARTER = _starter.Starter(
+    {name: value for name, value in ENVIRONMENT.items() if name != "MPLBACKEND"},
+    (*_starter.MODULES, *(f"contactsnes.{name}" for name in MODULES)))
+atexit.register(_STARTER.end)
 
 
 def call(*arguments, folder, env=None):
-    """A finished process of the command: a fork where the system has cheap ones and the environment
-    is the usual one."""
-    words = [str(argument) for argument in arguments]
-    if env is None and sys.platform == "linux":
-        return _FORKS.call(words, folder, SECONDS)
-    return subprocess.run([*COMMAND, *words], cwd=folder, env=env or ENVIRONMENT,
-                          capture_output=True, text=True, timeout=SECONDS, check=False)
+    """A finished process of the command: a fork of one that has imported what commands import,
+    where the system has cheap ones and the environment is the usual one."""
+    words = list(map(str, arguments))
+    if env is not None or sys.platform != "linux":
+        return subprocess.run([*COMMAND, *words], cwd=folder, env=env or ENVIRONMENT,
+                              capture_output=True, text=True, timeout=SECONDS, check=False)
+    with tempfile.TemporaryDirectory() as apart:
+        texts = [Path(apart) / name for name in ("said", "complaints")]
+        status, _ = _STARTER.run([*COMMAND[1:], *words], *texts, folder, SECONDS)
+        return subprocess.CompletedProcess(words, status, *(text.read_text() for text in texts))
 
 
 def refused(done, *words):

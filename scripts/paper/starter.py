@@ -3,67 +3,106 @@ importing takes a third of a second of processor time, as long as many a run. PE
 but begins in each process with its own options. A process that has come to its end gives back to
 the system as a whole what it began with: one by one, that would have to be copied first.
 
-As a program it reads a line of JSON for each command, [its arguments, file for what it says], and
-answers with one: [exit status, seconds of processor time].
+As a program, with the names of modules to import, it reads a line of JSON for each command, [its
+arguments, folder, file for what it says, file for what it complains of], and answers with two: its
+number, and at its end [exit status, seconds of processor time].
 """
 
 import atexit
 import gc
+import importlib
 import json
 import os
 import runpy
+import select
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.commands.cli",
+           "contactsnes.output.archive")
+"""What most commands import, here or later."""
 
 
 class Starter:
-    """A process that starts commands, one after the other."""
+    """A process that starts commands, one after the other; it begins with the first.
 
-    def __init__(self):
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        self._process = subprocess.Popen([sys.executable, __file__], env=environment, cwd=ROOT,
-                                         text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    Parameters
+    ----------
+    environment : mapping of names to texts, by default this process's, with one thread
+    modules : names of the modules that commands begin with
+    """
 
-    def run(self, arguments, said):
-        """(exit status, seconds of processor time) of Python with some arguments; what it says goes
-        to a file."""
-        self._process.stdin.write(json.dumps([arguments, str(said)]) + "\n")
-        self._process.stdin.flush()
-        answer = self._process.stdout.readline()
-        if not answer:
-            raise RuntimeError(f"what starts the runs has ended: {self._process.wait()}")
-        return json.loads(answer)
+    def __init__(self, environment=None, modules=MODULES):
+        self._environment = environment or {**os.environ, "PYTHONPATH": str(ROOT),
+                                            "OMP_NUM_THREADS": "1"}
+        self._modules, self._process = modules, None
+
+    def run(self, arguments, said, complaints=None, folder=ROOT, seconds=None):
+        """(exit status, seconds of processor time) of Python with some arguments.
+
+        Parameters
+        ----------
+        arguments : list of str
+        said : path of the file that gets what it says
+        complaints : path of that for its standard error, by default the same one
+        folder : path, in which it runs
+        seconds : float, after which it is killed, by default never
+        """
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, __file__, *self._modules], env=self._environment, cwd=ROOT,
+                text=True, bufsize=1, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        files = map(str, (folder, said, complaints or said))
+        self._process.stdin.write(json.dumps([arguments, *files]) + "\n")
+        child = self._answer()
+        if not select.select([self._process.stdout], [], [], seconds)[0]:
+            os.kill(child, signal.SIGKILL)
+        return self._answer()
+
+    def _answer(self):
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"what starts the commands has ended: {self._process.wait()}")
+        return json.loads(line)
 
     def end(self):
         """End the process when its command is over."""
-        self._process.stdin.close()
-        self._process.wait()
-        self._process.stdout.close()
+        if self._process is not None:
+            self._process.stdin.close()
+            self._process.wait()
+            self._process.stdout.close()
+            self._process = None
 
 
-def become(arguments, said):
-    """Run a program in this process as Python would with these arguments."""
-    file = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    for stream in (1, 2):
+def become(arguments, folder, said, complaints):
+    """Run a program in this process as Python would with these arguments.
+
+    Parameters
+    ----------
+    arguments, folder, said, complaints : as of `Starter.run`
+    """
+    for stream, path in ((1, said), (2, complaints)):
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(file, stream)
+        os.close(file)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.chdir(folder)
     if arguments[0] == "-m":
-        sys.argv = arguments[1:]
+        sys.argv, sys.path[0] = arguments[1:], folder
         runpy.run_module(arguments[1], run_name="__main__", alter_sys=True)
     else:
-        sys.argv = arguments
+        sys.argv, sys.path[0] = arguments, os.path.dirname(arguments[0])
         runpy.run_path(arguments[0], run_name="__main__")
 
 
-def become_to_the_end(arguments, said):
+def become_to_the_end(*command):
     """As `become`; the process ends with the status that the program asks for."""
     try:
-        become(arguments, said)
+        become(*command)
     except SystemExit as end:
         if not isinstance(end.code, int):
             raise
@@ -83,6 +122,7 @@ def serve():
         child = os.fork()
         if child == 0:
             return command
+        print(child, flush=True)
         _, status, used = os.wait4(child, 0)
         print(json.dumps([os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime]),
               flush=True)
@@ -93,14 +133,12 @@ if __name__ == "__main__":
     # an interruption is for the command
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.disable()
-    import h5py  # noqa: F401
     from petsc4py.lib import ImportPETSc
 
     ImportPETSc()
+    for name in sys.argv[1:]:
+        importlib.import_module(name)
 
-    import contactsnes.branch.branch
-    import contactsnes.commands.cli
-    import contactsnes.output.archive  # noqa: F401
     from contactsnes.kernels.choice import chosen
 
     chosen()  # loads the library, and what FFTW has learned

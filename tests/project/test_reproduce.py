@@ -71,6 +71,14 @@ def test_each_command_has_a_process_of_its_own_that_tells_its_end_and_its_time(t
     assert said.read_text() == "['0.2'] __main__\n"
     assert starter.run(["-m", "contactsnes", "--version"], said)[0] == 0
     assert "contactsnes 0" in said.read_text()
+    there = tmp_path / "there"
+    there.mkdir()
+    script.write_text("import os, sys, time\nprint(os.getcwd(), flush=True)\n"
+                      "print('no', end='', file=sys.stderr, flush=True)\ntime.sleep(60)\n")
+    texts = [tmp_path / name for name in ("out", "errors")]
+    assert starter.run([str(script)], *texts, there, 0.5)[0] == -9
+    assert [text.read_text() for text in texts] == [f"{there}\n", "no"]
+    assert starter.run(["-m", "contactsnes", "--version"], said)[0] == 0
     starter.end()
 
 
