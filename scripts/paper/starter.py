@@ -142,6 +142,7 @@ if __name__ == "__main__":
     from contactsnes.kernels.choice import chosen
 
     chosen()  # loads the library, and what FFTW has learned
+    gc.freeze()  # a collection that looks through all of this would copy it
     command = serve()
     if command is not None:
         become_to_the_end(*command)
