@@ -35,7 +35,7 @@ def _idle(grid):
 def of_surface(scene, grid=None):
     """Sentences on heights or a gap of one's own, empty for other scenes; by rows, where a grid is
     given that has some of them."""
-    return [*_seams(scene, grid), *_proportions(scene, grid), *_size(scene)]
+    return [*_seams(scene, grid), *_proportions(scene, grid), *_size(scene), *_part(scene)]
 
 
 def _seams(scene, grid):
@@ -87,3 +87,18 @@ def _size(scene):
                        for lengths in (stated, scene.periods))
         yield (f"{scene.geometry_file} itself says {told} of the map, and {taken} is taken, as "
                f"{'-scene_heights_size' if scene.heights_size else '-scene_period'} has it")
+
+
+def _part(scene):
+    """A sentence on a map of which a part is used, or which has a margin, and whose size nothing
+    but the period tells."""
+    shape = shapes.of(scene)
+    if scene.geometry != "file" or scene.heights_size or shape.stated(scene):
+        return
+    used, whole = shape.points(scene), shape.whole()
+    if used != whole:
+        sizes = [scene.short(length * n / m, "beta")
+                 for length, n, m in zip(scene.periods, whole, used)]
+        yield (f"-scene_period is the length of what is used, {' x '.join(map(str, used))} nodes "
+               f"of a map of {' x '.join(map(str, whole))} heights: all of the map is taken to be "
+               f"{' x '.join(sizes)}; -scene_heights_size is the size of all of it")

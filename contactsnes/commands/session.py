@@ -17,7 +17,7 @@ from ..branch.grid_choice import chosen, on
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError, meant
-from ..options.files import refuse_circles
+from ..options.files import located, refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
@@ -201,8 +201,11 @@ def _check_types():
         except PETSc.Error:
             types = [known for word, known in vars(kind.Type).items() if not word.startswith("_")]
             told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
-            raise InputError(f"-{name} {told}" + meant(
-                text, types, ": leave it out for the usual one")) from None
+            method = Path(located(f"{text}.opts"))
+            like = (f": the file {method.name} is that method, name it in place of the option"
+                    if method.is_file() and f"-{name}" in method.read_text(encoding="utf-8")
+                    else meant(text, types, ": leave it out for the usual one"))
+            raise InputError(f"-{name} {told}{like}") from None
         finally:
             solver.destroy()
 

@@ -211,7 +211,9 @@ def check_names(classes=()):
         inner = name[len(head):]
         if inner.startswith(prefixes) and inner not in names:
             prefix = next(prefix for prefix in prefixes if inner.startswith(prefix))
-            like = [known for known in names if known.startswith(prefix)]
+            words = set(inner.split("_"))
+            like = [known for known in names if known.startswith(prefix)
+                    or words <= set(known.split("_"))]
             sentences.append(f"-{name} is no option" + meant(inner, like, prefix=f"-{head}"))
         elif head and not re.fullmatch(NESTS + "*", head):
             # Others may use our solvers under prefixes of their own, but hardly under one that is

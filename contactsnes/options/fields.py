@@ -9,6 +9,7 @@ import math
 import operator
 import re
 from functools import lru_cache
+from itertools import chain
 from typing import ClassVar
 
 
@@ -51,6 +52,9 @@ WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*[^\W\d].*", re.ASCII | re.IGN
 LARGEST = 1e30
 """Size up to which numbers are computed with, and the inverse of the least: powers and products of
 some of them do not overflow."""
+
+SLIP = 0.92
+"""How alike names are, by `difflib`, that a slip of the finger tells apart."""
 
 
 def computable(value):
@@ -99,7 +103,9 @@ def number(text, convert=float):
 
 
 def nearest(name, names, cutoff=0.4):
-    """The one of some names that looks most like a name, or an empty text where none does.
+    """The one of some names that a name most likely stands for, or an empty text where none is
+    like it: one that a slip of the finger tells apart, else one that has all its words, in
+    whatever order (scene_maugis: scene_normal_maugis), else the one that looks most like it.
 
     Parameters
     ----------
@@ -107,7 +113,11 @@ def nearest(name, names, cutoff=0.4):
     names : iterable of str
     cutoff : float, 0 to 1, how alike names have to be
     """
-    return next(iter(difflib.get_close_matches(name, list(names), n=1, cutoff=cutoff)), "")
+    names, words = list(names), set(name.split("_"))
+    having_all = [other for other in names if words <= set(other.split("_"))]
+    return next(chain.from_iterable(
+        difflib.get_close_matches(name, among, n=1, cutoff=max(cutoff, least))
+        for among, least in ((names, SLIP), (having_all, 0.0), (names, 0.0))), "")
 
 
 def meant(name, names, otherwise="", prefix="", cutoff=0.4):

@@ -283,6 +283,8 @@ BAD = [({}, "a map without size: give that of all of it by -scene_heights_size")
        ({"period": 1e-4, "heights_fill": "magic"}, "-scene_heights_fill is 'magic'"),
        ({"period": 1e-4, "heights_crop": "0:23,0:18"}, "a map of 23 x 18 heights, and grids have "
         "even numbers of points: add -scene_heights_crop 0:22,0:18, or"),
+       ({"period": 1e-4, "heights_crop": "0:8,0:18"}, "a map of 8 x 18 heights, and grids have at "
+        "least 16 points a direction: add -scene_heights_fit interpolate and -scene_points"),
        ({"period": 1e-4, "geometry_file": "none.npy"}, "there is no file none.npy"),
        ({"period": 1e-4, "geometry_file": ""}, "-scene_geometry is 'file' without a file"),
        ({"geometry_file": ""}, "-scene_geometry is 'file' without a file"),
@@ -346,6 +348,19 @@ def test_a_size_that_is_not_the_one_of_the_file_is_told(tmp_path):
     for same in ({}, {"heights_size": (2.41e-4, 1.79e-4)}):
         assert not [text for text in cautions.of_surface(Scene.typed(**given, **same))
                     if "itself says" in text]
+
+
+@pytest.mark.parametrize("values, used, sizes", [
+    ({"heights_crop": "0:16,0:18"}, "16 x 18", "360 µm x 180 µm"),
+    ({"heights_edges": "pad"}, "30 x 22", "192 µm x 147.3 µm")])
+def test_the_period_of_a_part_of_a_map_is_told_not_to_be_the_size_of_the_map(tmp_path, values, used,
+                                                                             sizes):
+    given = dict(SI, geometry_file=saved(tmp_path, MAP), heights_unit="nm") | values
+    (told,) = [text for text in cautions.of_surface(Scene.typed(**given, period=(2.4e-4, 1.8e-4)))
+               if "-scene_period" in text]
+    assert f"{used} nodes of a map of 24 x 18 heights" in told and f"to be {sizes};" in told
+    assert not [text for text in cautions.of_surface(
+        Scene.typed(**given, heights_size=(2.4e-4, 1.8e-4))) if "-scene_period" in text]
 
 
 def test_a_size_from_python_has_to_be_the_period(tmp_path):

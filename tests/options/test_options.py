@@ -278,6 +278,10 @@ def test_names_are_not_case_sensitive(petsc):
                                          ("contact_windows", "-contact_window"),
                                          ("archive_overwriet", "-archive_overwrite"),
                                          ("scene_poisson=0.3", "-scene_poisson"),
+                                         ("scene_maugis", "-scene_normal_maugis"),
+                                         ("scene_friction_residual", "-scene_residual_friction"),
+                                         ("scene_unit", "-scene_units"),
+                                         ("contact_threshold", "-scene_contact_threshold"),
                                          ("pc_core_smooth", "-pc_core_smoothing"),
                                          ("scene_zzzz", "")])
 def test_unknown_names_are_errors_with_the_nearest_valid_one(petsc, name, guess):

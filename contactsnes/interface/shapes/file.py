@@ -71,8 +71,9 @@ class File(Shape):
             found = cls(**own).map()
         except (OSError, ValueError) as error:
             raise error if isinstance(error, InputError) else InputError(str(error)) from None
-        shape, dimension = cls._grid(found.values.shape, own), found.values.ndim
         given = {name for name, value in values.items() if value is not None}
+        least = 0 if "points" in given else scene.rule("points")["minimum"]
+        shape, dimension = cls._grid(found.values.shape, own, least), found.values.ndim
         if str(values.get("dimension") or dimension) != str(dimension):
             raise InputError(f"{scene.option_name('dimension')} is '{values['dimension']}', but "
                              f"{own['geometry_file']} has heights in {dimension} "
@@ -84,8 +85,13 @@ class File(Shape):
         return {**values, **{name: value for name, value in added.items() if name not in given}}
 
     @staticmethod
-    def _grid(shape, own):
-        """Points of a grid for a map: even ones."""
+    def _grid(shape, own, least):
+        """Points of a grid for a map: even ones, and as many as the least number."""
+        if min(shape) < least:
+            raise InputError(f"-scene_geometry_file is '{own['geometry_file']}', a map of "
+                             f"{' x '.join(map(str, shape))} heights, and grids have at least "
+                             f"{least} points a direction: add -scene_heights_fit interpolate and "
+                             "-scene_points")
         even = tuple(n + n % 2 for n in shape)
         if even != shape and own.get("heights_fit") != "interpolate":
             crop = ",".join(f"0:{n - n % 2}" for n in shape)
@@ -128,7 +134,7 @@ class File(Shape):
     @classmethod
     def _of_part(cls, size, found, own):
         """The size of what is used of a map, from that of all of it."""
-        whole = prepared(own["geometry_file"], fill="mean").values.shape
+        whole = cls(geometry_file=own["geometry_file"]).whole()
         each = size if isinstance(size, (tuple, list)) else (size,) * len(whole)
         told = tuple(length * n / count
                      for length, n, count in zip(each, found.values.shape, whole))
@@ -152,6 +158,11 @@ class File(Shape):
     def points(self, scene):
         """Those of the file."""
         return self.map().values.shape
+
+    def whole(self):
+        """How many heights the file has, one a direction, before a part is taken or a margin
+        added."""
+        return prepared(self.geometry_file, fill="mean").values.shape
 
     def heights(self, scene, grid=None):
         """The heights, u_n,r; on a grid those at its nodes that are here."""

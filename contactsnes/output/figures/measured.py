@@ -46,7 +46,8 @@ class Measured:
             with open(path, newline="", encoding="utf-8-sig") as file:
                 lines = [line for line in file if line.strip() and not line.startswith("#")]
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"-plot_with is '{path}', which cannot be read as text ({error}): "
+            why = getattr(error, "strerror", None) or error
+            raise InputError(f"-plot_with is '{path}', which cannot be read as text ({why}): "
                              "name a CSV file whose heading names columns") from None
         heading, *rows = csv.reader(lines, dialect=_dialect(lines)) if lines else [[]]
         found = [HEADING.fullmatch(text) for text in heading]
