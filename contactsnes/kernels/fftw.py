@@ -11,9 +11,12 @@ from pathlib import Path
 
 from .library import fftw
 
-ESTIMATE, DESTROY_INPUT = 64, 1
+ESTIMATE, DESTROY_INPUT, WISDOM_ONLY = 64, 1, 1 << 21
 """FFTW's flags: plans are estimated, not measured, since what was fastest on a busy machine would
-decide the last bits."""
+decide the last bits. By the last one a plan is made only if it is known how."""
+
+MOST = 2 ** 18
+"""Bytes of a file of what FFTW has learned from which it is begun anew."""
 
 KINDS = ("fftw", "fftwf")
 """What FFTW's functions in double and single precision begin with."""
@@ -84,17 +87,29 @@ class Plans:
         for n in shape:
             points *= n
         waves *= points // shape[-1]
-        flags = ESTIMATE | DESTROY_INPUT
-        self.to_half = make["r2c"](len(shape), sizes, count, real, None, 1, points, half, None, 1,
-                                   waves, flags)
-        self.to_row = make["c2r"](len(shape), sizes, count, half, None, 1, waves, real, None, 1,
-                                  points, flags)
-        _state["made"] += not single
+        real, half = (real, None, 1, points), (half, None, 1, waves)
+        self.to_half, self.to_row = (_planned(make[way], (len(shape), sizes, count, *there), single)
+                                     for way, there in (("r2c", real + half), ("c2r", half + real)))
 
     def __del__(self):
         for plan in (getattr(self, "to_half", None), getattr(self, "to_row", None)):
             if plan and ctypes is not None:
                 getattr(_calls(), f"{self._kind}_destroy_plan")(plan)
+
+
+def _planned(make, arguments, single):
+    """A plan of real transforms, which counts where FFTW learns from it what is to be kept.
+
+    Parameters
+    ----------
+    make : FFTW's function
+    arguments : of it, but for the flags
+    single : bool, whether it is for floats, of which nothing is kept
+    """
+    flags = ESTIMATE | DESTROY_INPUT
+    known = None if single else make(*arguments, flags | WISDOM_ONLY)
+    _state["made"] += not (single or known)
+    return known or make(*arguments, flags)
 
 
 def remember(folder):
@@ -106,14 +121,14 @@ def remember(folder):
     if _state["file"] is None:
         atexit.register(_keep)
     _state["file"] = file
-    if file.exists():
-        # what is not of this FFTW is not taken
+    # What is not of this FFTW is not taken; that of many scenes would take longer than their plans.
+    if file.exists() and file.stat().st_size < MOST:
         _calls().fftw_import_wisdom_from_filename(os.fsencode(file))
     _state["read"] = _state["made"]
 
 
 def _keep():
-    """Write the file, whole or not at all, if plans were made."""
+    """Write the file, whole or not at all, if plans were made that it does not know."""
     file = _state["file"]
     if _state["made"] - _state["read"] < 2:
         return

@@ -2,7 +2,9 @@
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from contactsnes.kernels import fftw
@@ -23,3 +25,29 @@ def test_it_is_kept_whole_or_not_at_all(whole, tmp_path, monkeypatch):
     monkeypatch.setattr(fftw, "_state", {"file": tmp_path / "kept", "made": 2, "read": 0})
     fftw._keep()
     assert [file.name for file in tmp_path.iterdir()] == ["kept"] * whole
+
+
+def test_only_what_is_new_is_worth_a_write(monkeypatch):
+    """Plans that FFTW knows how to make, from this run or earlier ones, are no reason for one."""
+    monkeypatch.setattr(fftw, "_state", {"file": None, "made": 0, "read": 0})
+    row, waves = np.zeros(2018), np.zeros(1010, complex)
+    made = []
+    for single in (False, False, True):
+        plans = fftw.Plans((2018,), 1, row.ctypes.data, waves.ctypes.data, single)
+        made.append(fftw._state["made"])
+        assert plans.to_half and plans.to_row
+    assert made == [2, 2, 2]
+
+
+def test_a_long_memory_is_begun_anew(tmp_path, monkeypatch):
+    monkeypatch.setattr(fftw, "_state", {"file": None, "made": 0, "read": 0})
+    monkeypatch.setattr(fftw.atexit, "register", lambda function: None)
+    read = []
+    monkeypatch.setattr(fftw, "_calls", lambda: SimpleNamespace(
+        fftw_import_wisdom_from_filename=read.append))
+    for name, size in (("short", fftw.MOST - 1), ("long", fftw.MOST)):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "fftw.wisdom").write_bytes(bytes(size))
+        fftw.remember(folder)
+    assert read == [os.fsencode(tmp_path / "short" / "fftw.wisdom")]
