@@ -70,15 +70,14 @@ class Branch:
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(),
                  law=None, geometry=None, body=None, first=None):
+        self.steps, form = scenes.of_run(scene, load, steps, form)
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
         scene = with_parts(scene, law, geometry, body)
         check_law(scene)
         scene = chosen(scene, load)
         self.scene, self.load = scene, load
-        self.steps = scenes.Steps() if steps is None else steps
         scenes.check(scene, load, self.steps)
-        form = scenes.Form() if form is None else form
         refuse_too_large(scene, load, form)
         self.contact = contact_of(scene, load, form, log)
         grid = self.contact.grid

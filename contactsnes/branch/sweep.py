@@ -4,9 +4,10 @@ archive, so that a study that was interrupted goes on where it was."""
 import itertools
 import os
 import re
+import reprlib
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields as fields_of
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from ..output.reading import read
 from ..scene.load import Load
 from ..scene.measured import RIVALS
 from ..scene.scene import Scene
+from ..scene.settings import of_run
 from ..scene.steps import Form, Output, Steps
 
 OURS = tuple(cls.prefix for cls in (Scene, Load, Steps, Form, Output))
@@ -108,9 +110,9 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     ------
     InputError : before any run, for a name or a value that is not allowed
     """
-    joblib, options = _joblib(jobs), _words(load, steps or Steps(), form or Form()) | _petsc()
-    parameters = {name: list(values) for name, values in parameters.items()}
-    options["archive_fields"] = fields
+    joblib, given = _joblib(jobs), of_run(scene, load, steps, form)
+    options = _words(load, *given) | _petsc() | {"archive_fields": fields}
+    parameters = {name: _listed(name, values) for name, values in parameters.items()}
     found, cases = Sweep(parameters, Path(folder)), _cases(parameters)
     tasks = [(values, _scene_words(scene, case) | options | _others(case),
               found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
@@ -129,6 +131,15 @@ def _joblib(jobs):
     if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
         raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
     return extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
+
+
+def _listed(name, values):
+    """The values of a parameter, a list; InputError for what is none, or an empty one."""
+    several = isinstance(values, Iterable) and not isinstance(values, (str, bytes))
+    if not several or not (found := list(values)):
+        raise InputError(f"{name} is {reprlib.repr(values)}: give a list of its values, as in "
+                         "normal_maugis=[1, 2]")
+    return found
 
 
 def _cases(parameters):

@@ -17,10 +17,9 @@ from ..grid.operator import Operator
 from ..grid.parity import UNEVEN
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
-from ..interface.gap import gap_of_heights, is_convex
+from ..interface.gap import gap_of_heights, is_convex, over_nodes
 from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
-from ..options.fields import InputError
 from ..scene.parts import with_parts
 from .survey import surveyed, tractions
 
@@ -83,6 +82,8 @@ class Contact:
         self.law = self.kernels.law(laws.of(scene) if law is None else law)
         if gap is None:
             gap = self.ranges[0] * self._initial_gap(heights)
+        elif grid is None:
+            gap = over_nodes("gap has", gap, scene)
         self.initial_gap = np.array(gap, dtype=float, order="C")
         self.body = bodies.of(scene)
         self._operators = {}
@@ -286,13 +287,7 @@ class Contact:
 def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
     where they do not fit."""
-    if heights.shape != scene.shape:
-        raise InputError(f"the heights have the shape {heights.shape}, the grid has {scene.shape}: "
-                         "give one height for each node, or -scene_points and -scene_dimension "
-                         "that fit the heights")
-    if heights.dtype.kind not in "fiu" or not np.all(np.isfinite(heights)):
-        raise InputError(
-            "the heights have to be real and finite numbers: fill the missing ones first")
+    over_nodes("heights have", heights, scene)
     if shapes.of(scene).gridded:
         return scene
     return replace(scene, geometry="file", geometry_file="heights given as an array")

@@ -126,6 +126,24 @@ def gap_of_heights(heights, grid=None):
     return (np.max(heights) if grid is None else grid.maximum(heights)) - heights
 
 
+def over_nodes(what, values, scene):
+    """Values over the nodes of a scene, an array; InputError where they do not fit.
+
+    Parameters
+    ----------
+    what : str, what they are and a verb, for the sentence
+    values : array_like
+    scene : Scene
+    """
+    values = np.asarray(values)
+    if values.shape != scene.shape:
+        raise InputError(f"the {what} the shape {values.shape}, the grid has {scene.shape}: give "
+                         "one number for each node, or -scene_points and -scene_dimension that fit")
+    if values.dtype.kind not in "fiu" or not np.all(np.isfinite(values)):
+        raise InputError(f"the {what} to be real and finite numbers: fill the missing ones first")
+    return values
+
+
 def refuse_contact_at_edge(shape, contact):
     """InputError for a body that is to stay apart from its neighbours and is in contact at the edge
     of its cell, where they meet."""

@@ -136,7 +136,7 @@ def meant(name, names, otherwise="", prefix="", cutoff=0.4):
 def _single(value, rule):
     """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
     kind = rule["kind"]
-    if value == "inf" and rule["infinite"]:  # as help and files write it
+    if isinstance(value, str) and value == "inf" and rule["infinite"]:  # as help and files write it
         value = math.inf
     own_type = {"flag": bool, "text": str}.get(kind)
     if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
@@ -178,7 +178,7 @@ def checked(name, value, rule):
     """
     if isinstance(value, str) and (rule["also"](value) if rule["also"] else value == rule["word"]):
         return value
-    several = isinstance(value, (tuple, list)) and rule["many"] in ("directions", "legs")
+    several = isinstance(value, (tuple, list)) and rule["many"] is not None
     if rule["many"] == "list" and isinstance(value, str):
         value, several = tuple(part.strip() for part in value.split(",")), True
     try:

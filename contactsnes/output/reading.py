@@ -7,6 +7,7 @@ import numpy as np
 
 from . import checksums, resuming, stored
 from .active import Rebuilt
+from .columns import instead
 from .extras import extra
 from .files import ArchiveError, checked, open_archive, safely
 
@@ -94,7 +95,12 @@ class Record(Mapping):
             self.field_points = [self.points - 1]
 
     def __getitem__(self, name):
+        if name not in self._columns:
+            raise KeyError(f"{self.path} has no column {name!r}{instead(str(name), list(self))}")
         return self._columns[name]
+
+    def __contains__(self, name):
+        return name in self._columns
 
     def __iter__(self):
         return iter(self._columns)

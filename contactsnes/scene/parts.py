@@ -2,6 +2,7 @@
 them, and options of others."""
 
 import dataclasses
+import reprlib
 
 from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
 from ..options.fields import InputError, as_text, extend
@@ -29,15 +30,15 @@ def with_parts(scene, law=None, geometry=None, body=None):
     """
     if geometry is not None and not isinstance(geometry, shapes.Shape):
         if isinstance(geometry, type) or not callable(geometry):
-            raise InputError(f"the geometry is {geometry!r}: give a function of the coordinates, "
-                             "or an object of a subclass of contactsnes.Shape")
+            raise InputError(f"the geometry is {reprlib.repr(geometry)}: give a function of the "
+                             "coordinates, or an object of a subclass of contactsnes.Shape")
         geometry = own_shapes.plain(geometry)
     for registry, made in zip(REGISTRIES, (law, geometry, body)):
         if made is None:
             continue
         if not isinstance(made, registry.base):
-            raise InputError(f"the {registry.kind} is {made!r}: give an object of a subclass of "
-                             f"contactsnes.{registry.base.__name__}")
+            raise InputError(f"the {registry.kind} is {reprlib.repr(made)}: give an object of a "
+                             f"subclass of contactsnes.{registry.base.__name__}")
         if type(made) is registry.found.get(made.name):
             values = {registry.field: made.name,
                       **{name: getattr(made, name) for name in made.declared()}}

@@ -7,6 +7,7 @@ help need no second list.
 """
 
 import dataclasses
+import reprlib
 
 from ..interface import bodies, shapes
 from ..options.fields import InputError, declare
@@ -16,6 +17,26 @@ from .scene import Scene
 from .steps import Form, Output, Steps
 
 OPTION_CLASSES = declare(Scene, Form, Load, Steps, Output)
+
+
+def of_run(scene, load, steps=None, form=None):
+    """Steps and form of a run, those by default in place of None; InputError for an argument that
+    is of another class than these have: a path as text, or one in the place of another.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    steps : Steps, optional
+    form : Form, optional
+    """
+    given = (scene, load, Steps() if steps is None else steps, Form() if form is None else form)
+    for made, cls in zip(given, (Scene, Load, Steps, Form)):
+        if not isinstance(made, cls):
+            raise InputError(f"{cls.__name__.lower()} is {reprlib.repr(made)}: give an object "
+                             f"of contactsnes.{cls.__name__}" + ", for instance Load(path="
+                             "'normal_force=1')" * (cls is Load))
+    return given[2:]
 
 
 def check(scene, load, steps=Steps()):

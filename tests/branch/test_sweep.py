@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, Scene, Steps, read, reference, sweep
+from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
 from contactsnes.branch.sweep import _is_done, _scene_words, _stem
 from contactsnes.contact import observables
 from contactsnes.options.fields import InputError
@@ -128,7 +128,10 @@ def test_a_run_that_ends_early_says_why(tmp_path):
 @pytest.mark.parametrize("given, word", [
     (dict(normal_magis=[1]), "did you mean normal_maugis"),
     (dict(normal_maugis=[1, -1]), "-scene_normal_maugis is '-1'"), ({}, "needs values"),
-    (dict(jobs=0, points=[128]), "jobs is '0'")])
+    (dict(jobs=0, points=[128]), "jobs is '0'"),
+    (dict(normal_maugis=[]), "normal_maugis is .*: give a list of its values"),
+    (dict(normal_maugis=1.0), "normal_maugis is 1.0: give a list"),
+    (dict(law="mcgarry"), "law is 'mcgarry': give a list")])
 def test_a_sweep_refuses_before_it_runs(tmp_path, given, word):
     with pytest.raises(InputError, match=word):
         sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path / "none", **given)
@@ -158,3 +161,20 @@ def test_a_sweep_keeps_what_a_scene_was_made_of():
     made = replace(scene, points=512)
     assert "young_modulus" not in repr(made)
     assert "scene_contact_modulus" not in _scene_words(made, {"young_modulus": 2e6})
+
+
+@pytest.mark.parametrize("given, sentence", [
+    (("normal_force=1",), "load is 'normal_force=1': give an object of contactsnes.Load, for"),
+    ((Load(path="normal_force=1"), Form()), "steps is Form.*: give an object of contactsnes.Steps"),
+    ((Load(path="normal_force=1"), None, Steps()), "form is Steps.*: give an object of")])
+def test_arguments_in_the_place_of_others_are_refused(given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        Branch(Scene(**SMALL), *given)
+    with pytest.raises(InputError, match="scene is {}: give an object of contactsnes.Scene"):
+        Branch({}, *given)
+
+
+def test_a_geometry_that_is_none_is_told_in_one_line():
+    with pytest.raises(InputError, match="give a function of the coordinates") as error:
+        Branch(Scene(**SMALL), Load(path="normal_force=1"), geometry=np.zeros(128))
+    assert "\n" not in str(error.value)

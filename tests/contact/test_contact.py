@@ -19,7 +19,7 @@ import pytest
 import scipy.fft
 import scipy.signal
 
-from contactsnes import Branch, Contact, Form, Load, Scene, Steps
+from contactsnes import Branch, Contact, Form, InputError, Load, Scene, Steps
 from contactsnes.branch import corrector
 from contactsnes.branch.accuracy import finer_contact
 from contactsnes.contact.bordered import ArcLength
@@ -749,3 +749,14 @@ def test_a_gap_in_place_of_the_scenes():
     np.testing.assert_allclose(finer.initial_gap[::2], rough.initial_gap, atol=1e-12)
     np.testing.assert_allclose(coarse.initial_gap / coarse.ranges[0],
                                rough.initial_gap[::2] / rough.ranges[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("gap, sentence", [
+    (np.zeros(5), r"the gap has the shape \(5,\), the grid has \(64,\): give one number for each"),
+    (np.full(64, math.nan), "the gap has to be real and finite numbers"),
+    (np.full(64, 1j), "the gap has to be real")])
+def test_a_gap_of_ones_own_has_to_fit(gap, sentence):
+    scene = Scene(points=64, period=20.0, normal_maugis=1.0)
+    with pytest.raises(InputError, match=sentence):
+        Contact(scene, gap=gap)
+    assert Contact(scene, gap=[1] * 64).initial_gap.tolist() == [1.0] * 64

@@ -175,6 +175,10 @@ def test_fields_of_the_points_asked_for_are_kept(tmp_path, fields, stored):
         assert not stored or file["fields/displacement"].shape[0] == len(stored)
     with pytest.raises(ArchiveError, match="no fields of point 150"):
         record.field("displacement", 150)
+    name = next(iter(record))
+    with pytest.raises(KeyError, match=f"run.h5 has no column '{name}s': did you mean {name}"):
+        record[f"{name}s"]
+    assert f"{name}s" not in record and record.get(f"{name}s") is None
 
 
 def test_two_dimensional_fields(tmp_path):

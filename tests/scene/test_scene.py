@@ -326,6 +326,7 @@ def test_stops():
     assert Load().stops == ()
     assert Load(stop="pull_off").stops == ("pull_off",)
     assert Load(stop="gross_sliding, pull_off").stops == ("gross_sliding", "pull_off")
+    assert Load(stop=("gross_sliding", "pull_off")).stops == ("gross_sliding", "pull_off")
 
 
 # Steps
