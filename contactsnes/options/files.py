@@ -91,7 +91,9 @@ def _text(path):
         reason = getattr(error, "strerror", None) or "it is not text"
         alike = _alike(path) if isinstance(error, FileNotFoundError) else []
         advice = (f"did you mean {' or '.join(alike)}?" if alike
-                  else "give a file of lines '-option value'")
+                  else "archives are for contactsnes plot, table and report"
+                  if str(path).endswith(".h5")
+                  else "give a file of lines '-option value', and blanks in quotes")
         raise InputError(f"the options file '{path}' cannot be read ({reason}): {advice}") from None
     return text
 

@@ -5,9 +5,11 @@ import os
 import time
 from pathlib import Path
 
+from ..options.fields import nearest
 from ..system.devices import failure, reason
 
 FORMAT = "contactsnes 1"
+WRITTEN = "name one that contactsnes run has written"
 PATIENCE = 1.0
 """Seconds to wait for another program that is just reading or writing the file."""
 
@@ -44,7 +46,10 @@ def opened(path, mode):
 def open_archive(path):
     """Open an archive for reading; raise if there is none."""
     if not resolved(path).is_file():
-        raise ArchiveError(f"{path}: there is no such file.")
+        beside = {other.stem: other for other in resolved(path).parent.glob("*.h5")}
+        guess = beside.get(nearest(resolved(path).stem, beside, cutoff=0.6))
+        raise ArchiveError(f"{path}: there is no such file; " + (
+            f"did you mean {guess.name}?" if guess else WRITTEN))
     try:
         file = opened(path, "r")
     except OSError as error:
@@ -53,7 +58,8 @@ def open_archive(path):
                                "writing it, or its file system knows no "
                                "locks (then set the environment's "
                                "HDF5_USE_FILE_LOCKING=FALSE).") from error
-        raise ArchiveError(f"{path} cannot be read as an HDF5 file: {reason(error)}.") from error
+        raise ArchiveError(f"{path} cannot be read as an HDF5 file: {reason(error)}; {WRITTEN}"
+                           ) from error
     if file.attrs.get("format") != FORMAT:
         file.close()
         raise ArchiveError(f"{path} is an HDF5 file, but no archive of this "

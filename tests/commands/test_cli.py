@@ -131,6 +131,8 @@ BAD = {"misspelt option": (["-scene_poison", "0.3"],
        "unknown module": (["-snes_type", "python", "-snes_python_type", "nowhere.Solver"],
                           ["nowhere"]), "no factorisation": (["-pc_type", "lu"], ["PETSc", "LU"]),
        "no such file": (["absent.opts"], ["absent.opts"]),
+       "an archive as options": (["cell.h5"], ["cell.h5", "archives are for contactsnes plot"]),
+       "blanks without quotes": (["-load_path", "normal_force", "=", "1"], ["'='", "blanks in"]),
        "no such heights": (["-scene_geometry", "file", "-scene_geometry_file", "absent.npy"],
                            ["absent.npy"]),
        "heights of another shape": (["-scene_geometry", "file", "-scene_geometry_file",
@@ -145,6 +147,7 @@ BAD = {"misspelt option": (["-scene_poison", "0.3"],
 @pytest.mark.parametrize("arguments, words", BAD.values(), ids=BAD)
 def test_bad_input_is_one_sentence(tmp_path, arguments, words):
     np.save(tmp_path / "short.npy", np.zeros(16))
+    (tmp_path / "cell.h5").write_bytes(b"\x89HDF\r\n\x1a\n\0\xff")
     np.save(tmp_path / "hole.npy", np.where(np.arange(512) == 7, np.nan, 0.0))
     refused(call("run", *PRESSED, "-archive_file", "run.h5", *arguments, folder=tmp_path), *words)
     assert not (tmp_path / "run.h5").exists()

@@ -91,7 +91,8 @@ def test_letters_that_a_stream_lacks_are_written_in_others():
 
 def test_an_unknown_backend_does_not_matter(tmp_path):
     assert shell("CONTACTSNES plot absent.h5", tmp_path,
-                 MPLBACKEND="junk").stderr.endswith("absent.h5: there is no such file.\n")
+                 MPLBACKEND="junk").stderr.endswith("absent.h5: there is no such file; name one "
+                                                    "that contactsnes run has written\n")
 
 
 # Several processes

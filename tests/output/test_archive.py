@@ -392,8 +392,10 @@ def test_what_is_no_archive_is_neither_read_nor_destroyed(tmp_path):
             with pytest.raises(ArchiveError, match=message):
                 attempt(path)
     assert text.read_text() == "-scene_points 64"
-    with pytest.raises(ArchiveError, match="no such file"):
+    with pytest.raises(ArchiveError, match="no such file; name one that contactsnes run has"):
         read(tmp_path / "absent.h5")
+    with pytest.raises(ArchiveError, match="no such file; did you mean other.h5"):
+        read(tmp_path / "othr.h5")
 
 
 def test_folders_that_cannot_be_written(tmp_path, monkeypatch):
