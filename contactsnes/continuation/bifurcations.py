@@ -41,6 +41,11 @@ class Apart(NotConverged):
     """Two points are of two branches: between them states jump, and eigenvalues with them."""
 
 
+class Neutral(NotConverged):
+    """A mode that counts at one point and is neutral at the other, with the same sign: it crosses
+    zero elsewhere, if at all."""
+
+
 def examined(system, certify, leg, last, point):
     """A point with its certificate, and the bifurcations on the way to it; NotConverged for one of
     another branch.
@@ -173,7 +178,7 @@ def between(system, stability, leg, before, after):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            if isinstance(error, Apart) or (before[1].unstable_modes - after[1].unstable_modes) % 2:
+            if _parts(error, before[1], after[1]):
                 raise NotConverged(f"{sentence}: {error}") from None
             system.log(f"{sentence}: {error}")
             continue
@@ -185,6 +190,13 @@ def between(system, stability, leg, before, after):
                for other in found):
             found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _parts(error, first, last):
+    """Whether two points are of two branches if no eigenvalue between them vanishes, for a
+    reason."""
+    changed = first.unstable_modes - last.unstable_modes
+    return isinstance(error, Apart) or bool(changed % 2 and not isinstance(error, Neutral))
 
 
 def _from_a_fold(first, last):
@@ -233,7 +245,8 @@ def _root(system, stability, leg, ends, index):
 
     first, last = (value(position) for position, _ in ends)
     if first * last > 0.0:
-        raise NotConverged(f"the eigenvalue is {first:.2g} and {last:.2g} there")
+        kind = Neutral if min(abs(first), abs(last)) <= NEUTRAL else NotConverged
+        raise kind(f"the eigenvalue is {first:.2g} and {last:.2g} there")
     precision = min(_precision(leg, position) for position, _ in ends)
     from scipy.optimize import brentq  # needed here only, and slow to import
 

@@ -45,16 +45,25 @@ def followed(system, stability, leg, critical, beyond):
             failure = failure or error
             continue
         if system.missed(beyond.state, reached.state) >= APART * system.missed(beyond.state, start):
-            return _branched(system, leg, critical, beyond, reached)
+            return _branched(system, stability, leg, critical, beyond, reached)
     if failure is not None:
         raise failure
     system.log(f"the motion {where} led back to it")
     return None
 
 
-def _branched(system, leg, critical, beyond, reached):
+def _branched(system, stability, leg, critical, beyond, reached):
     """What a motion beside a branch reached: a point of another branch that begins at the
-    bifurcation, or a jump there."""
+    bifurcation, or a jump there.
+
+    What is stable beyond the bifurcation need not be so under its load, where the jump is: from
+    there motion goes on.
+
+    Parameters
+    ----------
+    system, stability, leg, critical, beyond : as of `followed`
+    reached : Point, under the load of ``beyond``
+    """
     reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
     try:
         there = system.solve(reached.state, leg.controls, leg.load(critical.position))
@@ -63,6 +72,8 @@ def _branched(system, leg, critical, beyond, reached):
     if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
                                                                            reached.state):
         return reached
+    where = f"at {system.told(leg.controls, leg.load(critical.position))}, off the bifurcation"
+    there = settled(system, stability, there, where)
     return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
                    event="jump")
 

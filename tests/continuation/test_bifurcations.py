@@ -271,6 +271,44 @@ def test_a_jump_that_ends_in_an_unstable_state_goes_on_to_a_stable_one():
             == pytest.approx(0.0, abs=1e-9))
 
 
+def test_a_jump_at_a_bifurcation_ends_where_a_body_rests_under_its_load():
+    """Beside the subcritical crossing w (w^2 + c), c = 1 + v^2 (100 (load - 0.501) - 1): w = 0 is
+    stable where steps find v = 1 beyond the bifurcation, and not under the load 1/2 itself."""
+    def stiffness(load):
+        return 100.0 * (load - 0.501) - 1.0
+
+    plain = crossing_subcritical()
+    problem = Problem(
+        lambda x, load: np.append(plain.residual(x[:2], load),
+                                  x[2] * (x[2] ** 2 + 1.0 + x[1] ** 2 * stiffness(load))),
+        lambda x, load: np.block([[plain.jacobian(x[:2], load), np.zeros((2, 1))],
+                                  [0.0, 2.0 * x[1] * x[2] * stiffness(load),
+                                   3.0 * x[2] ** 2 + 1.0 + x[1] ** 2 * stiffness(load)]]),
+        lambda x, load: np.append(plain.load_derivative(x[:2], load), 100.0 * x[2] * x[1] ** 2))
+    points, _ = followed_steps(problem, (0.0, 0.7), (0.0, 0.0, 0.0), at_bifurcation="follow")
+    jump = next(point for point in points if point.event == "jump")
+    assert jump.load[-1] == pytest.approx(0.5, rel=1e-8) and jump.stable == 1
+    assert np.abs(jump.state) == pytest.approx([0.5, 1.0, np.sqrt(0.1)], rel=1e-6)
+
+
+def test_a_mode_that_is_neutral_at_one_end_crosses_zero_elsewhere_if_at_all():
+    """Behind the limit of a branch that ends in a pitchfork its mode grows out of rounding."""
+    class Values:
+        def __init__(self, *values):
+            self.values = values
+
+        def critical(self, point, index):
+            return self.values[int(point.position)], point
+
+    system = System(pitchfork())
+    ends = [(place, replace(system._point(np.zeros(2), np.zeros(1), 1), position=place,
+                            unstable_modes=number)) for place, number in ((0.0, 0), (1.0, 1))]
+    assert between(system, Values(-0.3 * NEUTRAL, -1e-3), UNIT_LEG, *ends) == []
+    assert any("no bifurcation was located there" in told for told in system.sentences)
+    with pytest.raises(NotConverged, match="the eigenvalue is"):
+        between(system, Values(-3.0 * NEUTRAL, -1e-3), UNIT_LEG, *ends)
+
+
 @pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
 def test_all_modes_that_change_in_a_step_are_found(second):
     points, _ = followed_steps(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
