@@ -21,6 +21,9 @@ FALSE = 0.02
 """Residual of a mode over its negative eigenvalue that certifies it: J is not symmetric, and a
 projection of it may have negative eigenvalues that J itself has not, with residuals of a quarter of
 them."""
+LOST = 0.15
+"""Residual of the first mode of the last point, carried to this one, from which on modes of its
+symmetry are looked for as if none were known: a few products from there may lead to the second."""
 SHORT, LONG = 3, 12
 PATIENCE = 8
 RUNS = 40
@@ -79,24 +82,33 @@ def _searched(space, start, accurate, number, neutral):
     """The modes of a space that grows by runs, None where residuals stay large; parameters as of
     `leading_modes`."""
     space.begin(start)
+    lost = _lost(space)
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
     # to a single run.
-    cold, among = 0 if start else 2, range(len(space.by.lengths))
+    cold = 0 if not lost else 1 if start else 2
+    for run in range(cold):
+        space.run(0.0, space.only(lost, _noise(space, run)), LONG)
     found = space.found()
-    for run in range(RUNS):
-        ahead, shift = _ahead(space, found, among, accurate, number) if run >= cold else ([], 0.0)
-        noise = _noise(space, run)
-        begin = space.only(among, sum(ahead, (NOISE if ahead else 1.0) * noise))
-        space.run(shift, begin, LONG if run < cold or run >= PATIENCE else SHORT)
-        if run + 1 < cold:
-            continue
-        found = space.found()
-        among = _loose(found, accurate, number, neutral)
+    among = range(len(space.by.lengths)) if start else _loose(found, accurate, number, neutral)
+    for run in range(cold, RUNS):
         if not among:
-            return [space.whole(*one) for one in found.items()]
+            break
         if space.largest > MOST:
             space.begin(summed([space.whole(*one) for one in found.items()]))
-    return None
+        ahead, shift = _ahead(space, found, among, accurate, number)
+        noise = _noise(space, run)
+        begin = space.only(among, sum(ahead, (NOISE if ahead else 1.0) * noise))
+        space.run(shift, begin, LONG if run >= PATIENCE else SHORT)
+        found = space.found()
+        among = _loose(found, accurate, number, neutral)
+    return None if among else [space.whole(*one) for one in found.items()]
+
+
+def _lost(space):
+    """Numbers of symmetries of which no mode is known, or those of the last point are far from
+    being some of this one's."""
+    known = {symmetry for symmetry, modes in space.found().items() if modes.residuals[0] < LOST}
+    return [symmetry for symmetry in range(len(space.by.lengths)) if symmetry not in known]
 
 
 def oriented(vector, operator=None):
@@ -190,7 +202,8 @@ def _loose(found, accurate, number, neutral):
     values = np.sort(np.concatenate([modes.values.real for modes in found.values()]))
     last = values[min(number, len(values) - 1)]
     return [symmetry for symmetry, modes in found.items()
-            if _uncertain(modes, neutral) or (accurate is not None
+            if _uncertain(modes, neutral)
+            or (accurate is not None
                                               and _inaccurate(modes, accurate, last))]
 
 

@@ -198,3 +198,22 @@ def test_runs_in_the_library_span_what_numpys_span(name):
             expected = turned @ other._products[held, held] @ turned.T
             np.testing.assert_allclose(one._products[held, held], expected,
                                        atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("step", [0.25, 0.4])
+def test_no_symmetry_loses_its_leading_mode_from_point_to_point(step, tmp_path):
+    """Of two spots whose edges pass several nodes in a step: modes of the last point are far from
+    those of the next, and those of one symmetry no nearer to its first than to its second."""
+    places = 4.0 * np.pi * np.arange(-32, 32) / 64
+    np.save(tmp_path / "two.npy", 1.5 * np.cos(places))
+    scene = Scene(points=64, period=16.0, normal_maugis=2.2, height=np.inf, geometry="file",
+                  geometry_file=str(tmp_path / "two.npy"))
+    made = Branch(scene, Load(start="normal_displacement=-1.4", path="normal_displacement=0.3"),
+                  Steps(stability="eigenvalue", initial_step=(step,), largest_step=(step,)), Form(),
+                  log=lambda sentence: None)
+    points = list(made)
+    assert len(points) > 4
+    for point in points:
+        value = Cell(made.contact, point).eigenvalues()[0]
+        assert value.real > 0.01 and point.stable == 1
+        assert abs(point.leading_eigenvalue - value) < 3e-3
