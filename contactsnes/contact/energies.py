@@ -26,7 +26,7 @@ import numpy as np
 from ..interface.laws.law import slip_of
 from ..kernels import points
 from .states import onto
-from .work_along import gauss, held, line_work
+from .work_along import apart, gauss, held, line_work
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -221,10 +221,12 @@ class PathEnergies:
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
         along = [np.array([getattr(other, name) for other in entries])
                  for name in ("displacements", "forces")]
-        external = (points.line_work if self.contact.kernels.compiled else line_work)(
-            *along, self._give, self._weights, first, gauss(len(entries)))
-        external = held(external, *along, self._weights, first)
         point, before = entry.point, entries[first].point
+        kept, first = apart(*along, self._give, first)
+        along = [values[kept] for values in along]
+        external = (points.line_work if self.contact.kernels.compiled else line_work)(
+            *along, self._give, self._weights, first, gauss(len(kept)))
+        external = held(external, *along, self._weights, first)
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)

@@ -4,6 +4,10 @@ from functools import cache
 
 import numpy as np
 
+TWINS = 1e-4
+"""Part of a step below which points are too near to each other to tell of a slope: what solves
+leave of their balances would make one."""
+
 
 @cache
 def gauss(count):
@@ -60,6 +64,25 @@ def line_work(displacements, forces, give, weights, first, rule):
     places = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(along, axis=0), axis=1)))
     basis, slopes = line_rule(places, first, rule)
     return np.vdot(weights[:, None] * (forces.T @ basis), displacements.T @ slopes)
+
+
+def apart(displacements, forces, give, first):
+    """(numbers of points, place of ``first`` among them): without those that are `TWINS` of others
+    beside the way from point number ``first`` of a path to its last one.
+
+    Parameters
+    ----------
+    displacements, forces, give : as of `line_work`
+    first : int, which stays, as the last one does
+    """
+    along = np.concatenate([displacements, give * forces], axis=1)
+    last = len(along) - 1
+    least, kept = TWINS * np.linalg.norm(along[last] - along[first]), [first, last]
+    for number in range(last - 1, -1, -1):
+        if number != first and np.linalg.norm(along[kept] - along[number], axis=1).min() > least:
+            kept.append(number)
+    kept.sort()
+    return kept, kept.index(first)
 
 
 def held(work, displacements, forces, weights, first):

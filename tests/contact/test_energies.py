@@ -12,7 +12,7 @@ from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import PathEnergies, stored, straight
 from contactsnes.contact.observables import observe
-from contactsnes.contact.work_along import gauss, held, line_rule, line_work
+from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
 
@@ -149,6 +149,26 @@ def test_polynomials_that_swing_give_way_to_chords(soft, give, swings):
     errors = np.array(errors)
     assert np.all(errors[:, 1] <= errors[:, 0] + 1e-15)
     assert np.any(errors[:, 1] < 0.2 * errors[:, 0]) == swings
+
+
+@pytest.mark.parametrize("twin", [1, 2])
+def test_twins_on_a_path_tell_of_no_slope(twin):
+    """Two bifurcations at one place, say, which are as far from each other as their balances are
+    from exact ones: the force a exp(-a) against a, whose integral is known."""
+    gaps = np.array([0.7, 0.8, 0.8, 0.9])
+    gaps[twin] += 3e-7
+    forces, rounding = gaps * np.exp(-gaps), np.array([0.0, 1e-8, -1e-8, 0.0])
+    along, unit = (gaps[:, None], (forces + rounding * 10.0)[:, None]), np.ones(1)
+    first = 2
+    done = lambda a: 1.0 - (1.0 + a) * np.exp(-a)
+    exact = done(gaps[-1]) - done(gaps[first])
+    kept, place = apart(*along, unit, first)
+    assert (kept, place) == ([0, 2, 3], 1)
+    swung, work = (line_work(*(values[numbers] for values in along), unit, unit, begin,
+                             gauss(len(numbers)))
+                   for numbers, begin in (([0, 1, 2, 3], first), (kept, place)))
+    assert abs(work - exact) < 1e-3 * exact < abs(swung - exact)
+    assert apart(gaps[[0, 1, 3], None], along[1][[0, 1, 3]], unit, 0) == ([0, 1, 2], 0)
 
 
 def test_works_of_a_steep_fall_stay_near_what_is_stored():
