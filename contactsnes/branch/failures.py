@@ -87,8 +87,11 @@ class Resolution:
         pinned = self._bound(sheared) > PINNING or sharpened
         self._tell(point, jumped, found if sharpened else None, crowded, pinned, sheared,
                    alternating)
-        self.last = point
-        return point.changed(resolved=int(point.resolved and not (jumped or pinned or coarse)))
+        # a further event of a point is as much resolved as the point itself
+        same = self.last is None or point.state is not self.last.state or self.last.resolved
+        self.last = point.changed(resolved=int(point.resolved and same
+                                               and not (jumped or pinned or coarse)))
+        return self.last
 
     def _tell(self, point, jumped, sharpened, crowded, pinned, sheared, alternating):
         """Say why a point is not resolved.

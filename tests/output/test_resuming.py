@@ -64,6 +64,7 @@ def test_a_path_goes_on_after_every_point_of_its_jumps(kind):
     points = list(branch)
     events = [point.event for point in points]
     assert [event for event in events if event] == ["fold", "jump", "fold", "jump", "pull_off"]
+    assert points[-1].position == 1.0 and points[events.index("pull_off")].resolved == 0
     for done in (place + 1 for place, event in enumerate(events) if event in ("fold", "jump")):
         history = [branch.restored(branch.packed(point)) for point in points[max(0, done - 4):done]]
         rest = list(Branch(scene, load, steps, history=history))
@@ -71,6 +72,8 @@ def test_a_path_goes_on_after_every_point_of_its_jumps(kind):
                 == [event for event in events[done:] if event])
         ends = [(found[-1].forces[0], found[-1].dissipated_work) for found in (points, rest)]
         np.testing.assert_allclose(*ends, rtol=1e-6, atol=1e-8)
+        assert ([(point.event, point.resolved) for point in rest if point.event]
+                == [(point.event, point.resolved) for point in points[done:] if point.event])
         if events[done] == "jump":
             assert ((rest[0].load == history[-1].load).all()
                     and rest[0].forces == pytest.approx(points[done].forces, abs=1e-7))
