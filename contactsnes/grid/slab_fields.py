@@ -9,6 +9,8 @@ from . import parted
 from .fields import Fields
 from .slab_transform import share
 
+SOWN = 16
+"""Rows whose random numbers are of one generator: to make one takes as long as a row."""
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
 
@@ -167,9 +169,12 @@ class SlabFields(Fields):
         return found
 
     def noise(self, count, seed):
-        """Random numbers (count, rows, columns), each row's its own."""
-        found = np.empty((count, self.rows.count, self.shape[1]))
-        for k, row in enumerate(self.rows.numbers):
-            found[:, k] = np.random.default_rng((seed, row)).standard_normal(
-                (count, self.shape[1]))
+        """Random numbers (count, rows, columns), those of a row the same whoever has it."""
+        found, first = np.empty((count, self.rows.count, self.shape[1])), self.rows.first
+        for begin in range(first - first % SOWN, first + self.rows.count, SOWN):
+            sown = np.random.default_rng((seed, begin)).standard_normal(
+                (SOWN, count, self.shape[1]))[max(first - begin, 0):]
+            place = max(begin - first, 0)
+            here = found[:, place:place + len(sown)]
+            here[...] = sown[:here.shape[1]].swapaxes(0, 1)
         return found

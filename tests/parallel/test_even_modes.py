@@ -24,6 +24,9 @@ scene = Scene(points=shape, period=(12.0, 9.0), dimension=2, geometry="sphere", 
               normal_maugis=2.0, tangential_maugis=2.0, residual_friction=0.5)
 shared = Contact(scene, grid=Slabs(shape, scene.periods, MPI.COMM_WORLD))
 alone = Contact(scene, kernels=chosen(False))
+whole = Slabs(shape, scene.periods, MPI.COMM_SELF).noise(2, 7)
+assert np.array_equal(shared.grid.noise(2, 7), shared.grid.part_of(whole))
+assert len(np.unique(whole)) == whole.size
 x, y = alone.grid.coordinates()
 pressed = -1.2 * np.exp(-alone.initial_gap / 3.0)
 # (the body is coupled: what a mirror stands across is odd)
