@@ -124,6 +124,9 @@ def ineffective(scene, load, names, form=Form(), output=Output(), estimates=Fals
               "the path begins without a contact"),
              ("contact_window", by_force, whole),
              ("contact_cascade", by_force, whole),
+             *((f"contact_{name}", by_force, "it goes before solves of the displacement form")
+               for name in ("first", "first_tolerance")),
+             ("contact_first_tolerance", form.first == "none", "-contact_first is none"),
              ("contact_linear_precision", by_force, "the force form is solved in double precision"),
              ("archive_fields", not output.file, "there is no -archive_file"),
              *((f"archive_{name}", not output.file or output.fields == "none", "no fields are kept")

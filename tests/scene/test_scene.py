@@ -398,7 +398,9 @@ def test_coupling_of_the_incompressible_layer_is_counted_down_to_rounding(height
                                                (dict(), "normal_force=1", "scene_amplitude"),
                                                (dict(geometry="flat"), "normal_force=1",
                                                 "scene_geometry_file"),
-                                               (dict(), "normal_force=1", "archive_resume")])
+                                               (dict(), "normal_force=1", "archive_resume"),
+                                               (dict(), "normal_force=1",
+                                                "contact_first_tolerance")])
 def test_options_without_effect_are_named(scene, load, name):
     found = ineffective(Scene(**scene), Load(path=load), {name, "scene_poisson", "snes_monitor"})
     assert [entry[0] for entry in found] == [name] and found[0][1]
@@ -412,6 +414,10 @@ def test_options_with_effect_are_not_named():
     assert ineffective(scene, load, names, output=Output(file="a.h5")) == []
     assert ineffective(scene, load, {"contact_window"},
                        Form(form="force"))[0][0] == "contact_window"
+    first = {"contact_first", "contact_first_tolerance"}
+    assert ineffective(scene, load, first, Form(first="relaxation")) == []
+    assert {name for name, why in ineffective(
+        scene, load, first, Form(first="relaxation", form="force"))} == first
 
 
 # Resolution of the cohesive zone
