@@ -76,10 +76,14 @@ def apart(displacements, forces, give, first):
     first : int, which stays, as the last one does
     """
     along = np.concatenate([displacements, give * forces], axis=1)
-    last = len(along) - 1
-    least, kept = TWINS * np.linalg.norm(along[last] - along[first]), [first, last]
+    between, last = along[:, None] - along, len(along) - 1
+    squares = np.einsum("ijk,ijk->ij", between, between)
+    least, kept = TWINS ** 2 * squares[first, last], [first, last]
+    squares.flat[::last + 2] = np.inf
+    if squares.min() > least:
+        return list(range(last + 1)), first
     for number in range(last - 1, -1, -1):
-        if number != first and np.linalg.norm(along[kept] - along[number], axis=1).min() > least:
+        if number != first and squares[number, kept].min() > least:
             kept.append(number)
     kept.sort()
     return kept, kept.index(first)
