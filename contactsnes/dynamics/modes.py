@@ -203,8 +203,7 @@ def _loose(found, accurate, number, neutral):
     last = values[min(number, len(values) - 1)]
     return [symmetry for symmetry, modes in found.items()
             if _uncertain(modes, neutral)
-            or (accurate is not None
-                                              and _inaccurate(modes, accurate, last))]
+            or accurate is not None and _inaccurate(modes, accurate, last)]
 
 
 def _uncertain(modes, neutral):
