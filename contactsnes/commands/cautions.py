@@ -1,6 +1,6 @@
 """What speaks against a scene before it is solved, in sentences: a grid that is too coarse, more
-processes than it has rows, heights that step at the seam of their cell, are in another unit or on a
-map of another size than given."""
+processes than it has rows, a displacement that is out of reach, heights that step at the seam of
+their cell, are in another unit or on a map of another size than given."""
 
 import math
 
@@ -22,7 +22,7 @@ def cautions(settings, contact):
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
     return (*((sentence,) if sentence else ()), *_idle(contact.grid),
-            *of_surface(settings.scene, contact.grid))
+            *of_surface(settings.scene, contact.grid), *_depth(settings.load, contact))
 
 
 def _idle(grid):
@@ -30,6 +30,23 @@ def _idle(grid):
     if grid.idle:
         yield (f"the plane has {grid.shape[0]} rows (-scene_points), of which {grid.idle} of "
                f"{grid.comm.size} processes have none: these have nothing to do")
+
+
+def _depth(load, contact):
+    """A sentence on normal displacements that press the mean surface of a cell, which they are
+    those of, deeper into the flat than the law is followed at its deepest node."""
+    if not load.path or contact.isolated or contact.body.rigid_compliance[0]:
+        return
+    scene, deepest = contact.scene, contact.law.deepest
+    reached = max((value for control, value in (controls.get(0, ("", None)) for controls in (
+        scene.initial(load), *(leg.controls for leg in scene.legs(load))))
+        if control == "displacement" and value is not None), default=-math.inf)
+    possible = contact.grid.mean(contact.initial_gap) - deepest
+    if reached * contact.ranges[0] > possible:
+        yield (f"normal_displacement {scene.short(reached, 'u_n,r')} is out of reach: body and "
+               f"flat would overlap by more than {-deepest:g} ranges of the law in the mean, as "
+               f"beyond {scene.short(possible / contact.ranges[0], 'u_n,r')}; is it in the unit of "
+               "the scene?")
 
 
 def of_surface(scene, grid=None):

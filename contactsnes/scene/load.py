@@ -11,7 +11,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from ..options.fields import LARGEST, InputError, Options, computable, meant, number, option
+from ..options.fields import (
+    LARGEST,
+    WITH_UNIT,
+    InputError,
+    Options,
+    computable,
+    meant,
+    number,
+    option,
+)
 
 
 class Quantity(NamedTuple):
@@ -104,7 +113,8 @@ def _value(text, piece, source, hold):
             raise ValueError
     except ValueError:
         kinds = (f"a finite number{', or hold' if hold else ''}, of a size from "
-                 f"{1 / LARGEST:g} to {LARGEST:g}")
+                 f"{1 / LARGEST:g} to {LARGEST:g}" + ", without its unit" * bool(
+                     WITH_UNIT.fullmatch(text)))
         raise InputError(
             f"{source} has no number after '=' in '{piece}': allowed is {kinds}") from None
     return value

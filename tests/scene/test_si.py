@@ -376,7 +376,7 @@ def test_heights_of_a_file_are_in_metres(tmp_path):
                           ([*OPTIONS, "-scene_contact_modulus", "2 MPa"], "'2 MPa'"),
                           (OPTIONS[2:], "add -scene_units si"),
                           ([*OPTIONS, "-load_path", "normal_force=2N"],
-                           "no number after '=' in 'normal_force=2N'")])
+                           "to 1e+30, without its unit")])
 def test_bad_input_has_status_2(tmp_path, words, sentence):
     done = call("info", *words, folder=tmp_path)
     assert (done.returncode == 2 and sentence in done.stderr

@@ -1,0 +1,45 @@
+"""What speaks against a scene before it is solved: displacements that are out of reach."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from contactsnes import Contact, Load, Scene
+from contactsnes.commands.cautions import cautions
+
+SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
+          contact_modulus=2e6, radius=0.01, range_normal=0.8e-6, range_tangential=0.6e-6,
+          period=0.006, height=0.2, points=1024)
+
+
+def told(scene, **load):
+    """Sentences on the loads of a scene."""
+    return [sentence for sentence in cautions(SimpleNamespace(scene=scene, load=Load(**load)),
+                                              Contact(scene)) if "out of reach" in sentence]
+
+
+@pytest.mark.parametrize("law, deepest", [("modified", 30.0), ("dugdale", 3.0)])
+def test_a_displacement_beyond_all_overlap_is_told(law, deepest):
+    """The mean of x^2/2 over the nodes of a cell, and the overlap that the law is followed to."""
+    scene = Scene(points=256, period=30.0, normal_maugis=2.0, law=law)
+    x = [(i - 128) * 30.0 / 256 for i in range(256)]
+    limit = sum(each ** 2 for each in x) / 512 + deepest / 2.0
+    assert not told(scene, path=f"normal_displacement={limit - 0.1}; normal_force=4")
+    (sentence,) = told(scene, path=f"normal_displacement={limit + 0.1}; normal_force=4")
+    assert f"beyond {limit:.4g} u_n,r" in sentence
+    assert told(scene, start=f"normal_displacement={limit + 0.1}", path="normal_force=1")
+
+
+def test_metres_in_place_of_micrometres_are_told():
+    """R = 10 mm: (L/2)^2 / 6 R and 30 ranges of 0.8 um."""
+    scene = Scene.typed(**SI)
+    assert not told(scene, path="normal_displacement=5e-6")
+    (sentence,) = told(scene, path="normal_displacement=5")
+    assert sentence.startswith("normal_displacement 5 m is out of reach")
+    assert f"beyond {0.003 ** 2 / 0.06 * 1e6 + 24:.4g} µm" in sentence
+
+
+def test_where_the_displacement_is_not_that_of_the_mean_surface_nothing_is_told():
+    scene = Scene(points=256, period=30.0, normal_maugis=2.0, poisson=0.3)
+    assert not told(scene, path="normal_displacement=3000")
+    assert not told(scene)
