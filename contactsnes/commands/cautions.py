@@ -41,7 +41,7 @@ def _depth(load, contact):
     reached = max((value for control, value in (controls.get(0, ("", None)) for controls in (
         scene.initial(load), *(leg.controls for leg in scene.legs(load))))
         if control == "displacement" and value is not None), default=-math.inf)
-    possible = contact.grid.mean(contact.initial_gap) - deepest
+    possible = contact.grid.mean(contact.initial_gap.ravel()) - deepest
     if reached * contact.ranges[0] > possible:
         yield (f"normal_displacement {scene.short(reached, 'u_n,r')} is out of reach: body and "
                f"flat would overlap by more than {-deepest:g} ranges of the law in the mean, as "

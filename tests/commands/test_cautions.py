@@ -30,6 +30,16 @@ def test_a_displacement_beyond_all_overlap_is_told(law, deepest):
     assert told(scene, start=f"normal_displacement={limit + 0.1}", path="normal_force=1")
 
 
+def test_a_plane_has_one_mean_gap():
+    """The mean of (x^2 + y^2)/2 over the nodes of two directions, and 30 ranges."""
+    scene = Scene(dimension=2, geometry="sphere", points=(64, 32), period=(16.0, 12.0),
+                  normal_maugis=2.0)
+    limit = 15.0 + sum(sum(((i - n // 2) * length / n) ** 2 for i in range(n)) / (2 * n)
+                       for n, length in ((64, 16.0), (32, 12.0)))
+    assert not told(scene, path=f"normal_displacement={limit - 0.1}")
+    assert told(scene, path=f"normal_displacement={limit + 0.1}")
+
+
 def test_metres_in_place_of_micrometres_are_told():
     """R = 10 mm: (L/2)^2 / 6 R and 30 ranges of 0.8 um."""
     scene = Scene.typed(**SI)
