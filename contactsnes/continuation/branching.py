@@ -45,37 +45,46 @@ def followed(system, stability, leg, critical, beyond):
             failure = failure or error
             continue
         if system.missed(beyond.state, reached.state) >= APART * system.missed(beyond.state, start):
-            return _branched(system, stability, leg, critical, beyond, reached)
+            return _branched(system, stability, leg, critical, beyond, (reached, kick))
     if failure is not None:
         raise failure
     system.log(f"the motion {where} led back to it")
     return None
 
 
-def _branched(system, stability, leg, critical, beyond, reached):
+def _branched(system, stability, leg, critical, beyond, found):
     """What a motion beside a branch reached: a point of another branch that begins at the
     bifurcation, or a jump there.
 
-    What is stable beyond the bifurcation need not be so under its load, where the jump is: from
-    there motion goes on.
+    A jump ends where motion under the bifurcation's load leads to: what motion beyond it passes
+    need not be all that is on the way, and what is stable there need not be so here.
 
     Parameters
     ----------
     system, stability, leg, critical, beyond : as of `followed`
-    reached : Point, under the load of ``beyond``
+    found : (Point, kick) that motion reached under the load of ``beyond``, and how it began
     """
+    (reached, kick), load = found, leg.load(critical.position)
     reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
     try:
-        there = system.solve(reached.state, leg.controls, leg.load(critical.position))
+        there = system.solve(reached.state, leg.controls, load)
+        if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
+                                                                               reached.state):
+            return reached
     except NotConverged:
+        there = None
+    where = f"at {system.told(leg.controls, load)}, off the bifurcation"
+    start = system.kicked(critical, stability.aside(critical), kick)
+    try:
+        end = system.settle(start, leg.controls, load, where, critical.state)
+        if system.missed(critical.state, end.state) >= APART * system.missed(critical.state, start):
+            there = end
+    except (NotConverged, NoEquilibrium) as error:
+        system.log(f"{error}; taking what motion beyond it leads to")
+    if there is None:
         return reached
-    if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
-                                                                           reached.state):
-        return reached
-    where = f"at {system.told(leg.controls, leg.load(critical.position))}, off the bifurcation"
-    there = settled(system, stability, there, where)
-    return replace(there, leg=leg.number, position=critical.position, step=leg.initial,
-                   event="jump")
+    return replace(settled(system, stability, there, where), leg=leg.number,
+                   position=critical.position, step=leg.initial, event="jump")
 
 
 def settled(system, stability, point, where):

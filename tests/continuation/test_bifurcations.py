@@ -291,6 +291,23 @@ def test_a_jump_at_a_bifurcation_ends_where_a_body_rests_under_its_load():
     assert np.abs(jump.state) == pytest.approx([0.5, 1.0, np.sqrt(0.1)], rel=1e-6)
 
 
+def test_a_jump_at_a_bifurcation_ends_in_the_first_state_on_its_way():
+    """v q with q = 1/2 - load + s ((s - 1) (s - 2) (s - 4) - 300 (load - 1/2)), s = v^2: under the
+    load 1/2 itself v comes to 1; beyond the bifurcation nothing holds it there, but at 2."""
+    hill = np.polynomial.Polynomial.fromroots([0.0, 1.0, 2.0, 4.0])
+    q = lambda s, load: 0.5 - load + hill(s) - 300.0 * s * (load - 0.5)
+    slope = lambda s, load: hill.deriv()(s) - 300.0 * (load - 0.5)
+    problem = Problem(
+        lambda x, load: np.array([x[0] - load, x[1] * q(x[1] ** 2, load)]),
+        lambda x, load: np.diag([1.0, q(x[1] ** 2, load)
+                                 + 2.0 * x[1] ** 2 * slope(x[1] ** 2, load)]),
+        lambda x, load: np.array([-1.0, -x[1] * (1.0 + 300.0 * x[1] ** 2)]))
+    points, _ = followed_steps(problem, (0.0, 0.7), at_bifurcation="follow", at_fold="stop")
+    jump = next(point for point in points if point.event == "jump")
+    assert jump.load[-1] == pytest.approx(0.5, rel=1e-8) and jump.stable == 1
+    assert np.abs(jump.state) == pytest.approx([0.5, 1.0], rel=1e-6)
+
+
 def test_a_mode_that_is_neutral_at_one_end_crosses_zero_elsewhere_if_at_all():
     """Behind the limit of a branch that ends in a pitchfork its mode grows out of rounding."""
     class Values:
