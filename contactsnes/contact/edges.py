@@ -211,9 +211,10 @@ def carried(contact, changes, origin, state):
         part, _ = _near_part(contact, window, normal_gap(contact, state))
         places = known[0] + nodes_between(window, origin.window)[:, None]
         together.displacement[0] -= contact.gap_on(together.window)
-        together = wider(together, window)
+        if isinstance(together.window, Nodes):
+            together = wider(together, window)
         window.box(fixed)[(slice(None), *part)] = _stretched(contact, together, window, places,
-                                                             known[1], part, widened=True)
+                                                             known[1], part)
     return [State(window, field, change.means)
             for field, change in zip(fixed.reshape(len(changes), count, -1), changes)]
 

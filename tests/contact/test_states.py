@@ -353,6 +353,24 @@ def test_following_the_edge_does_not_depend_on_where_the_contact_lies(shift):
     np.testing.assert_allclose(predictions[1], predictions[0], atol=1e-9)
 
 
+@pytest.mark.parametrize("reach", [46, 60, 120, POINTS // 2 - 1])
+def test_small_changes_are_carried_along_with_the_edges(reach):
+    """Between the edges a change is stretched with them, on a window that is hardly wider than the
+    contact, too; to another window, and with its means."""
+    contact = line()
+    window = Window(contact.grid, (POINTS // 2 - reach,), (2 * reach + 1,))
+    other = Window(contact.grid, (POINTS // 2 - 50,), (101,))
+    origin, state = parabola(contact, window, 2.0), parabola(contact, other, 2.2)
+    before, after = (nodes.coordinates()[0] / half for nodes, half in ((window, 2.0), (other, 2.2)))
+    changes = [states.State(window, np.array([np.cos(turn * before)]), np.array([turn]))
+               for turn in (1.0, 2.0)]
+    within = np.abs(after) < 0.95
+    for turn, found in zip((1.0, 2.0), following.carried(contact, changes, origin, state)):
+        assert found.window == other and found.means == turn
+        np.testing.assert_allclose(found.displacement[0, within], np.cos(turn * after)[within],
+                                   atol=2e-3)
+
+
 def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
     contact = line()
     window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
