@@ -127,22 +127,21 @@ def line_weights(count, closed):
     return line
 
 
-def negate(field, axis, numbers, count, closed):
+def negate(field, axis, before, vanishing):
     """Turn an even field into an odd one along an axis, in place: it changes its sign before the
-    apex, and vanishes there.
+    apex, and vanishes there and where the cell closes on itself.
 
     Parameters
     ----------
     field : array
     axis : int
-    numbers : of the nodes along it, in a window about the apex
-    count, closed : nodes of that window, and whether the cell closes on itself there
+    before : what picks the nodes along it that come before the apex
+    vanishing : list of what picks those where it vanishes
     """
-    nodes = np.moveaxis(field, axis, 0)
-    nodes[numbers < count // 2] *= -1.0
-    nodes[numbers == count // 2] = 0.0
-    if closed:
-        nodes[numbers == 0] = 0.0
+    nodes = field.swapaxes(axis, 0)
+    nodes[before] *= -1.0
+    for places in vanishing:
+        nodes[places] = 0.0
 
 
 def halved(window, parities=None):
@@ -260,7 +259,8 @@ class EvenWindow:
         for field, signs in zip(found, self.parities or () if found.ndim > 1 else ()):
             for axis, (n, odd) in enumerate(zip(self.full.shape, signs)):
                 if odd < 0:
-                    negate(self.full.box(field), axis, np.arange(n), n, self.closed[axis])
+                    negate(self.full.box(field), axis, slice(n // 2),
+                           [n // 2, 0] if self.closed[axis] else [n // 2])
         return found
 
     def around(self, values, part):

@@ -84,7 +84,9 @@ class SlabEven(EvenWindow):
         for field, signs in zip(found, self.parities or () if found.ndim > 2 else ()):
             for axis, odd in enumerate(signs):
                 if odd < 0:
-                    negate(field, axis, numbers[axis], self.full.extents[axis], self.closed[axis])
+                    own, middle = numbers[axis], self.full.extents[axis] // 2
+                    negate(field, axis, own < middle,
+                           [own == middle, own == 0] if self.closed[axis] else [own == middle])
         return found.reshape(*values.shape[:-1], self.full.size)
 
     def _along(self, box, places, axis):
