@@ -9,6 +9,7 @@ from ..interface import shapes
 from ..interface.gap import refuse_contact_at_edge
 from ..kernels.choice import chosen
 from ..scene.isolation import check_form, largest_force
+from ..system.processes import end_together
 
 
 def shared_grid(scene):
@@ -20,6 +21,7 @@ def shared_grid(scene):
 
     from ..grid.slabs import Slabs
 
+    end_together()
     return Slabs(scene.shape, scene.periods, MPI.COMM_WORLD)
 
 

@@ -9,6 +9,7 @@ import os
 import sys
 import time
 from contextlib import suppress
+from functools import cache
 from importlib.util import find_spec
 
 import numpy as np
@@ -205,6 +206,23 @@ class World:
                 for line in errors if line not in ends[0][1]))
             sys.stderr.flush()
         return max(status for status, _ in ends)
+
+
+@cache
+def end_together():
+    """From now on an exception that ends the program of one process ends those of all: the
+    others would wait for it for ever. (What ends a command is told by its `World`.)"""
+    from mpi4py import MPI
+
+    before = sys.excepthook
+
+    def ended(kind, error, traceback):
+        before(kind, error, traceback)
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        MPI.COMM_WORLD.Abort(1)
+
+    sys.excepthook = ended
 
 
 world = World()

@@ -210,3 +210,20 @@ def test_a_process_that_is_killed(number, tmp_path):
     done = run.ended(60.0)
     assert done.returncode == 128 + number and "Traceback" not in done.stderr, done.stderr
     assert read(tmp_path / "run.h5").points > 1 and not members(run.process.pid)
+
+
+@together
+def test_an_exception_in_one_process_of_a_script_ends_all(tmp_path):
+    done = program(2, """
+import petsc4py
+petsc4py.init([])
+from petsc4py import PETSc
+from contactsnes import Branch, Load, Scene
+
+scene = Scene(dimension=2, geometry="sphere", points=32, period=12.0, height=float("inf"))
+for point in Branch(scene, Load("normal_displacement=0", "normal_displacement=0.4")):
+    print("a point", flush=True)
+    if PETSc.COMM_WORLD.rank:
+        raise ValueError("of mine")""", tmp_path)
+    assert done.returncode == 1 and "ValueError: of mine" in done.stderr
+    assert 1 <= done.stdout.count("a point") <= 4
