@@ -143,9 +143,18 @@ def catches(process, number):
     return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1
 
 
+@pytest.fixture
+def default_signals():
+    """Signals with their usual handlers: those that a job in the background ignores, too."""
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in streams.SIGNALS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize("moment", [1, 2, 4, 5])
 def test_a_signal_while_handlers_are_set_or_put_back_ends_a_command_with_its_number(
-        moment, monkeypatch):
+        moment, monkeypatch, default_signals):
     before, calls, set_handler = list(map(signal.getsignal, streams.SIGNALS)), [], signal.signal
 
     def watched(number, handler):
