@@ -105,7 +105,8 @@ def number(text, convert=float):
 def nearest(name, names, cutoff=0.4):
     """The one of some names that a name most likely stands for, or an empty text where none is
     like it: one that a slip of the finger tells apart, else one that has all its words, in
-    whatever order (scene_maugis: scene_normal_maugis), else the one that looks most like it.
+    whatever order (scene_maugis: scene_normal_maugis), else one that begins with it, else the one
+    that looks most like it.
 
     Parameters
     ----------
@@ -115,9 +116,10 @@ def nearest(name, names, cutoff=0.4):
     """
     names, words = list(names), set(name.split("_"))
     having_all = [other for other in names if words <= set(other.split("_"))]
+    longer = [other for other in names if len(name) > 2 and other.startswith(name)]
     return next(chain.from_iterable(
         difflib.get_close_matches(name, among, n=1, cutoff=max(cutoff, least))
-        for among, least in ((names, SLIP), (having_all, 0.0), (names, 0.0))), "")
+        for among, least in ((names, SLIP), (having_all, 0.0), (longer, 0.0), (names, 0.0))), "")
 
 
 def meant(name, names, otherwise="", prefix="", cutoff=0.4):

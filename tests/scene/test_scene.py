@@ -507,13 +507,14 @@ def test_text_of_values_reads_back():
 
 
 def test_nearest():
-    """A letter or two first, then all words, then what looks most alike."""
+    """A letter or two first, then all words, then the beginning, then what looks most alike."""
     assert nearest("poison", ("poisson", "period")) == "poisson" and nearest("qqq",
                                                                              ("poisson",)) == ""
     names = ("scene_units", "scene_heights_unit", "scene_normal_maugis")
     assert nearest("scene_unit", names) == "scene_units"
     assert nearest("scene_maugis", names) == "scene_normal_maugis"
     assert nearest("scene_maugis_of_friction", names) == "scene_normal_maugis"
+    assert nearest("leadin", ("fold_kind", "leading_eigenvalue")) == "leading_eigenvalue"
 
 
 def test_no_bound_is_a_number_or_a_word():
