@@ -110,8 +110,9 @@ def _part(scene):
     """A sentence on a map of which a part is used, or which has a margin, and whose size nothing
     but the period tells."""
     shape = shapes.of(scene)
-    if scene.geometry != "file" or scene.heights_size or shape.stated(scene):
-        return
+    if (scene.geometry != "file" or scene.heights_size
+            or not (shape.heights_crop or shape.heights_edges == "pad") or shape.stated(scene)):
+        return  # nothing is read for a map that is used as it is
     used, whole = shape.points(scene), shape.whole()
     if used != whole:
         sizes = [scene.short(length * n / m, "beta")

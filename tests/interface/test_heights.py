@@ -363,6 +363,13 @@ def test_the_period_of_a_part_of_a_map_is_told_not_to_be_the_size_of_the_map(tmp
         Scene.typed(**given, heights_size=(2.4e-4, 1.8e-4))) if "-scene_period" in text]
 
 
+def test_a_map_that_is_used_as_it_is_is_not_read_for_its_size(tmp_path, monkeypatch):
+    given = dict(SI, geometry_file=saved(tmp_path, MAP), heights_unit="nm", period=(2.4e-4, 1.8e-4))
+    scene = Scene.typed(**given)
+    monkeypatch.setattr(shapes.SHAPES["file"], "whole", lambda shape: pytest.fail("read again"))
+    assert not [text for text in cautions.of_surface(scene) if "-scene_period" in text]
+
+
 def test_a_size_from_python_has_to_be_the_period(tmp_path):
     name = saved(tmp_path, MAP)
     with pytest.raises(InputError, match="-scene_heights_size is .*Scene.typed"):
