@@ -21,7 +21,7 @@ MOST = 2 ** 18
 KINDS = ("fftw", "fftwf")
 """What FFTW's functions in double and single precision begin with."""
 
-_state = {"file": None, "made": 0, "read": 0}
+_state = {"file": None, "taken": None, "made": 0, "read": 0}
 
 
 @lru_cache(maxsize=1)
@@ -116,15 +116,24 @@ def remember(folder):
     """Take in what earlier runs learned about plans, from a file in a folder, and keep it there at
     the end; a folder that cannot be written costs nothing but time."""
     file = Path(folder) / "fftw.wisdom"
-    if _state["file"] == file:
-        return
     if _state["file"] is None:
         atexit.register(_keep)
-    _state["file"] = file
+    if _state["file"] != file:
+        _state.update(file=file, read=_state["made"])
+    _take_in(file)
+
+
+def _take_in(file):
+    """Take in what a file holds, unless that has been done since it was written."""
+    try:
+        found = file.stat()
+    except OSError:
+        return
+    written = file, found.st_mtime_ns, found.st_size
     # What is not of this FFTW is not taken; that of many scenes would take longer than their plans.
-    if file.exists() and file.stat().st_size < MOST:
+    if written != _state["taken"] and found.st_size < MOST:
         _calls().fftw_import_wisdom_from_filename(os.fsencode(file))
-    _state["read"] = _state["made"]
+    _state["taken"] = written
 
 
 def _keep():
@@ -132,6 +141,7 @@ def _keep():
     file = _state["file"]
     if _state["made"] - _state["read"] < 2:
         return
+    _take_in(file)  # runs beside this one have learned, too
     part = file.with_name(f"{file.name}.{os.getpid()}")
     with contextlib.suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)

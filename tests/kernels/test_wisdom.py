@@ -22,14 +22,15 @@ def test_it_is_kept_whole_or_not_at_all(whole, tmp_path, monkeypatch):
             return int(whole)
 
     monkeypatch.setattr(fftw, "_calls", Library)
-    monkeypatch.setattr(fftw, "_state", {"file": tmp_path / "kept", "made": 2, "read": 0})
+    monkeypatch.setattr(fftw, "_state", {"file": tmp_path / "kept", "taken": None, "made": 2,
+                                        "read": 0})
     fftw._keep()
     assert [file.name for file in tmp_path.iterdir()] == ["kept"] * whole
 
 
 def test_only_what_is_new_is_worth_a_write(monkeypatch):
     """Plans that FFTW knows how to make, from this run or earlier ones, are no reason for one."""
-    monkeypatch.setattr(fftw, "_state", {"file": None, "made": 0, "read": 0})
+    monkeypatch.setattr(fftw, "_state", {"file": None, "taken": None, "made": 0, "read": 0})
     row, waves = np.zeros(2018), np.zeros(1010, complex)
     made = []
     for single in (False, False, True):
@@ -40,7 +41,7 @@ def test_only_what_is_new_is_worth_a_write(monkeypatch):
 
 
 def test_a_long_memory_is_begun_anew(tmp_path, monkeypatch):
-    monkeypatch.setattr(fftw, "_state", {"file": None, "made": 0, "read": 0})
+    monkeypatch.setattr(fftw, "_state", {"file": None, "taken": None, "made": 0, "read": 0})
     monkeypatch.setattr(fftw.atexit, "register", lambda function: None)
     read = []
     monkeypatch.setattr(fftw, "_calls", lambda: SimpleNamespace(
@@ -51,3 +52,28 @@ def test_a_long_memory_is_begun_anew(tmp_path, monkeypatch):
         (folder / "fftw.wisdom").write_bytes(bytes(size))
         fftw.remember(folder)
     assert read == [os.fsencode(tmp_path / "short" / "fftw.wisdom")]
+
+
+def test_what_others_learned_meanwhile_is_kept_too(tmp_path, monkeypatch):
+    """A run takes a file in once, again where another one has written it: before it writes, too."""
+    monkeypatch.setattr(fftw, "_state", {"file": None, "taken": None, "made": 0, "read": 0})
+    monkeypatch.setattr(fftw.atexit, "register", lambda function: None)
+    file, calls = tmp_path / "fftw.wisdom", []
+
+    def export(name):
+        calls.append("written")
+        Path(os.fsdecode(name)).write_text("all", encoding="utf-8")
+        return 1
+
+    monkeypatch.setattr(fftw, "_calls", lambda: SimpleNamespace(
+        fftw_import_wisdom_from_filename=lambda name: calls.append(file.read_text("utf-8")),
+        fftw_export_wisdom_to_filename=export))
+    fftw.remember(tmp_path)
+    file.write_text("first", encoding="utf-8")
+    for _ in range(2):
+        fftw.remember(tmp_path)
+    fftw._state["made"] += 2
+    file.write_text("of another run", encoding="utf-8")
+    fftw._keep()
+    assert calls == ["first", "of another run", "written"]
+    assert file.read_text("utf-8") == "all"
