@@ -41,18 +41,25 @@ def _refuse(size, rank, why):
     raise InputError(f"started as {size} processes, but {why}")
 
 
+def stay_alone():
+    """Tell Open MPI, before it begins, that there will be one process, which needs no daemon, that
+    takes a good part of a second to start, nor to look for networks, which takes a fifth.
+
+    Such processes have one folder together, which one that ends may take away as another begins:
+    they need none.
+    """
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    os.environ.setdefault("OMPI_MCA_orte_create_session_dirs", "false")
+    os.environ.setdefault("OMPI_MCA_pml", "ob1")
+
+
 def begin_petsc(words):
     """Initialise PETSc with an argument list; InputError for options that it refuses, or processes
     that are not ours."""
     import petsc4py
 
     if world.size == 1:
-        # One process needs no daemon of Open MPI, which takes a good part of a second to start, nor
-        # to look for networks, which takes a fifth. Such processes have one folder together, which
-        # one that ends may take away as another begins: they need none.
-        os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
-        os.environ.setdefault("OMPI_MCA_orte_create_session_dirs", "false")
-        os.environ.setdefault("OMPI_MCA_pml", "ob1")
+        stay_alone()
     try:
         petsc4py.init(["contactsnes", *BEGINNING, *words])
     except RuntimeError as error:

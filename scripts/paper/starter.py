@@ -1,7 +1,8 @@
 """Runs commands of Python, each in a process of its own that begins with what all of them import:
 importing takes a third of a second of processor time, as long as many a run. PETSc is loaded there,
-but begins in each process with its own options. A process that has come to its end gives back to
-the system as a whole what it began with: one by one, that would have to be copied first.
+and MPI has begun, but PETSc begins in each process with its own options. A process that has come to
+its end gives back to the system as a whole what it began with: one by one, that would have to be
+copied first.
 
 As a program, with the names of modules to import, it reads a line of JSON for each command, [its
 arguments, folder, file for what it says, file for what it complains of], and answers with two: its
@@ -9,6 +10,7 @@ number, and at its end [exit status, seconds of processor time].
 """
 
 import atexit
+import ctypes
 import gc
 import importlib
 import json
@@ -18,6 +20,7 @@ import select
 import signal
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -115,10 +118,29 @@ def become_to_the_end(*command):
         os._exit(end.code)
 
 
-def serve():
-    """Start commands as they are asked for; whether this is one of them, to be run now."""
+def begin_mpi(petsc):
+    """Begin MPI as each command would for itself, in a fortieth of a second; what ends it.
+
+    Of a process alone, MPI needs no other thread: one that it has does not come along.
+    """
+    from contactsnes.commands.starting import stay_alone
+
+    stay_alone()
+    warnings.filterwarnings("ignore", ".*fork", DeprecationWarning)
+    library = ctypes.CDLL(petsc.__file__)
+    try:
+        library.MPI_Init(None, None)
+    except AttributeError:  # a PETSc without MPI
+        return lambda: None
+    return library.MPI_Finalize
+
+
+def serve(learn):
+    """Start commands as they are asked for, after what the last ones left has been learned; the one
+    that is to be run now, in a process for it."""
     for line in sys.stdin:
         command = json.loads(line)
+        learn()
         child = os.fork()
         if child == 0:
             return command
@@ -135,7 +157,7 @@ if __name__ == "__main__":
     gc.disable()
     from petsc4py.lib import ImportPETSc
 
-    ImportPETSc()
+    end_mpi = begin_mpi(ImportPETSc())
     for name in sys.argv[1:]:
         importlib.import_module(name)
 
@@ -143,6 +165,8 @@ if __name__ == "__main__":
 
     chosen()  # loads the library, and what FFTW has learned
     gc.freeze()  # a collection that looks through all of this would copy it
-    command = serve()
+    command = serve(chosen)
     if command is not None:
         become_to_the_end(*command)
+    else:
+        end_mpi()
