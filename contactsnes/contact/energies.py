@@ -24,9 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..interface.laws.law import slip_of
-from ..kernels import points
 from .states import onto
-from .work_along import apart, gauss, held, line_work
+from .work_along import MOST, path_work
 
 STICKING = 1e-6
 """Tangential gap, in ranges, that counts as none: its energy would be below rounding."""
@@ -175,7 +174,7 @@ class PathEnergies:
 
     def _keep(self, entry):
         """Keep an entry among the last ones."""
-        self.trail = [*self.trail[-3:], entry]
+        self.trail = [*self.trail[1 - MOST:], entry]
 
     def _same(self, entry, last):
         """Whether nothing has moved from one entry to the next."""
@@ -217,16 +216,13 @@ class PathEnergies:
         """The point behind a step along the branch. The first three steps of a smooth part are each
         integrated from its start."""
         steps = 1 + (last.point.smooth_steps if entry.point.leg == last.point.leg else 0)
-        entries = [*self.trail[-min(steps, 3):], entry]
+        entries = [*self.trail[-min(steps, MOST - 1):], entry]
         first = 0 if steps == len(entries) - 1 else len(entries) - 2
         along = [np.array([getattr(other, name) for other in entries])
                  for name in ("displacements", "forces")]
         point, before = entry.point, entries[first].point
-        kept, first = apart(*along, self._give, first)
-        along = [values[kept] for values in along]
-        external = (points.line_work if self.contact.kernels.compiled else line_work)(
-            *along, self._give, self._weights, first, gauss(len(kept)))
-        external = held(external, *along, self._weights, first)
+        external = path_work(*along, self._give, self._weights, first,
+                             self.contact.kernels.compiled)
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
             interface = external - (point.elastic_energy - before.elastic_energy)

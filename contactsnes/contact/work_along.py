@@ -4,6 +4,10 @@ from functools import cache
 
 import numpy as np
 
+from ..kernels import points
+
+MOST = 4
+"""Points that tell of a curve, at most."""
 TWINS = 1e-4
 """Part of a step below which points are too near to each other to tell of a slope: what solves
 leave of their balances would make one."""
@@ -13,6 +17,28 @@ leave of their balances would make one."""
 def gauss(count):
     """Gauss and Legendre's rule of so many points: places in -1 to 1, and their shares."""
     return np.polynomial.legendre.leggauss(count)
+
+
+@cache
+def rules():
+    """Those of two points on, the places of each before its shares."""
+    return np.concatenate([part for count in range(2, MOST + 1) for part in gauss(count)])
+
+
+def path_work(displacements, forces, give, weights, first, compiled):
+    """Work of forces over displacements from point number ``first`` of a path to its last one:
+    `line_work` of the points that are `apart`, as far as it can be ``held``.
+
+    Parameters
+    ----------
+    displacements, forces, give, weights, first : as of `line_work`
+    compiled : bool, whether the library is asked
+    """
+    if compiled:
+        return points.path_work(displacements, forces, give, weights, first, TWINS, rules())
+    kept, first = apart(displacements, forces, give, first)
+    along = displacements[kept], forces[kept]
+    return held(line_work(*along, give, weights, first, gauss(len(kept))), *along, weights, first)
 
 
 def line_rule(places, first, rule):

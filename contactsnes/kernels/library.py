@@ -173,12 +173,12 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "end_imbalance": [_pointer, _pointer, _pointer, _double, _pointer, _pointer],
          "crossings": [_long, _pointer, _double, _long, _pointer, _pointer],
          "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
-         "line_work": [_long, _long, _long, *[_pointer] * 6],
+         "path_work": [_long, _long, _long, *[_pointer] * 4, _double, _pointer],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
 RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "add_changed", "alternation",
-                             "line_work"), _double),
+                             "path_work"), _double),
             "crossings": _long}
 """What returns something else."""

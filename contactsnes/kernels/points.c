@@ -537,26 +537,53 @@ double alternation(long outer, long count, long wide, const double *values, int 
 
 enum { POINTS = 4 }; /* of a path, at most */
 
-/* Work of forces over displacements (count, m), weighted by component, from point number `first` of a path
-   to its last one: polynomials through all, by distance along them, of which a force counts by how much
-   gives way to it. points, shares: Gauss and Legendre's rule of as many points, which is exact.
-   (Lagrange's polynomials are summed up first: next to each other they make large numbers that cancel.) */
-double line_work(long count, long first, long m, const double *displacements, const double *forces,
-                 const double *give, const double *weights, const double *points, const double *shares)
+typedef struct { /* points of a path: displacements and forces (count, m), by how much gives way to a force of
+                    each component, and what it does in a common unit */
+    long count, m;
+    const double *displacements, *forces, *give, *weights;
+} Path;
+
+/* Square of the distance between two points, in which a force counts by how much gives way to it. */
+static double square_between(const Path *p, long one, long other)
 {
-    double place[POINTS] = {0}, work = 0.0;
-    for (long k = 1; k < count; k++) {
-        double squares = 0.0;
-        for (long i = 0; i < m; i++) {
-            const double moved = displacements[k * m + i] - displacements[(k - 1) * m + i];
-            const double pushed = give[i] * forces[k * m + i] - give[i] * forces[(k - 1) * m + i];
-            squares += moved * moved + pushed * pushed;
-        }
-        place[k] = place[k - 1] + sqrt(squares);
+    double sum = 0.0;
+    for (long i = 0; i < p->m; i++) {
+        const double moved = p->displacements[other * p->m + i] - p->displacements[one * p->m + i];
+        const double pushed = p->give[i] * p->forces[other * p->m + i] - p->give[i] * p->forces[one * p->m + i];
+        sum += moved * moved + pushed * pushed;
     }
+    return sum;
+}
+
+/* Marks the points without those that are `twins` of others beside the way from point number `first` to the
+   last one; both stay. */
+static void without_twins(const Path *p, long first, double twins, int *kept)
+{
+    const long last = p->count - 1;
+    const double least = twins * twins * square_between(p, first, last);
+    int all = 1;
+    for (long k = 0; k < p->count; k++)
+        for (long other = 0; other < k; other++) all &= square_between(p, k, other) > least;
+    for (long k = 0; k < p->count; k++) kept[k] = all || k == first || k == last;
+    for (long k = last - 1; k >= 0 && !all; k--) {
+        int alone = k != first;
+        for (long other = 0; other < p->count; other++)
+            alone &= !kept[other] || square_between(p, k, other) > least;
+        kept[k] |= alone;
+    }
+}
+
+/* Work from point number `first` of a path to its last one: polynomials through all, by distance along them.
+   points, shares: Gauss and Legendre's rule of as many points, which is exact. (Lagrange's polynomials are
+   summed up first: next to each other they make large numbers that cancel.) */
+static double line_work(const Path *p, long first, const double *points, const double *shares)
+{
+    const long count = p->count, m = p->m;
+    double place[POINTS] = {0}, work = 0.0;
+    for (long k = 1; k < count; k++) place[k] = place[k - 1] + sqrt(square_between(p, k - 1, k));
     const double half = 0.5 * (place[count - 1] - place[first]);
-    for (long p = 0; p < count; p++) {
-        const double at = place[first] + half * (1.0 + points[p]);
+    for (long k = 0; k < count; k++) {
+        const double at = place[first] + half * (1.0 + points[k]);
         double force[MOST] = {0}, moving[MOST] = {0};
         for (long j = 0; j < count; j++) {
             double value = 1.0, slope = 0.0;
@@ -567,11 +594,55 @@ double line_work(long count, long first, long m, const double *displacements, co
                 value *= apart * scale;
             }
             for (long i = 0; i < m; i++) {
-                force[i] += value * forces[j * m + i];
-                moving[i] += slope * displacements[j * m + i];
+                force[i] += value * p->forces[j * m + i];
+                moving[i] += slope * p->displacements[j * m + i];
             }
         }
-        for (long i = 0; i < m; i++) work += half * shares[p] * weights[i] * force[i] * moving[i];
+        for (long i = 0; i < m; i++) work += half * shares[k] * p->weights[i] * force[i] * moving[i];
     }
     return work;
+}
+
+/* A work of `line_work`, or that of the chords between the points where it is none that forces between their
+   values could do. */
+static double held(double work, const Path *p, long first)
+{
+    double chords = 0.0, doubt = 0.0;
+    for (long i = 0; i < p->m; i++) {
+        double chord = 0.0, way = 0.0, change = 0.0;
+        for (long k = first > 0 ? first : 1; k < p->count; k++)
+            change = greater(fabs(p->forces[k * p->m + i] - p->forces[(k - 1) * p->m + i]), change);
+        for (long k = first + 1; k < p->count; k++) {
+            const long at = k * p->m + i, before = at - p->m;
+            const double step = p->displacements[at] - p->displacements[before];
+            chord += 0.5 * (p->forces[before] + p->forces[at]) * step;
+            way += fabs(step);
+        }
+        chords += p->weights[i] * chord;
+        doubt += p->weights[i] * 0.5 * change * way;
+    }
+    return fabs(work - chords) <= doubt ? work : chords;
+}
+
+/* Work of forces over displacements (count, m) from point number `first` of a path to its last one, as
+   contact/work_along.py has it. rules: Gauss and Legendre's of two points on, the places of each before its
+   shares. */
+double path_work(long count, long first, long m, const double *displacements, const double *forces,
+                 const double *give, const double *weights, double twins, const double *rules)
+{
+    const Path given = {count, m, displacements, forces, give, weights};
+    double moved[POINTS * MOST], pushed[POINTS * MOST];
+    Path path = {0, m, moved, pushed, give, weights};
+    int kept[POINTS];
+    long begin = 0;
+    without_twins(&given, first, twins, kept);
+    for (long k = 0; k < count; k++) {
+        if (!kept[k]) continue;
+        begin = k == first ? path.count : begin;
+        memcpy(moved + path.count * m, displacements + k * m, m * sizeof *moved);
+        memcpy(pushed + path.count * m, forces + k * m, m * sizeof *pushed);
+        path.count++;
+    }
+    for (long k = 2; k < path.count; k++) rules += 2 * k;
+    return held(line_work(&path, begin, rules, rules + path.count), &path, begin);
 }

@@ -127,13 +127,15 @@ def alternation(boxes, axis, image=0, closed=False, beyond=0):
                                 address(boxes), image, closed, beyond)
 
 
-def line_work(displacements, forces, give, weights, first, rule):
-    """Work along a path, as of `contact.work_along.line_work`.
+def path_work(displacements, forces, give, weights, first, twins, rules):
+    """Work along a path, as of `contact.work_along.path_work`.
 
     Parameters
     ----------
     displacements, forces, give, weights, first : as of that
-    rule : (places, shares) of Gauss and Legendre
+    twins : part of a step below which points are too near to each other
+    rules : array, places and shares of the rules of Gauss and Legendre of two points on
     """
-    given = _flat(displacements, forces, give, weights, *rule)
-    return shared().line_work(len(displacements), first, len(give), *map(address, given))
+    given = _flat(displacements, forces, give, weights)
+    return shared().path_work(len(displacements), first, len(give), *map(address, given),
+                              twins, address(rules))

@@ -295,18 +295,31 @@ def test_halves_tell_what_all_nodes_do(name, extent):
 
 
 @compiled
+@pytest.mark.parametrize("twin", [None, 0, 1, 2])
 @pytest.mark.parametrize("count, first", [(2, 0), (3, 0), (4, 0), (4, 2)])
-def test_works_along_a_path(count, first):
-    """By the library as by NumPy; of forces that are cubic in the distance, exactly."""
+def test_works_along_a_path(count, first, twin):
+    """By the library as by NumPy, where points are next to each other, too, polynomials swing, or
+    a displacement is not defined; of forces that are cubic in the distance, exactly."""
     numbers = np.random.default_rng(count)
-    displacements, forces = np.cumsum(numbers.normal(size=(2, count, 2)), axis=1)
-    rule, give, parts = work_along.gauss(count), np.array([1.5, 1.0]), np.array([1.0, 0.3])
-    given = displacements, forces, give, parts, first, rule
-    assert points.line_work(*given) == pytest.approx(work_along.line_work(*given), rel=1e-11)
+    give, parts, chords = np.array([1.5, 1.0]), np.array([1.0, 0.3]), set()
+    for _ in range(20):
+        steps = numbers.normal(size=(2, count, 2)) * 10.0 ** numbers.uniform(-1, 1, (count, 1))
+        along = np.cumsum(steps, axis=1)
+        if twin is not None and twin < count - 1:
+            along[:, twin] = along[:, twin + 1] + 1e-9
+        given = *along, give, parts, first
+        found, expected = (work_along.path_work(*given, which) for which in (True, False))
+        assert found == pytest.approx(expected, rel=1e-10)
+        polynomials = work_along.line_work(*given, work_along.gauss(count))
+        chords.add(expected == pytest.approx(polynomials, rel=1e-9))
+    assert chords == {True, False} or (count, first, twin) != (4, 2, None)
+    along[0, 0] = np.nan
+    assert all(np.isnan(work_along.path_work(*along, give, parts, 0, which))
+               for which in (True, False))
     straight = np.linspace(0.0, 1.0, count)[:, None] * [1.0, 0.0]
-    given = straight, np.zeros((count, 2)) + straight ** (count - 1), 0.0 * give, parts, first, rule
+    given = straight, np.zeros((count, 2)) + straight ** (count - 1), 0.0 * give, parts, first
     exact = (1.0 - straight[first, 0] ** count) / count
-    assert points.line_work(*given) == pytest.approx(exact, rel=1e-12)
+    assert work_along.path_work(*given, True) == pytest.approx(exact, rel=1e-12)
 
 
 @compiled
